@@ -1,0 +1,1 @@
+//! The hull-test reduction.
