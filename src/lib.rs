@@ -1,1 +1,23 @@
-//! The physics.
+//! glidepolar takes an underwater glider from the towing tank to the sea and back.
+//!
+//! Data flow one way through this library: balance readings become [coefficients], coefficients and masses make a
+//! [vehicle], a vehicle gives the [equations of motion](dynamics) their parameters, and the equations give
+//! [steady glides](glide) and time histories.
+//!
+//! # Axes and signs
+//! Body axes after SNAME: 1 (x) forward, 2 (y) starboard, 3 (z) down; pitch positive nose-up. The inertial vertical
+//! points down, so depth is positive. Angle of attack `alpha = atan2(v3, v1)`, glide path angle `xi = pitch - alpha`
+//! (negative when descending). Net mass is positive when the glider is heavy; ballast volume is positive when it makes
+//! the glider more buoyant. Units stand in every name: `pitch_rad`, `vbd_cc`, `density_kg_m3`.
+
+#![allow(non_snake_case, reason = "units stand in names as they are written: N, Pa, C, J")]
+
+pub mod coefficients;
+pub mod dynamics;
+pub mod glide;
+pub mod mechanisms;
+pub mod number;
+pub mod vehicle;
+pub mod water;
+
+pub use number::Number;

@@ -1,0 +1,24 @@
+//! The equations of motion of an underwater glider in the vertical plane (Leonard and Graver 2001, Graver 2005), with
+//! the mechanisms by which real gliders depart from them.
+//!
+//! - [`Parameters`]: the numbers, in one table.
+//! - [`State`], [`Inputs`], [`Modes`]: what changes.
+//! - [`equations::derivative`]: the right-hand side, generic over the number.
+//! - [`equations::outputs`]: what is looked at.
+//!
+//! Knows nothing of files, of fits or of the FMI.
+
+pub mod buoyancy;
+pub mod equations;
+pub mod forces;
+pub mod limits;
+pub mod parameters;
+pub mod state;
+
+pub use buoyancy::Surroundings;
+pub use equations::{Outputs, derivative, outputs};
+pub use parameters::{PARAMETERS, ParameterInfo, Parameters, parameter_index};
+pub use state::{Actuation, Inputs, Modes, N_STATES, STATE_NOMINALS, State, Stop};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,150 @@
+//! Net mass and pitch given, as a glider measures them: angle of attack and speed by Newton's method.
+//!
+//! The unknowns are the angle of attack and the logarithm of the dynamic pressure, the residuals the balances along and
+//! across the vertical:
+//! ```text
+//! CD cos xi + CL sin xi = 0,      q A (CL cos xi - CD sin xi) / |W| = sign W,      xi = pitch - alpha
+//! ```
+//! Solved in plain numbers; derivatives follow by one more step with the dual numbers in place (the implicit function
+//! theorem), at the cost of a single evaluation.
+
+use super::{GlideError, SteadyGlide, complete, steady_flow};
+use crate::Number;
+use crate::dynamics::{Parameters, Surroundings};
+use num_dual::{Derivative, DualSVec64};
+
+/// What a glider in a steady glide measures of itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Attitude<T> {
+    /// True pitch \[rad\].
+    pub pitch_rad: T,
+    /// Net mass, positive when heavy \[kg\].
+    pub net_mass_kg: T,
+}
+
+/// The steady glide of a glider of this net mass at this pitch.
+///
+/// # Errors
+/// Where no glide balances: pitch and net mass of different sign, or a pitch too shallow to fly.
+pub fn at_pitch<T: Number>(
+    parameters: &Parameters<T>,
+    water: &Surroundings<T>,
+    attitude: Attitude<T>,
+) -> Result<SteadyGlide<T>, GlideError> {
+    let plain = parameters.map(T::value);
+    let plain_water = Surroundings {
+        density_kg_m3: water.density_kg_m3.value(),
+        pressure_Pa: water.pressure_Pa.value(),
+        temperature_C: water.temperature_C.value(),
+        time_s: water.time_s.value(),
+    };
+    let plain_attitude = Attitude { pitch_rad: attitude.pitch_rad.value(), net_mass_kg: attitude.net_mass_kg.value() };
+    let solution = solve(&plain, &plain_water, plain_attitude).ok_or(GlideError::NoBalance {
+        pitch_deg: plain_attitude.pitch_rad.to_degrees(),
+        net_mass_kg: plain_attitude.net_mass_kg,
+    })?;
+
+    let [mut alpha, mut log_q] = solution.unknowns.map(T::constant);
+    if T::HAS_DERIVATIVES {
+        let residual = balance(parameters, water, attitude, [alpha, log_q]);
+        let [step_alpha, step_log_q] = solve_2(solution.jacobian, residual);
+        alpha -= step_alpha;
+        log_q -= step_log_q;
+    }
+    let density = parameters.true_density_kg_m3(water.density_kg_m3);
+    let speed = (log_q.exp() * 2.0 / density).sqrt();
+    Ok(complete(parameters, water, alpha, attitude.pitch_rad - alpha, speed))
+}
+
+struct Solution {
+    unknowns: [f64; 2],
+    jacobian: [[f64; 2]; 2],
+}
+
+fn solve(parameters: &Parameters<f64>, water: &Surroundings<f64>, attitude: Attitude<f64>) -> Option<Solution> {
+    const TOLERANCE: f64 = 1e-13;
+    const MAX_STEPS: usize = 50;
+    let Attitude { pitch_rad, net_mass_kg } = attitude;
+    let heavy = net_mass_kg.signum();
+    if !(pitch_rad.is_finite() && net_mass_kg != 0.0 && net_mass_kg.is_finite()) {
+        return None;
+    }
+    let lifted = parameters.map(DualSVec64::<2>::from);
+    let lifted_water = Surroundings {
+        density_kg_m3: water.density_kg_m3.into(),
+        pressure_Pa: water.pressure_Pa.into(),
+        temperature_C: water.temperature_C.into(),
+        time_s: water.time_s.into(),
+    };
+    let lifted_attitude = Attitude { pitch_rad: pitch_rad.into(), net_mass_kg: net_mass_kg.into() };
+
+    let mut unknowns = first_guess(parameters, water, attitude)?;
+    let mut last = f64::INFINITY;
+    for _ in 0..MAX_STEPS {
+        let seeded = [0, 1].map(|i| {
+            DualSVec64::<2>::new(unknowns[i], Derivative::derivative_generic(nalgebra::Const, nalgebra::U1, i))
+        });
+        let residual = balance(&lifted, &lifted_water, lifted_attitude, seeded);
+        let slope = |i: usize, j: usize| residual[i].eps.0.map_or(0.0, |eps| eps[j]);
+        let jacobian = [[slope(0, 0), slope(0, 1)], [slope(1, 0), slope(1, 1)]];
+        let [step_alpha, step_log_q] = solve_2(jacobian, residual.map(|r| r.re));
+        let size = step_alpha.abs().max(step_log_q.abs());
+        if !size.is_finite() {
+            return None;
+        }
+        // A step at the rounding of the residuals no longer shrinks: that, too, is the end.
+        let converged = size < TOLERANCE || (size < 1e-9 && size >= last);
+        // A long step would leave the branch of small angles.
+        let damping = (0.2 / step_alpha.abs()).min(1.0 / step_log_q.abs()).min(1.0);
+        unknowns = [unknowns[0] - damping * step_alpha, unknowns[1] - damping * step_log_q];
+        if converged {
+            let xi = pitch_rad - unknowns[0];
+            // A glide goes down when heavy; the other roots fly backwards.
+            return (xi * heavy < 0.0 && unknowns[0].abs() < 0.8).then_some(Solution { unknowns, jacobian });
+        }
+        last = size;
+    }
+    None
+}
+
+/// Drag over lift at the path angle that the pitch alone suggests, then the speed that carries the weight.
+fn first_guess(parameters: &Parameters<f64>, water: &Surroundings<f64>, attitude: Attitude<f64>) -> Option<[f64; 2]> {
+    let p = parameters;
+    let tangent = attitude.pitch_rad.tan();
+    let alpha = if p.a_per_rad == 0.0 { 0.0 } else { -(p.b + p.CL0 * tangent) / (p.a_per_rad * tangent) };
+    let alpha = alpha.clamp(-0.15, 0.15);
+    let xi = attitude.pitch_rad - alpha;
+    let flow = steady_flow(p, water, alpha, 0.3, xi);
+    let q = flow.density_kg_m3 * 0.3 * 0.3 * 0.5;
+    let coefficients = p.coefficients(alpha, q, &flow);
+    let resultant = coefficients.lift.hypot(coefficients.drag);
+    let q = attitude.net_mass_kg.abs() * p.gravity_m_s2 / (p.frontal_area_m2 * resultant);
+    (q > 0.0 && q.is_finite()).then(|| [alpha, q.ln()])
+}
+
+fn balance<T: Number>(
+    parameters: &Parameters<T>,
+    water: &Surroundings<T>,
+    attitude: Attitude<T>,
+    [alpha, log_q]: [T; 2],
+) -> [T; 2] {
+    let q = log_q.exp();
+    let xi = attitude.pitch_rad - alpha;
+    let weight = attitude.net_mass_kg * parameters.gravity_m_s2;
+    // Which leg it is follows from the weight, not from an iterate's path.
+    let leg = T::constant(-attitude.net_mass_kg.value().signum());
+    let flow = steady_flow(parameters, water, alpha, T::constant(1.0), leg);
+    let coefficients = parameters.coefficients(alpha, q, &flow);
+    let (sin, cos) = xi.sin_cos();
+    [
+        coefficients.drag * cos + coefficients.lift * sin,
+        q * parameters.frontal_area_m2 * (coefficients.lift * cos - coefficients.drag * sin) / weight - 1.0,
+    ]
+}
+
+/// `J^-1 r` for a Jacobian in plain numbers.
+fn solve_2<T: Number>(jacobian: [[f64; 2]; 2], [r0, r1]: [T; 2]) -> [T; 2] {
+    let [[j00, j01], [j10, j11]] = jacobian;
+    let determinant = j00 * j11 - j01 * j10;
+    [(r0 * j11 - r1 * j01) / determinant, (r1 * j00 - r0 * j10) / determinant]
+}
