@@ -96,13 +96,13 @@ pub fn outputs<T: Number>(parameters: &Parameters<T>, time_s: T, state: &State<T
 
 /// Force along axis 1 that the moving mass would need to stay where it is on the hull \[N\]. Against a stop, the
 /// difference to the commanded force is what the stop carries.
-pub(super) fn holding_force_1_N(
-    parameters: &Parameters<f64>,
+pub(super) fn holding_force_1_N<T: Number>(
+    parameters: &Parameters<T>,
     actuation: Actuation,
-    time_s: f64,
-    state: &State<f64>,
-    inputs: &Inputs<f64>,
-) -> f64 {
+    time_s: T,
+    state: &State<T>,
+    inputs: &Inputs<T>,
+) -> T {
     let motion = Motion::new(parameters, time_s, state, inputs);
     let held = Modes { moving_mass: Stop::AtMax, ..Modes::default() };
     motion.rates(actuation, held).momentum_1_kg_m_s

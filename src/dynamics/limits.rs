@@ -55,15 +55,18 @@ pub fn support_N<T: Number>(
 /// Functions of the state whose change of sign is an event, in the order of [`EVENT_NAMES`].
 ///
 /// A limit that nothing can reach (a servo stops short of its limits) has the constant indicator 1.
-pub fn event_indicators(
-    parameters: &Parameters<f64>,
+pub fn event_indicators<T: Number>(
+    parameters: &Parameters<T>,
     actuation: Actuation,
     modes: Modes,
-    time_s: f64,
-    state: &State<f64>,
-    inputs: &Inputs<f64>,
-) -> [f64; N_EVENTS] {
-    let mut z = [state.depth_m, inputs.seabed_depth_m - state.depth_m, 1.0, 1.0, 1.0, 1.0];
+    time_s: T,
+    state: &State<T>,
+    inputs: &Inputs<T>,
+) -> [T; N_EVENTS] {
+    let out_of_reach = T::constant(1.0);
+    let mut z = [out_of_reach; N_EVENTS];
+    z[0] = state.depth_m;
+    z[1] = inputs.seabed_depth_m - state.depth_m;
     if actuation == Actuation::Servo {
         return z;
     }

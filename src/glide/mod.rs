@@ -7,11 +7,13 @@
 //! - [`at_path`]: angle and speed given; the angle of attack in closed form, then net mass and trim.
 //! - [`at_pitch`]: net mass and pitch given; the inverse's own question, solved by Newton's method.
 //! - [`shallowest`]: which path angles exist at all.
+//! - [`start`]: the glide in which a simulation starts when nothing else is said.
 //!
 //! Works on [`Parameters`], knows no files.
 
 mod by_pitch;
 mod closed_form;
+mod start;
 
 use crate::Number;
 use crate::dynamics::forces::Flow;
@@ -19,6 +21,7 @@ use crate::dynamics::{Parameters, Surroundings};
 
 pub use by_pitch::{Attitude, at_pitch};
 pub use closed_form::{PathLimits, at_path, shallowest};
+pub use start::{Start, start};
 
 /// A steady glide: everything that stays constant along it.
 #[derive(Debug, Clone, Copy, PartialEq)]

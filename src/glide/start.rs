@@ -1,0 +1,104 @@
+//! Where a simulation starts when nothing else is said: in a steady glide down.
+
+use super::{SteadyGlide, at_path};
+use crate::dynamics::{Inputs, Parameters, State, Surroundings};
+
+/// Path angle of the glide down \[deg\]; steeper by [`STEEPER_DEG`] where the glider cannot fly that shallow or its
+/// ballast or moving mass does not reach.
+const PATH_DEG: f64 = -25.0;
+const STEEPER_DEG: f64 = 5.0;
+const STEEPEST_DEG: f64 = -80.0;
+
+/// Speed through the water \[m/s\].
+const SPEED_M_S: f64 = 0.30;
+
+/// Depth at which the simulation starts \[m\].
+const DEPTH_M: f64 = 10.0;
+
+/// A state and the commands that hold it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Start {
+    /// The state at the start.
+    pub state: State<f64>,
+    /// Commands and water at the start: still water of the reference density and temperature.
+    pub inputs: Inputs<f64>,
+}
+
+/// The start of this glider: at 10 m depth, in the steady glide down at 25 deg and 0.30 m/s with the commands that hold
+/// it; level and at rest where no such glide exists.
+pub fn start(parameters: &Parameters<f64>) -> Start {
+    let p = parameters;
+    let mut inputs = Inputs::still_water(p.reference_density_kg_m3, p.reference_temperature_C);
+    let mut state = State {
+        x_m: 0.0,
+        depth_m: DEPTH_M,
+        pitch_rad: 0.0,
+        pitch_rate_rad_s: 0.0,
+        v1_m_s: 0.0,
+        v3_m_s: 0.0,
+        moving_mass_1_m: 0.0,
+        moving_mass_3_m: p.moving_mass_height_m,
+        momentum_1_kg_m_s: 0.0,
+        momentum_3_kg_m_s: 0.0,
+        ballast_mass_kg: p.ballast_nominal_kg,
+        energy_J: 0.0,
+    };
+    if let Some(glide) = glide_down(p, &inputs) {
+        inputs.ballast_command_m3 = glide.ballast_m3;
+        inputs.moving_mass_command_m = glide.moving_mass_m;
+        state.pitch_rad = glide.pitch_rad;
+        state.v1_m_s = glide.v1_m_s;
+        state.v3_m_s = glide.v3_m_s;
+        state.moving_mass_1_m = glide.moving_mass_m;
+        state.momentum_1_kg_m_s = p.moving_mass_kg * glide.v1_m_s;
+        state.momentum_3_kg_m_s = p.moving_mass_kg * glide.v3_m_s;
+        state.ballast_mass_kg = glide.ballast_mass_kg;
+    }
+    Start { state, inputs }
+}
+
+fn glide_down(p: &Parameters<f64>, inputs: &Inputs<f64>) -> Option<SteadyGlide<f64>> {
+    let water = Surroundings {
+        density_kg_m3: inputs.water_density_kg_m3,
+        pressure_Pa: p.true_density_kg_m3(inputs.water_density_kg_m3) * p.gravity_m_s2 * DEPTH_M,
+        temperature_C: inputs.water_temperature_C,
+        time_s: 0.0,
+    };
+    let within_reach = |glide: &SteadyGlide<f64>| {
+        (p.ballast_min_m3..=p.ballast_max_m3).contains(&glide.ballast_m3)
+            && (p.moving_mass_min_m..=p.moving_mass_max_m).contains(&glide.moving_mass_m)
+    };
+    let mut path_deg = PATH_DEG;
+    while path_deg >= STEEPEST_DEG {
+        if let Some(glide) = at_path(p, &water, path_deg.to_radians(), SPEED_M_S).ok().filter(within_reach) {
+            return Some(glide);
+        }
+        path_deg -= STEEPER_DEG;
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dynamics::{Actuation, Modes, derivative};
+
+    #[test]
+    fn the_start_is_steady() {
+        let p = Parameters::default();
+        let start = start(&p);
+        let rates = derivative(&p, Actuation::Servo, Modes::default(), 0.0, &start.state, &start.inputs);
+        let still = State { x_m: 0.0, depth_m: 0.0, ..rates };
+        for rate in still.as_array() {
+            assert!(rate.abs() < 1e-12, "{rates:?}");
+        }
+        assert!((rates.depth_m - 0.30 * 25f64.to_radians().sin()).abs() < 1e-12, "{rates:?}");
+    }
+
+    #[test]
+    fn a_glider_that_cannot_fly_starts_at_rest() {
+        let p = Parameters { a_per_rad: 0.0, ..Parameters::default() };
+        let start = start(&p);
+        assert_eq!((start.state.v1_m_s, start.state.v3_m_s, start.state.depth_m), (0.0, 0.0, 10.0));
+    }
+}
