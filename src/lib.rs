@@ -15,6 +15,7 @@
 pub mod coefficients;
 pub mod dynamics;
 pub mod glide;
+pub mod input;
 pub mod mechanisms;
 pub mod number;
 pub mod vehicle;

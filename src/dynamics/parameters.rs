@@ -82,10 +82,10 @@ parameters! {
     frontal_area_m2: "m2" = 0.03563 in 1e-6 .. 100.0, "Frontal area of the hull, reference area of all coefficients";
     length_m: "m" = 1.8 in 1e-3 .. 100.0, "Overall length of the hull, reference length of the moment coefficients";
     // glide polar
-    a_per_rad: "1/rad" = 7.24 in -100.0 .. 1000.0, "Slope of the lift coefficient, CL = CL0 + a alpha";
-    b: "1" = 0.1175 in 0.0 .. 100.0, "Drag coefficient at zero angle of attack, CD = b + c alpha^2";
-    c_per_rad2: "1/rad2" = 1.37 in -100.0 .. 10000.0, "Growth of the drag coefficient with the square of the angle of attack";
-    d_per_rad: "1/rad" = 0.0 in -1000.0 .. 1000.0, "Slope of the moment coefficient about the centre of buoyancy, Munk moment included as a tank measures it";
+    a_per_rad: "1/rad" = 7.242018134559976 in -100.0 .. 1000.0, "Slope of the lift coefficient, CL = CL0 + a alpha";
+    b: "1" = 0.11751199237210526 in 0.0 .. 100.0, "Drag coefficient at zero angle of attack, CD = b + c alpha^2";
+    c_per_rad2: "1/rad2" = 1.3664185159547124 in -100.0 .. 10000.0, "Growth of the drag coefficient with the square of the angle of attack";
+    d_per_rad: "1/rad" = -1.062769956853665 in -1000.0 .. 1000.0, "Slope of the moment coefficient about the centre of buoyancy, Munk moment included as a tank measures it";
     CL0: "1" = 0.0 in -10.0 .. 10.0, "Lift coefficient at zero angle of attack";
     CM0: "1" = 0.0 in -10.0 .. 10.0, "Moment coefficient at zero angle of attack";
     ascent_a_ratio: "1" = 1.0 in 0.01 .. 100.0, "Lift slope on ascents relative to descents";
@@ -112,7 +112,7 @@ parameters! {
     // actuators
     ballast_min_m3: "m3" = -0.0005 in -10.0 .. 10.0, "Smallest ballast volume";
     ballast_max_m3: "m3" = 0.0005 in -10.0 .. 10.0, "Largest ballast volume";
-    ballast_rate_m3_s: "m3/s" = 2.5e-5 in 1e-12 .. 1.0, "Largest rate of change of the ballast volume";
+    ballast_rate_m3_s: "m3/s" = 2.4342745861733203e-5 in 1e-12 .. 1.0, "Largest rate of change of the ballast volume";
     moving_mass_min_m: "m" = -0.2 in -100.0 .. 100.0, "Aftmost position of the moving mass";
     moving_mass_max_m: "m" = 0.2 in -100.0 .. 100.0, "Foremost position of the moving mass";
     moving_mass_rate_m_s: "m/s" = 0.02 in 1e-9 .. 10.0, "Largest speed of the moving mass along the hull";

@@ -269,7 +269,8 @@ fn linearised_about_the_glide_it_has_the_reference_eigenvalues() {
     let (raw, along) = (Actuation::Raw, Actuation::RawAlongAxis1);
     let rogue_45 = 0.369_69;
     // Locked mass: stable. Constant forces on the mass: unstable, the "shakes" of the Simulink paper.
-    let cases: &[(Parameters<f64>, f64, f64, Actuation, Modes, &[(f64, f64)])] = &[
+    type Case<'a> = (Parameters<f64>, f64, f64, Actuation, Modes, &'a [(f64, f64)]);
+    let cases: &[Case] = &[
         (rogue(), -30.0, 0.3, along, held, &[(-1.954, 0.0), (-1.233, 0.0), (-0.861, 3.641)]),
         (rogue(), -30.0, 0.3, along, free, &[(1.000, 2.318)]),
         (rogue(), -30.0, 0.3, raw, free, &[(0.929, 2.535)]),

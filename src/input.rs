@@ -1,0 +1,119 @@
+//! What every reader of files says when it cannot go on: where, what was found, what was expected, what to do.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// A place in a file. Lines and columns count from 1; a column counts characters in text files and cells in tables.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    /// The file, as the user named it.
+    pub file: PathBuf,
+    /// Line, where one is to blame.
+    pub line: Option<usize>,
+    /// Column, where one is to blame.
+    pub column: Option<usize>,
+}
+
+impl Place {
+    /// The file as a whole.
+    pub fn file(file: impl AsRef<Path>) -> Self {
+        Place { file: file.as_ref().to_owned(), line: None, column: None }
+    }
+
+    /// One line of it, from 1.
+    pub fn line(file: impl AsRef<Path>, line: usize) -> Self {
+        Place { line: Some(line), ..Place::file(file) }
+    }
+
+    /// The line and column of a byte offset in the text of the file.
+    pub fn offset(file: impl AsRef<Path>, text: &str, offset: usize) -> Self {
+        let before = text.get(..offset).unwrap_or(text);
+        let start = before.rfind('\n').map_or(0, |i| i + 1);
+        let column = before.get(start..).unwrap_or("").chars().count() + 1;
+        Place { line: Some(before.matches('\n').count() + 1), column: Some(column), ..Place::file(file) }
+    }
+
+    /// The same place, with a column.
+    pub fn column(self, column: usize) -> Self {
+        Place { column: Some(column), ..self }
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", printable(&self.file.to_string_lossy()))?;
+        if let Some(line) = self.line {
+            write!(f, ":{line}")?;
+        }
+        if let Some(column) = self.column {
+            write!(f, ":{column}")?;
+        }
+        Ok(())
+    }
+}
+
+/// Input that cannot be used: one message with the place, and what to do about it.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{place}: {problem}{}", .help.as_ref().map(|h| format!("; {h}")).unwrap_or_default())]
+pub struct InputError {
+    /// Where.
+    pub place: Place,
+    /// What was found and what was expected.
+    pub problem: String,
+    /// What to do.
+    pub help: Option<String>,
+}
+
+impl InputError {
+    /// An error at a place. Text from files goes into `problem` through [`printable`].
+    pub fn new(place: Place, problem: impl Into<String>) -> Self {
+        InputError { place, problem: problem.into(), help: None }
+    }
+
+    /// With a next step.
+    pub fn help(self, help: impl Into<String>) -> Self {
+        InputError { help: Some(help.into()), ..self }
+    }
+
+    /// A file that could not be read or written at all.
+    pub fn io(file: impl AsRef<Path>, error: &std::io::Error) -> Self {
+        InputError::new(Place::file(file), error.to_string())
+    }
+}
+
+/// Text from outside made fit for a terminal: control characters escaped, length bounded.
+pub fn printable(text: &str) -> String {
+    const MAX: usize = 120;
+    let escaped: String = text
+        .chars()
+        .take(MAX)
+        .flat_map(|c| if c.is_control() { c.escape_default().collect() } else { vec![c] })
+        .collect();
+    if text.chars().nth(MAX).is_some() { escaped + "..." } else { escaped }
+}
+
+/// The known name nearest to a misspelt one, if any is near.
+pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let score = |k: &str| strsim::jaro_winkler(&name.to_lowercase(), &k.to_lowercase());
+    let (best, candidate) = known.into_iter().map(|k| (score(k), k)).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (best > 0.8).then_some(candidate)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_offset_becomes_line_and_column() {
+        let text = "a = 1\nüb = 2\n";
+        assert_eq!(Place::offset("f", text, 0).to_string(), "f:1:1");
+        assert_eq!(Place::offset("f", text, 8).to_string(), "f:2:2");
+        assert_eq!(Place::offset("f", text, 999).line, Some(3));
+    }
+
+    #[test]
+    fn terminal_escapes_do_not_survive() {
+        assert_eq!(printable("\u{1b}[31mred"), "\\u{1b}[31mred");
+        assert!(printable(&"x".repeat(1000)).len() < 200);
+    }
+}
