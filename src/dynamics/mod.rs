@@ -5,20 +5,25 @@
 //! - [`State`], [`Inputs`], [`Modes`]: what changes.
 //! - [`equations::derivative`]: the right-hand side, generic over the number.
 //! - [`equations::outputs`]: what is looked at.
+//! - [`Glider`] and [`Integrator`]: the same, carried through time.
 //!
 //! Knows nothing of files, of fits or of the FMI.
 
 pub mod buoyancy;
 pub mod equations;
 pub mod forces;
+pub mod integrate;
 pub mod limits;
 pub mod parameters;
 pub mod state;
+pub mod system;
 
 pub use buoyancy::Surroundings;
 pub use equations::{Outputs, derivative, outputs};
+pub use integrate::{Advance, IntegrationError, Integrator};
 pub use parameters::{PARAMETERS, ParameterInfo, Parameters, parameter_index};
 pub use state::{Actuation, Inputs, Modes, N_STATES, STATE_NOMINALS, State, Stop};
+pub use system::Glider;
 
 #[cfg(test)]
 mod tests;

@@ -159,23 +159,72 @@ impl Inputs<f64> {
     }
 }
 
+/// How many inputs there are.
+pub const N_INPUTS: usize = 12;
+
 impl<T: Number> Inputs<T> {
-    /// The same inputs in another kind of number.
-    pub fn map<U: Number>(&self, mut f: impl FnMut(T) -> U) -> Inputs<U> {
+    /// All values, in the order in which they are declared.
+    pub fn as_array(&self) -> [T; N_INPUTS] {
+        [
+            self.ballast_command_m3,
+            self.moving_mass_command_m,
+            self.u1_N,
+            self.u3_N,
+            self.u4_kg_s,
+            self.water_density_kg_m3,
+            self.water_temperature_C,
+            self.current_x_m_s,
+            self.current_z_m_s,
+            self.seabed_depth_m,
+            self.roll_rad,
+            self.rudder_rad,
+        ]
+    }
+
+    /// The inverse of [`Inputs::as_array`].
+    pub fn from_array(values: [T; N_INPUTS]) -> Self {
+        let [
+            ballast_command_m3,
+            moving_mass_command_m,
+            u1_N,
+            u3_N,
+            u4_kg_s,
+            water_density_kg_m3,
+            water_temperature_C,
+            current_x_m_s,
+            current_z_m_s,
+            seabed_depth_m,
+            roll_rad,
+            rudder_rad,
+        ] = values;
         Inputs {
-            ballast_command_m3: f(self.ballast_command_m3),
-            moving_mass_command_m: f(self.moving_mass_command_m),
-            u1_N: f(self.u1_N),
-            u3_N: f(self.u3_N),
-            u4_kg_s: f(self.u4_kg_s),
-            water_density_kg_m3: f(self.water_density_kg_m3),
-            water_temperature_C: f(self.water_temperature_C),
-            current_x_m_s: f(self.current_x_m_s),
-            current_z_m_s: f(self.current_z_m_s),
-            seabed_depth_m: f(self.seabed_depth_m),
-            roll_rad: f(self.roll_rad),
-            rudder_rad: f(self.rudder_rad),
+            ballast_command_m3,
+            moving_mass_command_m,
+            u1_N,
+            u3_N,
+            u4_kg_s,
+            water_density_kg_m3,
+            water_temperature_C,
+            current_x_m_s,
+            current_z_m_s,
+            seabed_depth_m,
+            roll_rad,
+            rudder_rad,
         }
+    }
+
+    /// The same inputs in another kind of number.
+    pub fn map<U: Number>(&self, f: impl FnMut(T) -> U) -> Inputs<U> {
+        Inputs::from_array(self.as_array().map(f))
+    }
+
+    /// These inputs with `rates` times `duration_s` added.
+    pub fn plus(&self, rates: &Inputs<T>, duration_s: T) -> Self {
+        let (mut values, rates) = (self.as_array(), rates.as_array());
+        for (value, rate) in values.iter_mut().zip(rates) {
+            *value += rate * duration_s;
+        }
+        Inputs::from_array(values)
     }
 }
 

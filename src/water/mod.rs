@@ -91,8 +91,8 @@ mod tests {
     #[test]
     fn sea_water_is_that_of_the_equation_of_state() {
         // Check values of UNESCO 1981 for S = 35; ITTC 7.5-02-01-03 gives 1.1892e-6 m2/s at 15 degC.
-        assert!((TankWater::Sea.density_kg_m3(5.0) - 1027.675_47).abs() < 1e-5);
-        assert!((TankWater::Sea.density_kg_m3(25.0) - 1023.343_06).abs() < 1e-5);
+        assert!((TankWater::Sea.density_kg_m3(5.0) - 1_027.675_47).abs() < 1e-5);
+        assert!((TankWater::Sea.density_kg_m3(25.0) - 1_023.343_06).abs() < 1e-5);
         assert!((TankWater::Sea.kinematic_viscosity_m2_s(15.0) * 1e6 - 1.1892).abs() < 2e-3);
     }
 }

@@ -1,0 +1,236 @@
+//! A glider on its way: equations, parameters, modes and inputs in one hand, carried through time and over events.
+
+use super::equations::{Outputs, derivative, outputs};
+use super::integrate::{Advance, IntegrationError, Integrator, System};
+use super::limits::{self, N_EVENTS};
+use super::parameters::Parameters;
+use super::state::{Actuation, Inputs, Modes, State};
+
+/// Events in a row at one and the same time after which they are taken as settled.
+const MAX_EVENTS_AT_ONCE: usize = 100;
+
+/// A glider with everything that its motion depends on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Glider {
+    /// The numbers of the equations.
+    pub parameters: Parameters<f64>,
+    /// Who moves moving mass and ballast.
+    pub actuation: Actuation,
+    /// Where its limits stand; they change at events only.
+    pub modes: Modes,
+    /// What acts on it, at the time `inputs_at_s`.
+    pub inputs: Inputs<f64>,
+    /// How the inputs change with time, per second; `None` for inputs that stand still.
+    pub input_rates: Option<Inputs<f64>>,
+    /// Time at which `inputs` holds \[s\].
+    pub inputs_at_s: f64,
+}
+
+impl Glider {
+    /// A glider with free limits and inputs that stand still.
+    pub fn new(parameters: Parameters<f64>, actuation: Actuation, inputs: Inputs<f64>) -> Self {
+        Glider { parameters, actuation, modes: Modes::default(), inputs, input_rates: None, inputs_at_s: 0.0 }
+    }
+
+    /// The inputs at a time.
+    pub fn inputs_at(&self, time_s: f64) -> Inputs<f64> {
+        match &self.input_rates {
+            None => self.inputs,
+            Some(rates) => self.inputs.plus(rates, time_s - self.inputs_at_s),
+        }
+    }
+
+    /// What is looked at.
+    pub fn outputs(&self, time_s: f64, state: &State<f64>) -> Outputs<f64> {
+        outputs(&self.parameters, time_s, state, &self.inputs_at(time_s))
+    }
+
+    /// Brings modes and state in line with each other, as after an event or a change of inputs.
+    pub fn settle(&mut self, time_s: f64, state: &mut State<f64>) {
+        let inputs = self.inputs_at(time_s);
+        (self.modes, *state) = limits::settle(&self.parameters, self.actuation, self.modes, time_s, state, &inputs);
+    }
+
+    /// Carries time and state to `end_s`, over every event on the way; `on_event` is told of each, after it has been
+    /// settled, and may end the advance there by returning `false`.
+    ///
+    /// # Errors
+    /// As [`Integrator::advance`]; time and state are then those of the last event.
+    pub fn fly(
+        &mut self,
+        integrator: &mut Integrator,
+        time_s: &mut f64,
+        state: &mut State<f64>,
+        end_s: f64,
+        mut on_event: impl FnMut(f64, &State<f64>, [bool; N_EVENTS]) -> bool,
+    ) -> Result<(), IntegrationError> {
+        let mut at_once = 0;
+        while *time_s < end_s {
+            let started_s = *time_s;
+            match integrator.advance(self, time_s, state, end_s)? {
+                Advance::Reached => return Ok(()),
+                Advance::Event(which) => {
+                    self.settle(*time_s, state);
+                    at_once = if *time_s - started_s < 1e-6 { at_once + 1 } else { 0 };
+                    if !on_event(*time_s, state, which) {
+                        return Ok(());
+                    }
+                    if at_once > MAX_EVENTS_AT_ONCE {
+                        // A limit that opens and closes without end: the step size has long been its smallest, going
+                        // on costs time and changes nothing.
+                        return Err(IntegrationError::StepTooSmall { time_s: *time_s });
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl System for Glider {
+    fn derivative(&self, time_s: f64, state: &State<f64>) -> State<f64> {
+        derivative(&self.parameters, self.actuation, self.modes, time_s, state, &self.inputs_at(time_s))
+    }
+
+    fn event_indicators(&self, time_s: f64, state: &State<f64>) -> [f64; N_EVENTS] {
+        limits::event_indicators(&self.parameters, self.actuation, self.modes, time_s, state, &self.inputs_at(time_s))
+    }
+
+    fn next_jump_s(&self, time_s: f64) -> Option<f64> {
+        let p = &self.parameters;
+        (p.drag_step != 0.0 && p.step_time_s > time_s).then_some(p.step_time_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::glide::start;
+
+    fn gliding() -> (Glider, State<f64>) {
+        let parameters = Parameters::default();
+        let start = start(&parameters);
+        (Glider::new(parameters, Actuation::Servo, start.inputs), start.state)
+    }
+
+    /// Down, round and up again: the commands change at 200 s.
+    fn dive(tolerance: f64, communication_step_s: f64) -> State<f64> {
+        let (mut glider, mut state) = gliding();
+        let mut integrator = Integrator::new(tolerance);
+        let mut time = 0.0;
+        while time < 600.0 {
+            if time == 200.0 {
+                glider.inputs.ballast_command_m3 *= -1.0;
+                glider.inputs.moving_mass_command_m *= -1.0;
+            }
+            let end = time + communication_step_s;
+            glider.fly(&mut integrator, &mut time, &mut state, end, |_, _, _| true).unwrap();
+            assert_eq!(time, end);
+        }
+        state
+    }
+
+    fn distance(a: &State<f64>, b: &State<f64>) -> f64 {
+        let nominal = super::super::STATE_NOMINALS.as_array();
+        let scaled = a.as_array().into_iter().zip(b.as_array()).zip(nominal);
+        scaled.map(|((a, b), n)| (a - b).abs() / n).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn the_result_depends_on_tolerance_and_not_on_the_communication_step() {
+        let reference = dive(1e-12, 200.0);
+        for step in [200.0, 50.0, 1.0, 0.25] {
+            assert!(
+                distance(&dive(1e-8, step), &reference) < 2e-7,
+                "step {step} s: {}",
+                distance(&dive(1e-8, step), &reference)
+            );
+        }
+        assert!(distance(&dive(1e-5, 200.0), &reference) < 1e-3);
+        assert!(distance(&dive(1e-5, 200.0), &reference) > distance(&dive(1e-9, 200.0), &reference));
+    }
+
+    #[test]
+    fn a_saved_run_goes_on_bit_for_bit() {
+        let (mut glider, mut state) = gliding();
+        glider.inputs.moving_mass_command_m = -0.01;
+        let mut integrator = Integrator::new(1e-8);
+        let mut time = 0.0;
+        glider.fly(&mut integrator, &mut time, &mut state, 17.3, |_, _, _| true).unwrap();
+        let saved = (time, state, integrator.step_s());
+        glider.fly(&mut integrator, &mut time, &mut state, 91.0, |_, _, _| true).unwrap();
+        let (mut time_2, mut state_2, step) = saved;
+        let mut restored = Integrator::new(1e-8).with_step_s(step);
+        glider.fly(&mut restored, &mut time_2, &mut state_2, 91.0, |_, _, _| true).unwrap();
+        assert_eq!((time_2, state_2, restored.step_s()), (time, state, integrator.step_s()));
+    }
+
+    #[test]
+    fn the_seabed_is_met_when_and_where_the_steady_glide_says() {
+        let (mut glider, mut state) = gliding();
+        glider.inputs.seabed_depth_m = 60.0;
+        let sink = 0.30 * 25f64.to_radians().sin();
+        let expected = (60.0 - state.depth_m) / sink;
+        let mut met = None;
+        let (mut time, mut integrator) = (0.0, Integrator::new(1e-8));
+        glider
+            .fly(&mut integrator, &mut time, &mut state, 1000.0, |t, s, which| {
+                met = Some((t, s.depth_m, which));
+                false
+            })
+            .unwrap();
+        let (t, depth, which) = met.expect("the seabed");
+        assert!((t - expected).abs() < 1e-6, "{t} against {expected}");
+        assert!((depth - 60.0).abs() < 1e-6);
+        assert_eq!(which, [false, true, false, false, false, false]);
+        assert_eq!(time, t);
+    }
+
+    #[test]
+    fn a_jump_of_drag_is_met_exactly() {
+        // After the jump the same ballast drives the glider at a lower speed: the new steady glide, by the balance of
+        // forces. Before it nothing may have changed.
+        let (mut glider, start) = gliding();
+        glider.parameters.drag_step = 0.5;
+        glider.parameters.step_time_s = 100.0;
+        let (mut time, mut state, mut integrator) = (0.0, start, Integrator::new(1e-9));
+        glider.fly(&mut integrator, &mut time, &mut state, 100.0, |_, _, _| true).unwrap();
+        assert!((state.v1_m_s - start.v1_m_s).abs() < 1e-9);
+        glider.fly(&mut integrator, &mut time, &mut state, 101.0, |_, _, _| true).unwrap();
+        assert!(state.v1_m_s < start.v1_m_s - 1e-4, "{} after {}", state.v1_m_s, start.v1_m_s);
+    }
+
+    #[test]
+    fn what_is_not_finite_is_an_error_and_changes_nothing() {
+        let (mut glider, start) = gliding();
+        glider.inputs.water_density_kg_m3 = f64::NAN;
+        let (mut time, mut state, mut integrator) = (5.0, start, Integrator::new(1e-8));
+        let error = glider.fly(&mut integrator, &mut time, &mut state, 10.0, |_, _, _| true).unwrap_err();
+        assert_eq!(error, IntegrationError::NotFinite { time_s: 5.0 });
+        assert_eq!((time, state), (5.0, start));
+    }
+
+    #[test]
+    fn raw_ballast_runs_to_its_limit_and_stays_there() {
+        let (mut glider, mut state) = gliding();
+        glider.actuation = Actuation::RawAlongAxis1;
+        glider.parameters.moving_mass_min_m = -0.05;
+        glider.parameters.moving_mass_max_m = 0.05;
+        glider.inputs.u4_kg_s = 0.025;
+        let (mut time, mut integrator, mut events) = (0.0, Integrator::new(1e-8), Vec::new());
+        glider
+            .fly(&mut integrator, &mut time, &mut state, 60.0, |t, _, which| {
+                events.push((t, which));
+                true
+            })
+            .unwrap();
+        let lowest = glider.parameters.ballast_mass_kg(glider.parameters.ballast_min_m3);
+        assert_eq!(state.ballast_mass_kg, lowest);
+        let (t, _) = events.iter().find(|(_, which)| which[2]).expect("the limit of the ballast");
+        let expected = (lowest - start(&glider.parameters).state.ballast_mass_kg) / 0.025;
+        assert!((t - expected).abs() < 1e-6, "{t} against {expected}");
+        // A force that stays constant cannot hold the moving mass: it runs to its stops and never beyond.
+        assert!(events.iter().any(|(_, which)| which[4] || which[5]), "{events:?}");
+        assert!(state.moving_mass_1_m.abs() < 0.05 + 1e-6, "moving mass at {}", state.moving_mass_1_m);
+    }
+}
