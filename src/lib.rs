@@ -12,12 +12,15 @@
 
 #![allow(non_snake_case, reason = "units stand in names as they are written: N, Pa, C, J")]
 
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod coefficients;
 pub mod dynamics;
 pub mod glide;
 pub mod input;
 pub mod mechanisms;
 pub mod number;
+pub mod simulate;
 pub mod vehicle;
 pub mod water;
 

@@ -1,2 +1,5 @@
-//! The command line.
-fn main() {}
+//! The command `glidepolar`; what it does is in [`glidepolar::cli`].
+
+fn main() -> std::process::ExitCode {
+    glidepolar::cli::main()
+}

@@ -1,0 +1,136 @@
+//! The command line `glidepolar`: one file a command, the habits they share here.
+//!
+//! Every command takes `--json FILE` (`-`: standard output, and nothing else there), `--out DIR` where it writes files,
+//! and `--quiet`. Exit code 0: done; 1: the question has no answer (no such glide); 2: the input cannot be used.
+//! Standard output carries results, standard error messages. The library does the work; a command reads arguments,
+//! calls it and shows what came back.
+
+pub mod files;
+pub mod glide;
+pub mod simulate;
+pub mod vehicles;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::glide::GlideError;
+use crate::input::InputError;
+use crate::vehicle::MissingKeys;
+
+/// An underwater glider from the towing tank to the sea and back.
+#[derive(Debug, Parser)]
+#[command(name = "glidepolar", version, propagate_version = true, max_term_width = 110)]
+#[command(after_help = "VEHICLE is a vehicle file (TOML) or the name of a built-in vehicle: `glidepolar vehicles`.\n\
+    Exit code: 0 done, 1 the question has no answer, 2 the input cannot be used.")]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Glide(glide::Arguments),
+    Simulate(simulate::Arguments),
+    Vehicles(vehicles::Arguments),
+}
+
+/// Where results go; the same for every command.
+#[derive(Debug, Clone, Args)]
+pub struct Output {
+    /// Write the result as JSON to FILE; `-` prints it, and nothing else, on standard output
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub json: Option<PathBuf>,
+    /// Print no table
+    #[arg(long, short, help_heading = "Output")]
+    pub quiet: bool,
+}
+
+impl Output {
+    /// Whether tables belong on standard output.
+    pub fn shows_tables(&self) -> bool {
+        !self.quiet && !self.json.as_ref().is_some_and(|path| path.as_os_str() == "-")
+    }
+
+    /// Writes the result as JSON where it was asked for.
+    ///
+    /// # Errors
+    /// Where the file cannot be written.
+    pub fn write_json(&self, result: &impl serde::Serialize) -> Result<(), CliError> {
+        let Some(path) = &self.json else {
+            return Ok(());
+        };
+        let mut text = serde_json::to_string_pretty(result).map_err(|error| CliError::Failed(error.to_string()))?;
+        text.push('\n');
+        if path.as_os_str() == "-" {
+            use std::io::Write;
+            return std::io::stdout().write_all(text.as_bytes()).map_err(|error| CliError::Failed(error.to_string()));
+        }
+        Ok(files::write_whole(path, text.as_bytes())?)
+    }
+}
+
+/// Why a command ended without its result.
+#[derive(Debug, thiserror::Error)]
+pub enum CliError {
+    /// Input that cannot be used: exit code 2.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// A vehicle file that lacks what this command needs: exit code 2.
+    #[error(transparent)]
+    MissingKeys(#[from] MissingKeys),
+    /// Arguments that do not fit together: exit code 2.
+    #[error("{0}")]
+    Usage(String),
+    /// No such glide: exit code 1.
+    #[error(transparent)]
+    Glide(#[from] GlideError),
+    /// Anything else: exit code 1.
+    #[error("{0}")]
+    Failed(String),
+}
+
+impl CliError {
+    fn exit_code(&self) -> ExitCode {
+        match self {
+            CliError::Input(_) | CliError::MissingKeys(_) | CliError::Usage(_) => ExitCode::from(2),
+            CliError::Glide(GlideError::OutOfRange { .. }) => ExitCode::from(2),
+            CliError::Glide(_) | CliError::Failed(_) => ExitCode::FAILURE,
+        }
+    }
+}
+
+/// Reads the arguments of this process, does what they ask and says what went wrong.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    match run(cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            show(&error);
+            error.exit_code()
+        }
+    }
+}
+
+fn run(cli: Cli) -> Result<(), CliError> {
+    match cli.command {
+        Command::Glide(arguments) => glide::run(&arguments),
+        Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Vehicles(arguments) => vehicles::run(&arguments),
+    }
+}
+
+/// Prints an error: what, then what to do.
+pub fn show(error: &CliError) {
+    let text = error.to_string();
+    match error {
+        CliError::Input(InputError { place, problem, help: Some(help) }) => {
+            anstream::eprintln!("{RED}error{RED:#}: {place}: {problem}\n{CYAN}help{CYAN:#}: {help}");
+        }
+        _ => anstream::eprintln!("{RED}error{RED:#}: {text}"),
+    }
+}
+
+const RED: anstyle::Style = anstyle::AnsiColor::Red.on_default().bold();
+const CYAN: anstyle::Style = anstyle::AnsiColor::Cyan.on_default().bold();

@@ -1,0 +1,176 @@
+//! `glidepolar simulate`: a time history by the equations of the FMU.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+
+use super::{CliError, Output, files};
+use crate::dynamics::Actuation;
+use crate::input::InputError;
+use crate::simulate::{COLUMNS, Row, Schedule, Settings, fly};
+use crate::vehicle::Vehicle;
+
+/// More rows than this are a slip of the keyboard.
+const MAX_ROWS: f64 = 1e8;
+
+/// Time histories: the glider flown through given inputs, as the FMU flies
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    glidepolar simulate slocum-graver --stop 1000 --csv history.csv\n  \
+    glidepolar simulate my-glider.toml --inputs commands.csv --stop 3600 --interval 10 --csv history.csv\n\n\
+    Without inputs the glider goes on in its steady glide. The table of inputs has a column `time` and columns named\n\
+    as the FMU's inputs; FMPy takes the same file (`fmpy simulate ... --input-file`).")]
+pub struct Arguments {
+    /// Vehicle file or name of a built-in vehicle
+    vehicle: String,
+    /// Inputs against time (CSV)
+    #[arg(long, value_name = "FILE")]
+    inputs: Option<PathBuf>,
+    /// End of the time history [s]
+    #[arg(long, value_name = "S", default_value_t = 1000.0)]
+    stop: f64,
+    /// Time between two rows [s]
+    #[arg(long, value_name = "S", default_value_t = 1.0)]
+    interval: f64,
+    /// Relative tolerance of the integration
+    #[arg(long, default_value_t = crate::dynamics::integrate::DEFAULT_TOLERANCE)]
+    tolerance: f64,
+    /// Who moves ballast and moving mass: servos (set-points), raw forces, or raw along axis 1
+    #[arg(long, value_enum, default_value = "servo")]
+    actuation: Who,
+    /// Write the time history to FILE
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    #[command(flatten)]
+    output: Output,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum Who {
+    Servo,
+    Raw,
+    RawAlongAxis1,
+}
+
+impl From<Who> for Actuation {
+    fn from(who: Who) -> Self {
+        match who {
+            Who::Servo => Actuation::Servo,
+            Who::Raw => Actuation::Raw,
+            Who::RawAlongAxis1 => Actuation::RawAlongAxis1,
+        }
+    }
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    let parameters = Vehicle::load(&arguments.vehicle)?.parameters()?;
+    let settings = settings(arguments)?;
+    let schedule = match &arguments.inputs {
+        None => Schedule::default(),
+        Some(path) => {
+            let text = std::fs::read_to_string(path).map_err(|error| InputError::io(path, &error))?;
+            Schedule::parse(&text, path)?
+        }
+    };
+    let mut table = arguments.csv.as_ref().map(|_| COLUMNS.join(",") + "\n");
+    let mut summary = Summary::default();
+    fly(&parameters, &schedule, &settings, |row| {
+        if let Some(table) = &mut table {
+            push(table, row);
+        }
+        summary.add(row);
+        true
+    })
+    .map_err(|error| CliError::Failed(error.to_string()))?;
+    if let (Some(path), Some(table)) = (&arguments.csv, table) {
+        files::write_whole(path, table.as_bytes())?;
+    }
+    if arguments.output.shows_tables() {
+        summary.print();
+    }
+    arguments.output.write_json(&summary)
+}
+
+fn settings(arguments: &Arguments) -> Result<Settings, CliError> {
+    for (name, value) in
+        [("--stop", arguments.stop), ("--interval", arguments.interval), ("--tolerance", arguments.tolerance)]
+    {
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(CliError::Usage(format!("{name} {value}: expected a number above zero")));
+        }
+    }
+    if arguments.stop / arguments.interval > MAX_ROWS {
+        return Err(CliError::Usage(format!(
+            "--stop {} with --interval {} makes too many rows",
+            arguments.stop, arguments.interval
+        )));
+    }
+    Ok(Settings {
+        actuation: arguments.actuation.into(),
+        stop_s: arguments.stop,
+        interval_s: arguments.interval,
+        tolerance: arguments.tolerance,
+    })
+}
+
+fn push(table: &mut String, row: &Row) {
+    use std::fmt::Write;
+    for (i, value) in row.iter().enumerate() {
+        // Writing to a string cannot fail.
+        let _ = write!(table, "{}{value}", if i == 0 { "" } else { "," });
+    }
+    table.push('\n');
+}
+
+/// Where the flight went, as JSON gives it.
+#[derive(Debug, Serialize)]
+struct Summary {
+    schema: &'static str,
+    rows: u64,
+    duration_s: f64,
+    distance_m: f64,
+    final_depth_m: f64,
+    largest_depth_m: f64,
+    mean_speed_m_s: f64,
+    energy_J: f64,
+}
+
+impl Default for Summary {
+    fn default() -> Self {
+        Summary {
+            schema: "glidepolar.simulate/1",
+            rows: 0,
+            duration_s: 0.0,
+            distance_m: 0.0,
+            final_depth_m: 0.0,
+            largest_depth_m: f64::NEG_INFINITY,
+            mean_speed_m_s: 0.0,
+            energy_J: 0.0,
+        }
+    }
+}
+
+impl Summary {
+    fn add(&mut self, row: &Row) {
+        let column = |name: &str| COLUMNS.iter().position(|column| *column == name).map_or(f64::NAN, |i| row[i]);
+        self.rows += 1;
+        self.duration_s = column("time");
+        self.distance_m = column("x_m");
+        self.final_depth_m = column("depth_m");
+        self.largest_depth_m = self.largest_depth_m.max(self.final_depth_m);
+        self.mean_speed_m_s += (column("speed_m_s") - self.mean_speed_m_s) / self.rows as f64;
+        self.energy_J = column("energy_J");
+    }
+
+    fn print(&self) {
+        println!(
+            "after {:.0} s: {:.1} m along, at {:.1} m depth",
+            self.duration_s, self.distance_m, self.final_depth_m
+        );
+        println!(
+            "largest depth {:.1} m, mean speed {:.3} m/s, energy {:.0} J",
+            self.largest_depth_m, self.mean_speed_m_s, self.energy_J
+        );
+    }
+}

@@ -1,0 +1,197 @@
+//! Inputs against time: a CSV table with a column `time` and columns named as the FMU's inputs, as FMPy takes it.
+//!
+//! Between two rows an input changes linearly; two rows of the same time make it jump there. Before the first row and
+//! after the last it stands still. An input without a column keeps its start value.
+
+use std::path::Path;
+
+use crate::dynamics::{Glider, Inputs};
+use crate::input::{InputError, Place, nearest, printable};
+
+/// The inputs' names, in the order of [`Inputs::as_array`].
+pub const INPUT_NAMES: [&str; 12] = [
+    "ballast_command_m3",
+    "moving_mass_command_m",
+    "u1_N",
+    "u3_N",
+    "u4_kg_s",
+    "water_density_kg_m3",
+    "water_temperature_C",
+    "current_x_m_s",
+    "current_z_m_s",
+    "seabed_depth_m",
+    "roll_rad",
+    "rudder_rad",
+];
+
+/// Inputs against time.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Schedule {
+    times_s: Vec<f64>,
+    /// Which input each column is.
+    inputs: Vec<usize>,
+    /// Row by row.
+    values: Vec<f64>,
+}
+
+impl Schedule {
+    /// Reads the text of a table; `origin` is what errors name.
+    ///
+    /// # Errors
+    /// An unknown column, a cell that is no finite number, a time before the one above it; with line and column.
+    pub fn parse(text: &str, origin: &Path) -> Result<Schedule, InputError> {
+        let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
+        let Some((header_line, header)) = lines.next() else {
+            return Err(InputError::new(Place::file(origin), "the file is empty, expected a header `time,...`"));
+        };
+        let names: Vec<&str> = header.split(',').map(|name| name.trim().trim_matches('"')).collect();
+        let mut schedule = Schedule::default();
+        let mut time_column = None;
+        for (column, name) in names.iter().enumerate() {
+            if matches!(*name, "time" | "time_s") {
+                time_column = Some(column);
+            } else if let Some(input) = INPUT_NAMES.iter().position(|known| known == name) {
+                schedule.inputs.push(input);
+            } else {
+                let place = Place::line(origin, header_line + 1).column(column + 1);
+                let error = InputError::new(place, format!("unknown input `{}`", printable(name)));
+                return Err(match nearest(name, INPUT_NAMES) {
+                    Some(near) => error.help(format!("did you mean `{near}`?")),
+                    None => error.help(format!("the inputs are: {}", INPUT_NAMES.join(", "))),
+                });
+            }
+        }
+        let Some(time_column) = time_column else {
+            let place = Place::line(origin, header_line + 1);
+            return Err(InputError::new(place, "no column `time`, the time of each row in seconds"));
+        };
+        for (line, row) in lines {
+            schedule.push_row(row, names.len(), time_column, &Place::line(origin, line + 1))?;
+        }
+        Ok(schedule)
+    }
+
+    fn push_row(&mut self, row: &str, columns: usize, time_column: usize, place: &Place) -> Result<(), InputError> {
+        let cells: Vec<&str> = row.split(',').map(str::trim).collect();
+        if cells.len() != columns {
+            let problem = format!("{} cells where the header has {columns}", cells.len());
+            return Err(
+                InputError::new(place.clone(), problem).help("a decimal comma splits a cell in two: use a point")
+            );
+        }
+        for (column, cell) in cells.iter().enumerate() {
+            let at = || place.clone().column(column + 1);
+            let value: f64 = cell
+                .parse()
+                .ok()
+                .filter(|value: &f64| value.is_finite())
+                .ok_or_else(|| InputError::new(at(), format!("`{}` is no finite number", printable(cell))))?;
+            if column != time_column {
+                self.values.push(value);
+            } else if self.times_s.last().is_some_and(|last| value < *last) {
+                return Err(InputError::new(at(), format!("time {value} s comes after a later time")));
+            } else {
+                self.times_s.push(value);
+            }
+        }
+        Ok(())
+    }
+
+    /// A reader that goes through the table once, from inputs that hold where the table says nothing.
+    pub fn cursor(&self, otherwise: Inputs<f64>) -> Cursor<'_> {
+        Cursor { schedule: self, otherwise, next: 0 }
+    }
+
+    fn inputs(&self, row: usize, otherwise: &Inputs<f64>) -> Inputs<f64> {
+        let mut values = otherwise.as_array();
+        let width = self.inputs.len();
+        for (input, value) in self.inputs.iter().zip(&self.values[row * width..(row + 1) * width]) {
+            values[*input] = *value;
+        }
+        Inputs::from_array(values)
+    }
+}
+
+/// Where a flight stands in its [`Schedule`].
+#[derive(Debug, Clone)]
+pub struct Cursor<'a> {
+    schedule: &'a Schedule,
+    otherwise: Inputs<f64>,
+    /// The first row after the present time.
+    next: usize,
+}
+
+impl Cursor<'_> {
+    /// The next time after `time_s` at which the inputs change their course.
+    pub fn next_change_s(&self, time_s: f64) -> Option<f64> {
+        self.schedule.times_s[self.next..].iter().copied().find(|row| *row > time_s)
+    }
+
+    /// Gives the glider the inputs that hold from `time_s` on; `true` where their course changed.
+    pub fn apply(&mut self, time_s: f64, glider: &mut Glider) -> bool {
+        let times = &self.schedule.times_s;
+        let behind = self.next;
+        while self.next < times.len() && times[self.next] <= time_s {
+            self.next += 1;
+        }
+        if (behind == self.next && time_s > 0.0) || times.is_empty() {
+            return false;
+        }
+        let last = self.next.saturating_sub(1);
+        glider.inputs = self.schedule.inputs(last, &self.otherwise);
+        glider.inputs_at_s = times[last];
+        glider.input_rates = (self.next > 0 && self.next < times.len()).then(|| {
+            let duration = times[self.next] - times[last];
+            let ahead = self.schedule.inputs(self.next, &self.otherwise).as_array();
+            let here = glider.inputs.as_array();
+            Inputs::from_array(std::array::from_fn(|i| (ahead[i] - here[i]) / duration))
+        });
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dynamics::{Actuation, Parameters};
+
+    fn parse(text: &str) -> Result<Schedule, InputError> {
+        Schedule::parse(text, Path::new("inputs.csv"))
+    }
+
+    #[test]
+    fn inputs_change_linearly_and_jump_where_a_time_stands_twice() {
+        let schedule = parse("time,current_x_m_s\n10,0\n20,1\n20,5\n30,5\n").unwrap();
+        let otherwise = Inputs::still_water(1027.0, 15.0);
+        let mut glider = Glider::new(Parameters::default(), Actuation::Servo, otherwise);
+        let mut cursor = schedule.cursor(otherwise);
+        let mut at = |time: f64| {
+            cursor.apply(time, &mut glider);
+            glider.inputs_at(time).current_x_m_s
+        };
+        assert_eq!(
+            [0.0, 10.0, 15.0, 19.0, 20.0, 25.0, 30.0, 99.0].map(&mut at),
+            [0.0, 0.0, 0.5, 0.9, 5.0, 5.0, 5.0, 5.0]
+        );
+        assert_eq!(glider.inputs.water_density_kg_m3, 1027.0);
+    }
+
+    #[test]
+    fn bad_tables_are_refused_with_line_and_column() {
+        for (text, expected) in [
+            ("", "inputs.csv: the file is empty"),
+            (
+                "time,ballast_comand_m3\n",
+                "inputs.csv:1:2: unknown input `ballast_comand_m3`; did you mean `ballast_command_m3`?",
+            ),
+            ("current_x_m_s\n1\n", "no column `time`"),
+            ("time,current_x_m_s\n0,1\n5,x\n", "inputs.csv:3:2: `x` is no finite number"),
+            ("time,current_x_m_s\n0,nan\n", "inputs.csv:2:2"),
+            ("time,current_x_m_s\n0,1,5\n", "3 cells where the header has 2"),
+            ("time,current_x_m_s\n5,1\n4,1\n", "inputs.csv:3:1: time 4 s comes after a later time"),
+        ] {
+            let error = parse(text).unwrap_err().to_string();
+            assert!(error.contains(expected), "{error:?} lacks {expected:?}");
+        }
+    }
+}
