@@ -1,1 +1,3 @@
 //! The hull-test reduction.
+
+pub mod virtual_tank;

@@ -1,0 +1,70 @@
+//! `tank-reduce demo`: writes a synthetic campaign. Terminal only; what is written is the virtual tank's affair.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use glidepolar_tank::virtual_tank::{EffectRequest, Error, Options, Progress, catalogue_text, write_campaign_watched};
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// Write a synthetic campaign of the five Phoenix hulls, with stated truth, to try the reduction on.
+#[derive(Debug, Args)]
+#[command(after_help = catalogue_text())]
+pub struct DemoArgs {
+    /// Folder to write: new, empty, or an earlier synthetic campaign (which is replaced)
+    #[arg(default_value = "pmm_runs")]
+    folder: PathBuf,
+    /// The same seed gives the same campaign
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Hide an effect, its size drawn from the seed or given: NAME, NAME=SIZE, NAME,NAME; may be repeated
+    #[arg(long, value_name = "NAME[=SIZE]")]
+    effect: Vec<String>,
+    /// Test only this hull (LDR8.5, LDR9.5, LDR10.5, LDR11.5, LDR12.5); may be repeated
+    #[arg(long, value_name = "ID")]
+    hull: Vec<String>,
+    /// Scale of everything random: 1 a good tank, 0 none
+    #[arg(long, default_value_t = 1.0)]
+    noise: f64,
+    /// Size to aim at in MB (10^6 bytes), by more runs and finer sampling
+    #[arg(long, value_name = "MB")]
+    size_mb: Option<f64>,
+    /// Print nothing but errors
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Those of writing a campaign.
+pub fn run(args: DemoArgs) -> Result<(), Error> {
+    let mut effects = Vec::new();
+    for list in &args.effect {
+        effects.extend(EffectRequest::parse_list(list)?);
+    }
+    let options = Options { seed: args.seed, effects, hulls: args.hull, noise: args.noise, size_mb: args.size_mb };
+    let begin = Instant::now();
+    // Drawn on a terminal only: indicatif hides itself elsewhere.
+    let bar = if args.quiet { ProgressBar::hidden() } else { ProgressBar::new(0) };
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} runs {elapsed}") {
+        bar.set_style(style);
+    }
+    let watch = |progress: Progress| {
+        bar.set_length(progress.runs as u64);
+        bar.inc(1);
+    };
+    let truth = write_campaign_watched(&args.folder, &options, &watch)?;
+    bar.finish_and_clear();
+    if !args.quiet {
+        let megabytes = truth.data_bytes as f64 / 1e6;
+        let rate = megabytes / begin.elapsed().as_secs_f64();
+        println!(
+            "{}: synthetic campaign, {} hulls, {} runs, {megabytes:.1} MB ({rate:.0} MB/s); truth in truth.toml",
+            args.folder.display(),
+            truth.hulls.len(),
+            truth.runs.len(),
+        );
+    }
+    Ok(())
+}

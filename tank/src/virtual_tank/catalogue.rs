@@ -1,0 +1,330 @@
+//! What can be wrong in a virtual tank: one table of effects, from which the command line's help, the drawn sizes, the
+//! checks and the stated truth follow. How each one acts on the water, the rig or the paperwork stands with the part
+//! that it acts on; nothing here is a term that a reduction could fit.
+
+use std::fmt::Write as _;
+
+use super::effects::{Bubble, CHANNELS, Gyre, Hidden, WarmUp, Weed, WrongTemperature};
+use super::random::Stream;
+
+/// Every effect by name. `none` is accepted too and hides nothing.
+pub const CATALOGUE: &[Entry] = &[
+    Entry {
+        name: "crossflow",
+        parameter: "crossflow_per_rad2",
+        unit: "1/rad^2",
+        meaning: "viscous crossflow drag of the hull's strips; size is the normal-force coefficient per sin(alpha)|sin(alpha)| on frontal area",
+        bounds: (0.0, 20.0),
+        draw: Draw::Between(2.5, 6.0),
+        act: |hidden, size, _| {
+            hidden.crossflow_per_rad2 = size;
+            String::new()
+        },
+    },
+    Entry {
+        name: "yaw_misalignment",
+        parameter: "yaw_misalignment_deg",
+        unit: "deg",
+        meaning: "true yaw angle = recorded yaw angle + this, every run",
+        bounds: (-10.0, 10.0),
+        draw: Draw::EitherSign(0.3, 1.0),
+        act: |hidden, size, _| {
+            hidden.yaw_misalignment_deg = size;
+            String::new()
+        },
+    },
+    Entry {
+        name: "side_force_zero",
+        parameter: "side_force_zero_N",
+        unit: "N",
+        meaning: "the SF reading shifts by this as soon as a model is under way, after its zero was taken at rest",
+        bounds: (-50.0, 50.0),
+        draw: Draw::EitherSign(0.4, 1.5),
+        act: |hidden, size, _| {
+            hidden.shift_under_way[1] = size;
+            String::new()
+        },
+    },
+    Entry {
+        name: "axial_force_zero",
+        parameter: "axial_force_zero_N",
+        unit: "N",
+        meaning: "the AF reading shifts by this as soon as a model is under way, after its zero was taken at rest",
+        bounds: (-50.0, 50.0),
+        draw: Draw::EitherSign(0.2, 0.6),
+        act: |hidden, size, _| {
+            hidden.shift_under_way[0] = size;
+            String::new()
+        },
+    },
+    Entry {
+        name: "yaw_moment_zero",
+        parameter: "yaw_moment_zero_N_m",
+        unit: "N m",
+        meaning: "the YM reading shifts by this as soon as a model is under way, after its zero was taken at rest",
+        bounds: (-50.0, 50.0),
+        draw: Draw::EitherSign(0.3, 1.0),
+        act: |hidden, size, _| {
+            hidden.shift_under_way[2] = size;
+            String::new()
+        },
+    },
+    Entry {
+        name: "interaction",
+        parameter: "af_from_sf",
+        unit: "",
+        meaning: "AF shows this fraction of SF beyond what the stated interaction matrix removes",
+        bounds: (-0.5, 0.5),
+        draw: Draw::EitherSign(0.01, 0.04),
+        act: |hidden, size, _| {
+            hidden.af_from_sf = size;
+            String::new()
+        },
+    },
+    Entry {
+        name: "moment_centre_error",
+        parameter: "moment_centre_error_m",
+        unit: "m",
+        meaning: "the balance's moment centre lies this far aft of where the manifest says",
+        bounds: (-0.5, 0.5),
+        draw: Draw::EitherSign(0.01, 0.05),
+        act: |hidden, size, _| {
+            hidden.moment_centre_error_m = size;
+            String::new()
+        },
+    },
+    Entry {
+        name: "speed_scale",
+        parameter: "speed_scale",
+        unit: "",
+        meaning: "true speed = recorded speed x this, every run",
+        bounds: (0.5, 2.0),
+        draw: Draw::AboutOne(0.01, 0.04),
+        act: |hidden, size, _| {
+            hidden.speed_scale = size;
+            String::new()
+        },
+    },
+    Entry {
+        name: "zero_drift",
+        parameter: "zero_drift_N_per_hour",
+        unit: "N/h",
+        meaning: "rate at which one channel's zero starts to run away at the morning's switching-on, beside its even drift; settles exponentially",
+        bounds: (-50.0, 50.0),
+        draw: Draw::EitherSign(2.0, 5.0),
+        act: |hidden, size, stream| {
+            let warm_up =
+                WarmUp { channel: stream.index(2), rate_per_hour: size, time_constant_h: stream.between(0.5, 0.9) };
+            hidden.warm_up = Some(warm_up);
+            format!("channel {}, time constant {:.4} h", CHANNELS[warm_up.channel], warm_up.time_constant_h)
+        },
+    },
+    Entry {
+        name: "strut_tare",
+        parameter: "strut_tare_N",
+        unit: "N",
+        meaning: "no tare runs are made; size is the strut's axial force at 2 m/s and zero yaw",
+        bounds: (0.0, 20.0),
+        draw: Draw::Between(1.0, 2.5),
+        act: |hidden, size, _| {
+            hidden.untared_strut_n = Some(size);
+            String::new()
+        },
+    },
+    Entry {
+        name: "reynolds_drag",
+        parameter: "drag_exponent",
+        unit: "",
+        meaning: "b follows a friction line; size is its local exponent of dynamic pressure at 2 m/s (b is stated for 2 m/s)",
+        bounds: (-0.5, 0.5),
+        draw: Draw::Between(-0.22, -0.08),
+        act: |hidden, size, _| {
+            hidden.drag_exponent = size;
+            String::new()
+        },
+    },
+    Entry {
+        name: "water_temperature",
+        parameter: "water_temperature_error_c",
+        unit: "C",
+        meaning: "recorded temperature = true temperature + this, for one day's runs",
+        bounds: (-15.0, 20.0),
+        draw: Draw::EitherSign(5.0, 9.0),
+        act: |hidden, size, stream| {
+            hidden.wrong_temperature = Some(WrongTemperature { error_c: size, day_fraction: stream.between(0.0, 1.0) });
+            String::new()
+        },
+    },
+    Entry {
+        name: "port_starboard_asymmetry",
+        parameter: "asymmetry_ratio",
+        unit: "",
+        meaning: "lift and moment at positive angles over those at the same negative angles; a and d are stated for the mean of both sides",
+        bounds: (0.3, 3.0),
+        draw: Draw::AboutOne(0.05, 0.15),
+        act: |hidden, size, _| {
+            hidden.asymmetry_ratio = size;
+            String::new()
+        },
+    },
+    Entry {
+        name: "uncatalogued-wave-hump",
+        parameter: "wave_hump_cd",
+        unit: "",
+        meaning: "wave-making drag of a hull too close to the surface, humps at Froude numbers 0.34 and 0.50; size is the greater hump in CD",
+        bounds: (0.0, 0.2),
+        draw: Draw::Between(0.01, 0.03),
+        act: |hidden, size, _| {
+            hidden.wave_hump_cd = size;
+            String::new()
+        },
+    },
+    Entry {
+        name: "uncatalogued-gyre",
+        parameter: "gyre_current_m_s",
+        unit: "m/s",
+        meaning: "slow circulation of the tank's water: a transverse current that swings with the time of day and along the tank",
+        bounds: (0.0, 0.2),
+        draw: Draw::Between(0.01, 0.025),
+        act: |hidden, size, stream| {
+            let gyre = Gyre {
+                current_m_s: size,
+                period_s: stream.between(2100.0, 3600.0),
+                phase_rad: stream.between(0.0, std::f64::consts::TAU),
+            };
+            hidden.gyre = Some(gyre);
+            format!("period {:.0} s", gyre.period_s)
+        },
+    },
+    Entry {
+        name: "uncatalogued-separation-bubble",
+        parameter: "lift_loss",
+        unit: "",
+        meaning: "CL lost, within a degree, beyond one angle on one side, where a laminar bubble bursts; CD gains a fifth of it",
+        bounds: (-0.5, 0.5),
+        draw: Draw::Between(0.05, 0.12),
+        act: |hidden, size, stream| {
+            let bubble =
+                Bubble { lift_loss: size, onset_rad: stream.between(5.0, 9.0).to_radians(), side: stream.sign() };
+            hidden.bubble = Some(bubble);
+            let side = if bubble.side > 0.0 { "starboard" } else { "port" };
+            format!("bow to {side} beyond {:.2} deg", bubble.onset_rad.to_degrees())
+        },
+    },
+    Entry {
+        name: "uncatalogued-residual-current",
+        parameter: "residual_current_ratio",
+        unit: "",
+        meaning: "the water still follows the run before: current after it as a fraction of its speed, dying out over six minutes of waiting",
+        bounds: (0.0, 0.3),
+        draw: Draw::Between(0.04, 0.10),
+        act: |hidden, size, _| {
+            hidden.residual_current = size;
+            String::new()
+        },
+    },
+    Entry {
+        name: "uncatalogued-weed",
+        parameter: "weed_cd",
+        unit: "",
+        meaning: "something caught on the model from one run on until the hull is changed, added to CD",
+        bounds: (0.0, 0.2),
+        draw: Draw::Between(0.008, 0.02),
+        act: |hidden, size, stream| {
+            hidden.weed = Some(Weed {
+                drag_coefficient: size,
+                hull_fraction: stream.between(0.0, 1.0),
+                run_fraction: stream.between(0.3, 0.7),
+            });
+            String::new()
+        },
+    },
+    Entry {
+        name: "wrong-sign",
+        parameter: "channel_sign",
+        unit: "",
+        meaning: "the SF or the YM column is recorded with the opposite sign, zeros included",
+        bounds: (-1.0, -1.0),
+        draw: Draw::Between(-1.0, -1.0),
+        act: |hidden, _, stream| {
+            let channel = 1 + stream.index(2);
+            hidden.flipped[channel] = true;
+            format!("channel {}", CHANNELS[channel])
+        },
+    },
+    Entry {
+        name: "wrong-sign-sf",
+        parameter: "channel_sign",
+        unit: "",
+        meaning: "the SF column is recorded with the opposite sign, zeros included",
+        bounds: (-1.0, -1.0),
+        draw: Draw::Between(-1.0, -1.0),
+        act: |hidden, _, _| {
+            hidden.flipped[1] = true;
+            "channel SF".to_owned()
+        },
+    },
+    Entry {
+        name: "wrong-sign-ym",
+        parameter: "channel_sign",
+        unit: "",
+        meaning: "the YM column is recorded with the opposite sign, zeros included",
+        bounds: (-1.0, -1.0),
+        draw: Draw::Between(-1.0, -1.0),
+        act: |hidden, _, _| {
+            hidden.flipped[2] = true;
+            "channel YM".to_owned()
+        },
+    },
+];
+
+/// One line of the catalogue.
+#[derive(Debug, Clone, Copy)]
+pub struct Entry {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// Name of the size.
+    pub parameter: &'static str,
+    /// Unit of the size; empty for ratios.
+    pub unit: &'static str,
+    /// What the size means, with its sign.
+    pub meaning: &'static str,
+    /// Sizes outside are refused.
+    pub bounds: (f64, f64),
+    pub(super) draw: Draw,
+    pub(super) act: fn(&mut Hidden, f64, &mut Stream) -> String,
+}
+
+/// How a size is drawn when none is given.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Draw {
+    /// Uniform between the two.
+    Between(f64, f64),
+    /// Uniform between the two, of either sign.
+    EitherSign(f64, f64),
+    /// One plus a number between the two, of either sign.
+    AboutOne(f64, f64),
+}
+
+/// The catalogue as text for a terminal: one effect per paragraph.
+pub fn catalogue_text() -> String {
+    let mut text = String::from("Effects (none hides nothing):\n");
+    for entry in CATALOGUE {
+        let unit = if entry.unit.is_empty() { String::new() } else { format!(" [{}]", entry.unit) };
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "  {}: {}{unit}\n      {}", entry.name, entry.parameter, entry.meaning);
+    }
+    text
+}
+
+impl Draw {
+    pub(super) fn size(self, stream: &mut Stream) -> f64 {
+        let drawn = match self {
+            Self::Between(low, high) => stream.between(low, high),
+            Self::EitherSign(low, high) => stream.sign() * stream.between(low, high),
+            Self::AboutOne(low, high) => 1.0 + stream.sign() * stream.between(low, high),
+        };
+        // Six significant digits: what the truth prints is what was used.
+        format!("{drawn:.5e}").parse().unwrap_or(drawn)
+    }
+}

@@ -1,0 +1,195 @@
+//! Effects hidden in a campaign: asked for by name, drawn from the seed, handed to the parts that they act on.
+
+use serde::{Deserialize, Serialize};
+
+use super::Error;
+use super::catalogue::CATALOGUE;
+use super::random::{Purpose, Stream};
+
+/// An effect asked for: its name in the [catalogue](CATALOGUE) and, if given, its size in the catalogue's unit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EffectRequest {
+    /// Name as in the catalogue.
+    pub name: String,
+    /// Size; drawn from the seed when absent.
+    pub size: Option<f64>,
+}
+
+/// An effect as it was hidden in a campaign.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct HiddenEffect {
+    /// Name as in the catalogue.
+    pub name: String,
+    /// Name of the size.
+    pub parameter: String,
+    /// Unit of the size; empty for ratios.
+    pub unit: String,
+    /// Size.
+    pub value: f64,
+    /// What the size means, with its sign.
+    pub meaning: String,
+    /// What else was drawn: channel, day, side.
+    pub detail: String,
+}
+
+/// The three channels of the balance, in the order of every force triple here: AF, SF, YM.
+pub(super) const CHANNELS: [&str; 3] = ["AF", "SF", "YM"];
+
+/// Every effect, neutral unless hidden.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Hidden {
+    pub crossflow_per_rad2: f64,
+    pub yaw_misalignment_deg: f64,
+    /// AF in N, SF in N, YM in N m.
+    pub shift_under_way: [f64; 3],
+    pub af_from_sf: f64,
+    pub moment_centre_error_m: f64,
+    pub speed_scale: f64,
+    pub warm_up: Option<WarmUp>,
+    pub untared_strut_n: Option<f64>,
+    pub drag_exponent: f64,
+    pub wrong_temperature: Option<WrongTemperature>,
+    pub asymmetry_ratio: f64,
+    pub wave_hump_cd: f64,
+    pub gyre: Option<Gyre>,
+    pub bubble: Option<Bubble>,
+    pub residual_current: f64,
+    pub weed: Option<Weed>,
+    pub flipped: [bool; 3],
+}
+
+/// A zero that runs away after the morning's switching-on and settles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct WarmUp {
+    pub channel: usize,
+    pub rate_per_hour: f64,
+    pub time_constant_h: f64,
+}
+
+/// A temperature wrongly entered for one day; `day_fraction` of the days with models in the water go before it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct WrongTemperature {
+    pub error_c: f64,
+    pub day_fraction: f64,
+}
+
+/// A slow transverse circulation of the tank's water.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Gyre {
+    pub current_m_s: f64,
+    pub period_s: f64,
+    pub phase_rad: f64,
+}
+
+/// Loss of lift beyond one angle on one side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Bubble {
+    pub lift_loss: f64,
+    pub onset_rad: f64,
+    pub side: f64,
+}
+
+/// Something caught on the model from one run of a hull's programme on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Weed {
+    pub drag_coefficient: f64,
+    pub hull_fraction: f64,
+    pub run_fraction: f64,
+}
+
+impl Default for Hidden {
+    fn default() -> Self {
+        Self {
+            crossflow_per_rad2: 0.0,
+            yaw_misalignment_deg: 0.0,
+            shift_under_way: [0.0; 3],
+            af_from_sf: 0.0,
+            moment_centre_error_m: 0.0,
+            speed_scale: 1.0,
+            warm_up: None,
+            untared_strut_n: None,
+            drag_exponent: 0.0,
+            wrong_temperature: None,
+            asymmetry_ratio: 1.0,
+            wave_hump_cd: 0.0,
+            gyre: None,
+            bubble: None,
+            residual_current: 0.0,
+            weed: None,
+            flipped: [false; 3],
+        }
+    }
+}
+
+impl EffectRequest {
+    /// Reads `NAME[=SIZE][,NAME[=SIZE]...]`; `none` asks for nothing.
+    ///
+    /// # Errors
+    /// [`Error::EffectSize`] for a size that is no number. Names are checked when the campaign is written.
+    pub fn parse_list(text: &str) -> Result<Vec<Self>, Error> {
+        let items = text.split(',').map(str::trim);
+        items.filter(|item| *item != "none").map(Self::parse).collect()
+    }
+
+    fn parse(item: &str) -> Result<Self, Error> {
+        let Some((name, size)) = item.split_once('=') else {
+            return Ok(Self { name: item.to_owned(), size: None });
+        };
+        let number: f64 = size.trim().parse().map_err(|_| Error::EffectSize {
+            name: name.to_owned(),
+            found: size.to_owned(),
+            expected: "a number, as in speed_scale=1.02".to_owned(),
+        })?;
+        Ok(Self { name: name.trim().to_owned(), size: Some(number) })
+    }
+}
+
+/// Draws what was asked for: the effects as the simulation uses them and as the truth states them.
+pub(super) fn hide(requests: &[EffectRequest], seed: u64) -> Result<(Hidden, Vec<HiddenEffect>), Error> {
+    let mut hidden = Hidden::default();
+    let mut stated = Vec::new();
+    let mut taken = [false; CATALOGUE.len()];
+    for request in requests.iter().filter(|request| request.name != "none") {
+        let place =
+            CATALOGUE.iter().position(|entry| entry.name == request.name).ok_or_else(|| unknown(&request.name))?;
+        if std::mem::replace(&mut taken[place], true) {
+            return Err(Error::EffectTwice { name: request.name.clone() });
+        }
+        let entry = &CATALOGUE[place];
+        let mut stream = Stream::new(seed, Purpose::Effect(place));
+        // Drawn even when given, so that a given size leaves the particulars as they were.
+        let drawn = entry.draw.size(&mut stream);
+        let value = request.size.unwrap_or(drawn);
+        if !(entry.bounds.0..=entry.bounds.1).contains(&value) {
+            return Err(Error::EffectSize {
+                name: request.name.clone(),
+                found: value.to_string(),
+                expected: format!("{} from {} to {} {}", entry.parameter, entry.bounds.0, entry.bounds.1, entry.unit),
+            });
+        }
+        let detail = (entry.act)(&mut hidden, value, &mut stream);
+        stated.push(HiddenEffect {
+            name: entry.name.to_owned(),
+            parameter: entry.parameter.to_owned(),
+            unit: entry.unit.to_owned(),
+            value,
+            meaning: entry.meaning.to_owned(),
+            detail,
+        });
+    }
+    Ok((hidden, stated))
+}
+
+fn unknown(name: &str) -> Error {
+    let nearest = CATALOGUE
+        .iter()
+        .map(|entry| (strsim::jaro_winkler(entry.name, name), entry.name))
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .filter(|(likeness, _)| *likeness > 0.8)
+        .map(|(_, name)| name);
+    Error::UnknownEffect {
+        name: name.to_owned(),
+        nearest: nearest.map(|name| format!("; did you mean {name}?")).unwrap_or_default(),
+        known: CATALOGUE.iter().map(|entry| entry.name).collect::<Vec<_>>().join(", "),
+    }
+}
