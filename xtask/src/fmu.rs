@@ -1,0 +1,164 @@
+//! `cargo xtask fmu`: builds the shared library so that it loads on old and new machines, and packs both archives.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, bail};
+
+use crate::check_library::{OLDEST_GLIBC, check_exports, newest_glibc, portability_faults};
+use crate::pack::{self, Binaries, Standard};
+use crate::platform::Platform;
+use crate::python::{self, Python};
+use crate::workspace::{Workspace, run as run_command};
+
+/// The two archives, and the library that is in them.
+pub struct Fmus {
+    pub fmi3: PathBuf,
+    pub fmi2: PathBuf,
+    pub library: PathBuf,
+}
+
+/// Builds the library, packs it for both standards with the binaries that `merge` brings, and says what was made.
+pub fn run(workspace: &Workspace, merge: &[PathBuf]) -> Result<Fmus> {
+    pack::check_sources(workspace)?;
+    let host = Platform::host()?;
+    let library = build(workspace, host)?;
+    let mut binaries: Binaries = BTreeMap::new();
+    for other in merge {
+        binaries.append(&mut pack::binaries_of(workspace, other)?);
+    }
+    binaries.insert(host, fs::read(&library)?);
+
+    let folder = workspace.target("fmu");
+    let mut written = Vec::new();
+    for standard in [Standard::Fmi3, Standard::Fmi2] {
+        let path = folder.join(standard.archive_name());
+        let archive = pack::assemble(workspace, standard, &binaries)?;
+        archive.write(&path)?;
+        let platforms: Vec<_> = binaries.keys().map(|platform| platform.fmi3).collect();
+        let size = fs::metadata(&path)?.len() / 1024;
+        eprintln!(
+            "packed {} ({size} KiB; {})",
+            workspace.shown(&path),
+            platforms.join(", ")
+        );
+        written.push(path);
+    }
+    let [fmi3, fmi2] = <[PathBuf; 2]>::try_from(written).expect("one archive per standard");
+    Ok(Fmus {
+        fmi3,
+        fmi2,
+        library,
+    })
+}
+
+/// Builds the library for this machine's platform and checks it. On Linux it is linked against an old C library; where
+/// that cannot be had, the build says aloud that the result is for this machine and newer ones only.
+fn build(workspace: &Workspace, host: &Platform) -> Result<PathBuf> {
+    let (prefix, suffix) = host.library;
+    let built = workspace
+        .target(host.triple)
+        .join("release")
+        .join(format!("{prefix}glidepolar_fmu{suffix}"));
+
+    let portable = if host.is_linux() {
+        portable_cargo(workspace, host)
+    } else {
+        None
+    };
+    let is_portable = portable.is_some();
+    let mut command = portable.unwrap_or_else(|| {
+        let mut command = workspace.cargo();
+        command.args(["build", "--target", host.triple]);
+        command
+    });
+    command.args(["--release", "--package", "glidepolar-fmu", "--lib"]);
+    command.env("CARGO_PROFILE_RELEASE_STRIP", "symbols");
+    command.env(
+        "CARGO_ENCODED_RUSTFLAGS",
+        rustc_flags(workspace, host).join("\x1f"),
+    );
+    run_command(&mut command)?;
+
+    let bytes = fs::read(&built)
+        .with_context(|| format!("cargo did not leave {}", workspace.shown(&built)))?;
+    check_exports(&bytes)?;
+    if host.is_linux() {
+        check_portable(workspace, &built, &bytes, is_portable)?;
+    }
+    Ok(built)
+}
+
+/// `cargo zigbuild` from the Python environment, for this platform with the old C library; `None`, said aloud, if that
+/// is not to be had here.
+fn portable_cargo(workspace: &Workspace, host: &Platform) -> Option<Command> {
+    let warn = |reason: String| {
+        eprintln!(
+            "WARNING: {reason}.\n         The FMU is built against this machine's C library instead."
+        );
+    };
+    let python: Python = python::ensure(workspace)
+        .map_err(|error| warn(format!("{error:#}")))
+        .ok()?;
+    let zigbuild = python.tool("cargo-zigbuild");
+    if !zigbuild.is_file() {
+        warn(format!(
+            "cargo-zigbuild is not among the packages in {}",
+            workspace.shown(&zigbuild)
+        ));
+        return None;
+    }
+    let mut command = workspace.command(zigbuild);
+    command
+        .arg("zigbuild")
+        .arg("--target")
+        .arg(format!("{}.{OLDEST_GLIBC}", host.triple));
+    // The linker is the one of the ziglang package, wherever another may be installed.
+    command.env("CARGO_ZIGBUILD_PYTHON_PATH", python.interpreter());
+    Some(command)
+}
+
+/// Flags that keep this machine out of the binary: no paths of it in the messages, on Windows no runtime library to
+/// install first.
+fn rustc_flags(workspace: &Workspace, host: &Platform) -> Vec<String> {
+    let mut flags = vec![format!(
+        "--remap-path-prefix={}=glidepolar",
+        workspace.path("").display()
+    )];
+    let home = |variable: &str, below: &str| {
+        std::env::var_os(variable)
+            .map(PathBuf::from)
+            .or_else(|| Some(std::env::home_dir()?.join(below)))
+    };
+    if let Some(cargo) = home("CARGO_HOME", ".cargo") {
+        flags.push(format!("--remap-path-prefix={}=cargo", cargo.display()));
+    }
+    if host.triple.ends_with("windows-msvc") {
+        flags.push("-Ctarget-feature=+crt-static".to_owned());
+    }
+    flags
+}
+
+fn check_portable(workspace: &Workspace, path: &Path, bytes: &[u8], must_be: bool) -> Result<()> {
+    let faults = portability_faults(bytes)?;
+    if faults.is_empty() {
+        if let Some(newest) = newest_glibc(bytes)? {
+            eprintln!(
+                "{} loads with glibc {newest} or newer and needs nothing else",
+                workspace.shown(path)
+            );
+        }
+        return Ok(());
+    }
+    let faults = faults.join("\n  - ");
+    if must_be {
+        bail!(
+            "{} does not load on every Linux machine:\n  - {faults}",
+            workspace.shown(path)
+        );
+    }
+    eprintln!("WARNING: this FMU does not load on every Linux machine:\n  - {faults}");
+    Ok(())
+}

@@ -1,0 +1,239 @@
+//! What lies where in an FMU: the two standards' archives put together from the checkout and the built libraries.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use glidepolar_archive::{Archive, Limits};
+
+use crate::check_library::is_built_for;
+use crate::platform::{PLATFORMS, Platform};
+use crate::workspace::Workspace;
+
+/// The name of the library inside the archives, as both model descriptions state it.
+const MODEL_IDENTIFIER: &str = "UnderwaterGlider";
+const DESCRIPTION: &str = "modelDescription.xml";
+
+/// The shared library's bytes for each platform.
+pub type Binaries = BTreeMap<&'static Platform, Vec<u8>>;
+
+/// The two versions of the standard; each has an archive of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Standard {
+    Fmi2,
+    Fmi3,
+}
+
+use Standard::{Fmi2, Fmi3};
+
+/// Where the parts of an archive come from (a file or a folder, from the checkout's root), which archives they go into
+/// and under what name; `""` is the archive's root.
+const PARTS: [(&str, &[Standard], &str); 9] = [
+    ("modelDescription/fmi2", &[Fmi2], ""),
+    ("modelDescription/fmi3", &[Fmi3], ""),
+    (
+        "modelDescription/documentation",
+        &[Fmi2, Fmi3],
+        "documentation",
+    ),
+    ("modelDescription/icon.png", &[Fmi2], "model.png"),
+    (
+        "modelDescription/icon.png",
+        &[Fmi3],
+        "terminalsAndIcons/icon.png",
+    ),
+    (
+        "vehicles/slocum-graver.toml",
+        &[Fmi2, Fmi3],
+        "resources/vehicle.toml",
+    ),
+    (
+        "modelDescription/license.txt",
+        &[Fmi2, Fmi3],
+        "documentation/licenses/license.txt",
+    ),
+    (
+        "LICENSE-MIT",
+        &[Fmi2, Fmi3],
+        "documentation/licenses/LICENSE-MIT.txt",
+    ),
+    (
+        "LICENSE-APACHE",
+        &[Fmi2, Fmi3],
+        "documentation/licenses/LICENSE-APACHE.txt",
+    ),
+];
+
+/// Files without which there is no archive, beside the [`PARTS`] themselves.
+const REQUIRED: [&str; 3] = [
+    "modelDescription/fmi2/modelDescription.xml",
+    "modelDescription/fmi3/modelDescription.xml",
+    "modelDescription/documentation/index.html",
+];
+
+impl Standard {
+    pub fn archive_name(self) -> &'static str {
+        match self {
+            Fmi2 => "UnderwaterGlider_fmi2.fmu",
+            Fmi3 => "UnderwaterGlider.fmu",
+        }
+    }
+
+    fn description(self) -> &'static str {
+        match self {
+            Fmi2 => "modelDescription/fmi2/modelDescription.xml",
+            Fmi3 => "modelDescription/fmi3/modelDescription.xml",
+        }
+    }
+
+    fn folder(self, platform: &Platform) -> &'static str {
+        match self {
+            Fmi2 => platform.fmi2,
+            Fmi3 => platform.fmi3,
+        }
+    }
+}
+
+/// Fails, naming every one, if files that belong into the archives are missing from the checkout.
+pub fn check_sources(workspace: &Workspace) -> Result<()> {
+    let mut missing: Vec<&str> = PARTS
+        .iter()
+        .map(|(from, ..)| *from)
+        .chain(REQUIRED)
+        .collect();
+    missing.retain(|path| !workspace.path(path).exists());
+    missing.dedup();
+    if !missing.is_empty() {
+        bail!(
+            "the FMU cannot be packed, these files are missing from the checkout:\n  {}",
+            missing.join("\n  ")
+        );
+    }
+    Ok(())
+}
+
+/// One standard's archive.
+pub fn assemble(workspace: &Workspace, standard: Standard, binaries: &Binaries) -> Result<Archive> {
+    let mut archive = Archive::new();
+    for (from, standards, to) in PARTS {
+        if standards.contains(&standard) {
+            insert_tree(&mut archive, &workspace.path(from), to)?;
+        }
+    }
+    for (platform, library) in binaries {
+        let file = platform.file_name(MODEL_IDENTIFIER);
+        archive.insert(
+            &format!("binaries/{}/{file}", standard.folder(platform)),
+            library.clone(),
+        )?;
+    }
+    if standard == Fmi2 {
+        insert_for_old_importers(&mut archive, binaries)?;
+    }
+    Ok(archive)
+}
+
+/// The binaries that somebody else's archive brings. It must have been packed from the same model description: the
+/// library refuses to start under another's token. Whichever standard it was packed for, its library serves both.
+pub fn binaries_of(workspace: &Workspace, path: &Path) -> Result<Binaries> {
+    let archive = Archive::read(path, &Limits::default())?;
+    let description = archive
+        .get(DESCRIPTION)
+        .with_context(|| format!("{} has no {DESCRIPTION}: it is no FMU", path.display()))?;
+    let mut standard = None;
+    for candidate in [Fmi2, Fmi3] {
+        if same_text(
+            description,
+            &fs::read(workspace.path(candidate.description()))?,
+        ) {
+            standard = Some(candidate);
+        }
+    }
+    let standard = standard.with_context(|| {
+        format!(
+            "{} was packed from another state of the project: its {DESCRIPTION} is neither of those in \
+             modelDescription/. Pack it again from this commit",
+            path.display()
+        )
+    })?;
+
+    let mut binaries = Binaries::new();
+    for platform in &PLATFORMS {
+        let name = format!(
+            "binaries/{}/{}",
+            standard.folder(platform),
+            platform.file_name(MODEL_IDENTIFIER)
+        );
+        match archive.get(&name) {
+            // The folder may hold a copy for old importers on another machine.
+            Some(library) if is_built_for(library, platform) => {
+                binaries.insert(platform, library.to_vec());
+            }
+            Some(_) => eprintln!(
+                "{}: {name} is not for {}, left out",
+                path.display(),
+                platform.fmi3
+            ),
+            None => {}
+        }
+    }
+    if binaries.is_empty() {
+        bail!(
+            "{} has no binary of a platform that is known here",
+            path.display()
+        );
+    }
+    Ok(binaries)
+}
+
+/// Importers older than FMI 2.0.4 know no folders but those of x86; on other machines they look there.
+fn insert_for_old_importers(archive: &mut Archive, binaries: &Binaries) -> Result<()> {
+    for (platform, library) in binaries {
+        let Some(folder) = platform.fmi2_old else {
+            continue;
+        };
+        let name = format!("binaries/{folder}/{}", platform.file_name(MODEL_IDENTIFIER));
+        if archive.get(&name).is_none() {
+            archive.insert(&name, library.clone())?;
+        }
+    }
+    Ok(())
+}
+
+fn insert_tree(archive: &mut Archive, from: &Path, to: &str) -> Result<()> {
+    if from.is_file() {
+        let contents = fs::read(from).with_context(|| format!("cannot read {}", from.display()))?;
+        return archive
+            .insert(to, contents)
+            .with_context(|| format!("cannot pack {}", from.display()));
+    }
+    let mut entries: Vec<PathBuf> = fs::read_dir(from)
+        .and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect())
+        .with_context(|| format!("cannot read {}", from.display()))?;
+    entries.sort();
+    for entry in entries {
+        let name = entry
+            .file_name()
+            .and_then(|name| name.to_str())
+            .context("a file name is not UTF-8")?;
+        let below = if to.is_empty() {
+            name.to_owned()
+        } else {
+            format!("{to}/{name}")
+        };
+        insert_tree(archive, &entry, &below)?;
+    }
+    Ok(())
+}
+
+/// Equal but for the line ends that a checkout on Windows may have changed.
+fn same_text(one: &[u8], other: &[u8]) -> bool {
+    let letters = |text: &[u8]| {
+        text.iter()
+            .copied()
+            .filter(|byte| *byte != b'\r')
+            .collect::<Vec<_>>()
+    };
+    letters(one) == letters(other)
+}
