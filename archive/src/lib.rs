@@ -64,9 +64,7 @@ impl Archive {
 
     /// Names and contents, sorted by name.
     pub fn entries(&self) -> impl Iterator<Item = (&str, &[u8])> {
-        self.entries
-            .iter()
-            .map(|(name, contents)| (name.as_str(), contents.as_slice()))
+        self.entries.iter().map(|(name, contents)| (name.as_str(), contents.as_slice()))
     }
 }
 
@@ -85,11 +83,7 @@ pub struct Limits {
 impl Default for Limits {
     /// Room for an FMU with binaries for many platforms, and for little more: 10,000 entries, 256 MiB each, 1 GiB in all.
     fn default() -> Self {
-        Self {
-            entries: 10_000,
-            entry_bytes: 256 << 20,
-            total_bytes: 1 << 30,
-        }
+        Self { entries: 10_000, entry_bytes: 256 << 20, total_bytes: 1 << 30 }
     }
 }
 

@@ -13,14 +13,10 @@ pub enum NameFault {
     #[error("the name is an absolute path; names in an archive are relative to its root")]
     Absolute,
     /// It has `.` or `..` in it, or an empty part.
-    #[error(
-        "the name has a part that is empty, '.' or '..'; it could lead out of the folder it is unpacked to"
-    )]
+    #[error("the name has a part that is empty, '.' or '..'; it could lead out of the folder it is unpacked to")]
     Wandering,
     /// It has a character that some system takes for a separator, a drive or an end.
-    #[error(
-        "the name has a {0:?}, which some systems read as a separator, a drive or an end; use '/' between folders"
-    )]
+    #[error("the name has a {0:?}, which some systems read as a separator, a drive or an end; use '/' between folders")]
     Character(char),
 }
 
@@ -33,10 +29,7 @@ pub fn check_name(name: &str) -> Result<(), NameFault> {
     if name.starts_with('/') || Path::new(name).is_absolute() {
         return Err(NameFault::Absolute);
     }
-    if let Some(bad) = name
-        .chars()
-        .find(|c| matches!(c, '\\' | ':') || c.is_control())
-    {
+    if let Some(bad) = name.chars().find(|c| matches!(c, '\\' | ':') || c.is_control()) {
         return Err(NameFault::Character(bad));
     }
     if name.split('/').any(|part| matches!(part, "" | "." | "..")) {
@@ -51,12 +44,7 @@ mod tests {
 
     #[test]
     fn plain_relative_names_are_allowed() {
-        for name in [
-            "modelDescription.xml",
-            "binaries/x86_64-linux/UnderwaterGlider.so",
-            "a..b/c.d",
-            "été/ü",
-        ] {
+        for name in ["modelDescription.xml", "binaries/x86_64-linux/UnderwaterGlider.so", "a..b/c.d", "été/ü"] {
             assert_eq!(check_name(name), Ok(()), "{name}");
         }
     }

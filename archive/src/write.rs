@@ -12,12 +12,8 @@ impl Archive {
     /// Writes the archive to a file, whole or not at all: a file that was there before is replaced only by a complete
     /// one.
     pub fn write(&self, path: &Path) -> Result<(), ArchiveError> {
-        write_whole(path, |file| self.write_to(io::BufWriter::new(file))).map_err(|source| {
-            ArchiveError::Write {
-                path: path.to_owned(),
-                source,
-            }
-        })
+        write_whole(path, |file| self.write_to(io::BufWriter::new(file)))
+            .map_err(|source| ArchiveError::Write { path: path.to_owned(), source })
     }
 
     /// Writes the archive's bytes: entries sorted by name, the first moment that a zip archive can express (1980) as

@@ -6,15 +6,9 @@ use glidepolar_archive::{Archive, Limits, write_whole};
 
 fn glider() -> Archive {
     let mut archive = Archive::new();
-    archive
-        .insert("resources/vehicle.toml", "name = \"rogue\"")
-        .unwrap();
-    archive
-        .insert("modelDescription.xml", "<fmiModelDescription/>")
-        .unwrap();
-    archive
-        .insert("binaries/linux64/UnderwaterGlider.so", vec![7u8; 100_000])
-        .unwrap();
+    archive.insert("resources/vehicle.toml", "name = \"rogue\"").unwrap();
+    archive.insert("modelDescription.xml", "<fmiModelDescription/>").unwrap();
+    archive.insert("binaries/linux64/UnderwaterGlider.so", vec![7u8; 100_000]).unwrap();
     archive
 }
 
@@ -44,14 +38,7 @@ fn the_zip_crate_finds_sorted_names_and_the_fixed_time() {
         assert_eq!(entry.unix_mode().map(|mode| mode & 0o777), Some(0o644));
         names.push(entry.name().unwrap().into_owned());
     }
-    assert_eq!(
-        names,
-        [
-            "binaries/linux64/UnderwaterGlider.so",
-            "modelDescription.xml",
-            "resources/vehicle.toml"
-        ]
-    );
+    assert_eq!(names, ["binaries/linux64/UnderwaterGlider.so", "modelDescription.xml", "resources/vehicle.toml"]);
 }
 
 #[test]
@@ -73,11 +60,7 @@ fn a_failure_half_way_leaves_the_old_file_and_nothing_else() {
     });
     assert_eq!(failed.unwrap_err().to_string(), "the disk is full");
     assert_eq!(std::fs::read(&path).unwrap(), b"old");
-    assert_eq!(
-        std::fs::read_dir(folder.path()).unwrap().count(),
-        1,
-        "a temporary file was left behind"
-    );
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "a temporary file was left behind");
 }
 
 #[cfg(unix)]

@@ -18,10 +18,7 @@ fn sample(bytes: &[u8]) -> Sample {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("stranger.fmu");
     std::fs::write(&path, bytes).unwrap();
-    Sample {
-        _folder: folder,
-        path,
-    }
+    Sample { _folder: folder, path }
 }
 
 fn zip_with(build: impl FnOnce(&mut ZipWriter<Cursor<Vec<u8>>>)) -> Vec<u8> {
@@ -41,12 +38,8 @@ fn zip_of(names: &[&str]) -> Vec<u8> {
 
 fn replace_all(bytes: &mut [u8], from: &[u8], to: &[u8]) {
     assert_eq!(from.len(), to.len());
-    let places: Vec<usize> = bytes
-        .windows(from.len())
-        .enumerate()
-        .filter(|(_, w)| *w == from)
-        .map(|(i, _)| i)
-        .collect();
+    let places: Vec<usize> =
+        bytes.windows(from.len()).enumerate().filter(|(_, w)| *w == from).map(|(i, _)| i).collect();
     assert!(!places.is_empty());
     for place in places {
         bytes[place..place + to.len()].copy_from_slice(to);
@@ -60,17 +53,12 @@ fn read(bytes: &[u8]) -> Result<Archive, ArchiveError> {
 #[test]
 fn an_ordinary_archive_with_folders_is_read() {
     let bytes = zip_with(|zip| {
-        zip.add_directory("binaries/", SimpleFileOptions::default())
-            .unwrap();
-        zip.start_file("binaries/x.so", SimpleFileOptions::default())
-            .unwrap();
+        zip.add_directory("binaries/", SimpleFileOptions::default()).unwrap();
+        zip.start_file("binaries/x.so", SimpleFileOptions::default()).unwrap();
         zip.write_all(b"ELF").unwrap();
     });
     let archive = read(&bytes).unwrap();
-    assert_eq!(
-        archive.entries().collect::<Vec<_>>(),
-        [("binaries/x.so", b"ELF".as_slice())]
-    );
+    assert_eq!(archive.entries().collect::<Vec<_>>(), [("binaries/x.so", b"ELF".as_slice())]);
 }
 
 #[test]
@@ -87,11 +75,7 @@ fn names_that_lead_out_of_the_archive_are_refused() {
         let mut bytes = zip_of(&[&harmless]);
         replace_all(&mut bytes, harmless.as_bytes(), bad.as_bytes());
         match read(&bytes) {
-            Err(ArchiveError::Entry {
-                entry,
-                fault: EntryFault::Name(found),
-                ..
-            }) => {
+            Err(ArchiveError::Entry { entry, fault: EntryFault::Name(found), .. }) => {
                 assert_eq!((entry.as_str(), found), (bad, fault));
             }
             other => panic!("{bad}: {other:?}"),
@@ -102,16 +86,9 @@ fn names_that_lead_out_of_the_archive_are_refused() {
 #[test]
 fn a_link_is_refused() {
     let bytes = zip_with(|zip| {
-        zip.add_symlink("binaries/x.so", "/etc/passwd", SimpleFileOptions::default())
-            .unwrap();
+        zip.add_symlink("binaries/x.so", "/etc/passwd", SimpleFileOptions::default()).unwrap();
     });
-    assert!(matches!(
-        read(&bytes),
-        Err(ArchiveError::Entry {
-            fault: EntryFault::Link,
-            ..
-        })
-    ));
+    assert!(matches!(read(&bytes), Err(ArchiveError::Entry { fault: EntryFault::Link, .. })));
 }
 
 #[test]
@@ -126,38 +103,24 @@ fn two_entries_of_one_name_are_refused() {
 #[test]
 fn a_bomb_is_not_unpacked() {
     let bytes = zip_with(|zip| {
-        zip.start_file("bomb", SimpleFileOptions::default())
-            .unwrap();
+        zip.start_file("bomb", SimpleFileOptions::default()).unwrap();
         zip.write_all(&vec![0; 4 << 20]).unwrap();
     });
-    assert!(
-        bytes.len() < 10_000,
-        "4 MiB of zeros pack to {} bytes",
-        bytes.len()
-    );
-    let limits = Limits {
-        entry_bytes: 1 << 20,
-        ..Limits::default()
-    };
+    assert!(bytes.len() < 10_000, "4 MiB of zeros pack to {} bytes", bytes.len());
+    let limits = Limits { entry_bytes: 1 << 20, ..Limits::default() };
     let error = Archive::read(&sample(&bytes).path, &limits).unwrap_err();
-    assert!(
-        matches!(error, ArchiveError::Entry { fault: EntryFault::TooLarge(limit), .. } if limit == 1 << 20)
-    );
+    assert!(matches!(error, ArchiveError::Entry { fault: EntryFault::TooLarge(limit), .. } if limit == 1 << 20));
 }
 
 #[test]
 fn a_bomb_that_lies_about_its_size_is_not_unpacked() {
     let size = 4u32 << 20;
     let mut bytes = zip_with(|zip| {
-        zip.start_file("bomb", SimpleFileOptions::default())
-            .unwrap();
+        zip.start_file("bomb", SimpleFileOptions::default()).unwrap();
         zip.write_all(&vec![0; size as usize]).unwrap();
     });
     replace_all(&mut bytes, &size.to_le_bytes(), &16u32.to_le_bytes());
-    let limits = Limits {
-        entry_bytes: 1 << 20,
-        ..Limits::default()
-    };
+    let limits = Limits { entry_bytes: 1 << 20, ..Limits::default() };
     // Refused as damaged or as too large: either way no more than the limit is ever held.
     assert!(Archive::read(&sample(&bytes).path, &limits).is_err());
 }
@@ -166,64 +129,39 @@ fn a_bomb_that_lies_about_its_size_is_not_unpacked() {
 fn many_files_that_are_large_together_are_refused() {
     let bytes = zip_with(|zip| {
         for index in 0..8 {
-            zip.start_file(format!("part-{index}"), SimpleFileOptions::default())
-                .unwrap();
+            zip.start_file(format!("part-{index}"), SimpleFileOptions::default()).unwrap();
             zip.write_all(&vec![0; 1 << 20]).unwrap();
         }
     });
-    let limits = Limits {
-        entry_bytes: 2 << 20,
-        total_bytes: 4 << 20,
-        ..Limits::default()
-    };
+    let limits = Limits { entry_bytes: 2 << 20, total_bytes: 4 << 20, ..Limits::default() };
     let error = Archive::read(&sample(&bytes).path, &limits).unwrap_err();
-    assert!(
-        matches!(error, ArchiveError::TooLarge { what: "bytes", .. }),
-        "{error}"
-    );
+    assert!(matches!(error, ArchiveError::TooLarge { what: "bytes", .. }), "{error}");
 
-    let limits = Limits {
-        entries: 7,
-        ..Limits::default()
-    };
+    let limits = Limits { entries: 7, ..Limits::default() };
     let error = Archive::read(&sample(&bytes).path, &limits).unwrap_err();
-    assert!(
-        matches!(error, ArchiveError::TooLarge { what: "files", .. }),
-        "{error}"
-    );
+    assert!(matches!(error, ArchiveError::TooLarge { what: "files", .. }), "{error}");
 }
 
 #[test]
 fn a_damaged_byte_is_noticed() {
     let text = b"the glide polar is the curve that decides how a glider flies";
     let mut bytes = zip_with(|zip| {
-        let stored =
-            SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
+        let stored = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
         zip.start_file("notes.txt", stored).unwrap();
         zip.write_all(text).unwrap();
     });
     replace_all(&mut bytes, b"glide polar", b"glide_polar");
-    assert!(matches!(
-        read(&bytes),
-        Err(ArchiveError::Entry {
-            fault: EntryFault::Damaged(_),
-            ..
-        })
-    ));
+    assert!(matches!(read(&bytes), Err(ArchiveError::Entry { fault: EntryFault::Damaged(_), .. })));
 }
 
 #[test]
 fn no_archive_at_all_and_every_truncation_are_errors_not_panics() {
-    assert!(matches!(
-        read(b"not a zip"),
-        Err(ArchiveError::NotAnArchive { .. })
-    ));
+    assert!(matches!(read(b"not a zip"), Err(ArchiveError::NotAnArchive { .. })));
     assert!(matches!(read(b""), Err(ArchiveError::NotAnArchive { .. })));
     let bytes = zip_of(&["a/b.txt", "c.txt"]);
     for length in 0..bytes.len() {
         assert!(read(&bytes[..length]).is_err(), "cut after {length} bytes");
     }
-    let missing =
-        Archive::read(&PathBuf::from("no/such/file.fmu"), &Limits::default()).unwrap_err();
+    let missing = Archive::read(&PathBuf::from("no/such/file.fmu"), &Limits::default()).unwrap_err();
     assert!(missing.to_string().contains("no/such/file.fmu"));
 }

@@ -14,21 +14,11 @@ use crate::platform::Platform;
 pub const OLDEST_GLIBC: GlibcVersion = GlibcVersion([2, 28, 0]);
 
 /// The C library's own parts, by the names they are loaded by; nothing else is on every Linux machine.
-const PARTS_OF_GLIBC: [&str; 5] = [
-    "libc.so",
-    "libm.so",
-    "libpthread.so",
-    "libdl.so",
-    "ld-linux",
-];
+const PARTS_OF_GLIBC: [&str; 5] = ["libc.so", "libm.so", "libpthread.so", "libdl.so", "ld-linux"];
 
 /// One function of each standard and interface. Whether all are there is for the tests of the FMU to say; without these
 /// the file is no FMU's library at all.
-const EXPORTS: [&str; 3] = [
-    "fmi2Instantiate",
-    "fmi3InstantiateCoSimulation",
-    "fmi3InstantiateModelExchange",
-];
+const EXPORTS: [&str; 3] = ["fmi2Instantiate", "fmi3InstantiateCoSimulation", "fmi3InstantiateModelExchange"];
 
 /// A version of the GNU C library, as in `GLIBC_2.28`.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -53,11 +43,7 @@ impl fmt::Display for GlibcVersion {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [major, minor, patch] = self.0;
         write!(f, "{major}.{minor}")?;
-        if patch == 0 {
-            Ok(())
-        } else {
-            write!(f, ".{patch}")
-        }
+        if patch == 0 { Ok(()) } else { write!(f, ".{patch}") }
     }
 }
 
@@ -69,18 +55,12 @@ pub fn check_exports(library: &[u8]) -> Result<()> {
         let export = export?;
         if let NameOrOrdinal::Name(name) = export.name() {
             // On macOS names begin with an underscore.
-            let name = name
-                .strip_prefix(b"_")
-                .filter(|_| cfg!(target_os = "macos"))
-                .unwrap_or(name);
+            let name = name.strip_prefix(b"_").filter(|_| cfg!(target_os = "macos")).unwrap_or(name);
             missing.retain(|wanted| wanted.as_bytes() != name);
         }
     }
     if !missing.is_empty() {
-        bail!(
-            "the built library does not export {}: it is no FMU's library",
-            missing.join(", ")
-        );
+        bail!("the built library does not export {}: it is no FMU's library", missing.join(", "));
     }
     Ok(())
 }
@@ -112,25 +92,18 @@ pub fn portability_faults(library: &[u8]) -> Result<Vec<String>> {
     let mut faults = Vec::new();
     for library in &needs.libraries {
         if !PARTS_OF_GLIBC.iter().any(|part| library.starts_with(part)) {
-            faults.push(format!(
-                "it needs {library}, which is no part of the C library"
-            ));
+            faults.push(format!("it needs {library}, which is no part of the C library"));
         }
     }
     for (version, symbols) in &needs.versions {
-        let symbols = if symbols.is_empty() {
-            "the loader".to_owned()
-        } else {
-            symbols.join(", ")
-        };
+        let symbols = if symbols.is_empty() { "the loader".to_owned() } else { symbols.join(", ") };
         match GlibcVersion::parse(version) {
             Some(found) if found > OLDEST_GLIBC => {
-                faults.push(format!(
-                    "it needs glibc {found} or newer (for {symbols}); the limit is {OLDEST_GLIBC}"
-                ));
+                faults.push(format!("it needs glibc {found} or newer (for {symbols}); the limit is {OLDEST_GLIBC}"));
             }
             None if version.starts_with("GLIBC_") => {
-                faults.push(format!("it needs {version} (for {symbols}), which only newer or special C libraries have"));
+                faults
+                    .push(format!("it needs {version} (for {symbols}), which only newer or special C libraries have"));
             }
             _ => {}
         }
@@ -140,11 +113,7 @@ pub fn portability_faults(library: &[u8]) -> Result<Vec<String>> {
 
 /// The newest numbered version of the C library that a Linux library asks for.
 pub fn newest_glibc(library: &[u8]) -> Result<Option<GlibcVersion>> {
-    Ok(Needs::of(library)?
-        .versions
-        .keys()
-        .filter_map(|name| GlibcVersion::parse(name))
-        .max())
+    Ok(Needs::of(library)?.versions.keys().filter_map(|name| GlibcVersion::parse(name)).max())
 }
 
 /// What an ELF library asks the loader for.
@@ -173,29 +142,19 @@ impl Needs {
             for need in needs {
                 let (_, required) = need?;
                 for version in required {
-                    versions
-                        .entry(text(version?.name(endian, strings)?))
-                        .or_default();
+                    versions.entry(text(version?.name(endian, strings)?)).or_default();
                 }
             }
         }
         for import in file.imports()? {
             let import = import?;
-            if let (
-                NameOrOrdinal::Name(name),
-                ImportFlags::Elf {
-                    version: Some(version),
-                    ..
-                },
-            ) = (import.name(), import.flags())
+            if let (NameOrOrdinal::Name(name), ImportFlags::Elf { version: Some(version), .. }) =
+                (import.name(), import.flags())
             {
                 versions.entry(text(version)).or_default().push(text(name));
             }
         }
-        Ok(Self {
-            libraries,
-            versions,
-        })
+        Ok(Self { libraries, versions })
     }
 }
 
@@ -217,16 +176,9 @@ mod tests {
 
     #[test]
     fn other_names_are_no_versions() {
-        for name in [
-            "GLIBC_PRIVATE",
-            "GLIBC_ABI_DT_RELR",
-            "GCC_3.0",
-            "GLIBC_2",
-            "GLIBC_2.",
-            "GLIBC_2.3.4.5",
-            "",
-            "2.28",
-        ] {
+        for name in
+            ["GLIBC_PRIVATE", "GLIBC_ABI_DT_RELR", "GCC_3.0", "GLIBC_2", "GLIBC_2.", "GLIBC_2.3.4.5", "", "2.28"]
+        {
             assert!(GlibcVersion::parse(name).is_none(), "{name}");
         }
     }
@@ -238,10 +190,7 @@ mod tests {
     fn a_plain_build_is_found_to_need_libgcc() {
         let program = std::fs::read(std::env::current_exe().unwrap()).unwrap();
         let faults = portability_faults(&program).unwrap();
-        assert!(
-            faults.iter().any(|fault| fault.contains("libgcc_s.so.1")),
-            "{faults:?}"
-        );
+        assert!(faults.iter().any(|fault| fault.contains("libgcc_s.so.1")), "{faults:?}");
         assert!(newest_glibc(&program).unwrap().is_some());
         assert!(check_exports(&program).is_err());
     }
@@ -251,12 +200,7 @@ mod tests {
         let program = std::fs::read(std::env::current_exe().unwrap()).unwrap();
         let host = Platform::host().unwrap();
         for platform in &PLATFORMS {
-            assert_eq!(
-                is_built_for(&program, platform),
-                platform == host,
-                "{}",
-                platform.fmi3
-            );
+            assert_eq!(is_built_for(&program, platform), platform == host, "{}", platform.fmi3);
         }
         assert!(!is_built_for(b"not a program", host));
     }

@@ -61,23 +61,11 @@ const PACKAGES: [Package; 3] = [
         licence: "Apache-2.0",
         folder: "pyglider",
         files: &[
-            (
-                "tests/example-data/example-slocum-littleendian/cac/",
-                "maria997/cac/",
-            ),
-            (
-                "tests/example-data/example-slocum-littleendian/realtime_raw/",
-                "maria997/",
-            ),
-            (
-                "tests/example-data/example-slocum-littleendian/dfo-maria997_sensors.txt",
-                "maria997/sensors.txt",
-            ),
+            ("tests/example-data/example-slocum-littleendian/cac/", "maria997/cac/"),
+            ("tests/example-data/example-slocum-littleendian/realtime_raw/", "maria997/"),
+            ("tests/example-data/example-slocum-littleendian/dfo-maria997_sensors.txt", "maria997/sensors.txt"),
             ("tests/expected/example-slocum/L0-timeseries/", "rosie713/"),
-            (
-                "tests/expected/example-slocum/L0-timeseries-og10/",
-                "rosie713-og10/",
-            ),
+            ("tests/expected/example-slocum/L0-timeseries-og10/", "rosie713-og10/"),
             ("tests/data/l0-timeseries/", "eva035/"),
             ("LICENSE", "LICENSE"),
         ],
@@ -103,12 +91,7 @@ pub fn run(workspace: &Workspace) -> Result<()> {
         let count = unpack(archive.as_slice(), package, &folder)
             .with_context(|| format!("the source package {} {}", package.name, package.version))?;
         write_whole(&complete, |file| file.write_all(source.as_bytes()))?;
-        println!(
-            "{}: {count} files. {}. Licence: {}",
-            workspace.shown(&folder),
-            package.what,
-            package.licence
-        );
+        println!("{}: {count} files. {}. Licence: {}", workspace.shown(&folder), package.what, package.licence);
     }
     Ok(())
 }
@@ -118,14 +101,8 @@ fn download(workspace: &Workspace, python: &Python, package: &Package) -> Result
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("package.tar.gz");
     let script = workspace.path("xtask/python/fetch_sdist.py");
-    run_command(
-        workspace
-            .command(python.interpreter())
-            .arg(script)
-            .args([package.name, package.version])
-            .arg(&path),
-    )
-    .with_context(|| format!("cannot download {} {}", package.name, package.version))?;
+    run_command(workspace.command(python.interpreter()).arg(script).args([package.name, package.version]).arg(&path))
+        .with_context(|| format!("cannot download {} {}", package.name, package.version))?;
     let bytes = fs::read(&path)?;
     let found = hex(&Sha256::digest(&bytes));
     if found != package.sha256 {
@@ -149,10 +126,8 @@ fn unpack(archive: impl Read, package: &Package, folder: &Path) -> Result<usize>
         let Some((_, inside)) = path.split_once('/') else {
             continue;
         };
-        let Some(name) = package
-            .files
-            .iter()
-            .find_map(|(from, to)| Some(format!("{to}{}", inside.strip_prefix(from)?)))
+        let Some(name) =
+            package.files.iter().find_map(|(from, to)| Some(format!("{to}{}", inside.strip_prefix(from)?)))
         else {
             continue;
         };
@@ -203,11 +178,7 @@ mod tests {
             // Written by hand, since the library refuses to write a path that leads elsewhere.
             header.as_old_mut().name[..path.len()].copy_from_slice(path.as_bytes());
             header.set_entry_type(*kind);
-            let contents: &[u8] = if *kind == EntryType::Regular {
-                b"readings"
-            } else {
-                b""
-            };
+            let contents: &[u8] = if *kind == EntryType::Regular { b"readings" } else { b"" };
             if *kind == EntryType::Symlink {
                 header.set_link_name("/etc/passwd").unwrap();
             }
@@ -228,14 +199,8 @@ mod tests {
             ("sample-1/data/deep/log.npy", EntryType::Regular),
             ("sample-1/LICENSE", EntryType::Regular),
         ]);
-        assert_eq!(
-            unpack(archive.as_slice(), &PACKAGE, folder.path()).unwrap(),
-            2
-        );
-        assert_eq!(
-            fs::read(folder.path().join("deep/log.npy")).unwrap(),
-            b"readings"
-        );
+        assert_eq!(unpack(archive.as_slice(), &PACKAGE, folder.path()).unwrap(), 2);
+        assert_eq!(fs::read(folder.path().join("deep/log.npy")).unwrap(), b"readings");
         assert!(!folder.path().join("setup.py").exists());
     }
 
@@ -245,14 +210,8 @@ mod tests {
         let folder = outer.path().join("data");
         for bad in ["sample-1/data/../../evil", "sample-1/data//etc/evil"] {
             let archive = package_of(&[(bad, EntryType::Regular)]);
-            let error = format!(
-                "{:#}",
-                unpack(archive.as_slice(), &PACKAGE, &folder).unwrap_err()
-            );
-            assert!(
-                error.contains("evil") && error.contains("the name"),
-                "{error}"
-            );
+            let error = format!("{:#}", unpack(archive.as_slice(), &PACKAGE, &folder).unwrap_err());
+            assert!(error.contains("evil") && error.contains("the name"), "{error}");
         }
         assert!(!outer.path().join("evil").exists());
     }
@@ -261,10 +220,7 @@ mod tests {
     fn a_link_among_the_wanted_files_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let archive = package_of(&[("sample-1/data/log.npy", EntryType::Symlink)]);
-        let error = format!(
-            "{:#}",
-            unpack(archive.as_slice(), &PACKAGE, folder.path()).unwrap_err()
-        );
+        let error = format!("{:#}", unpack(archive.as_slice(), &PACKAGE, folder.path()).unwrap_err());
         assert!(error.contains("link"), "{error}");
     }
 
@@ -276,10 +232,7 @@ mod tests {
         let archive = package_of(&[("sample-1/data/log.npy", EntryType::Regular)]);
         // The last bytes are padding, which nobody misses.
         for length in 0..archive.len() / 2 {
-            assert!(
-                unpack(&archive[..length], &PACKAGE, folder.path()).is_err(),
-                "cut after {length} bytes"
-            );
+            assert!(unpack(&archive[..length], &PACKAGE, folder.path()).is_err(), "cut after {length} bytes");
         }
     }
 
@@ -287,12 +240,7 @@ mod tests {
     fn every_package_is_pinned_by_a_whole_checksum() {
         for package in &PACKAGES {
             assert_eq!(package.sha256.len(), 64);
-            assert!(
-                package
-                    .sha256
-                    .bytes()
-                    .all(|digit| digit.is_ascii_hexdigit())
-            );
+            assert!(package.sha256.bytes().all(|digit| digit.is_ascii_hexdigit()));
         }
     }
 }

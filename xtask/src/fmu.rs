@@ -39,35 +39,20 @@ pub fn run(workspace: &Workspace, merge: &[PathBuf]) -> Result<Fmus> {
         archive.write(&path)?;
         let platforms: Vec<_> = binaries.keys().map(|platform| platform.fmi3).collect();
         let size = fs::metadata(&path)?.len() / 1024;
-        eprintln!(
-            "packed {} ({size} KiB; {})",
-            workspace.shown(&path),
-            platforms.join(", ")
-        );
+        eprintln!("packed {} ({size} KiB; {})", workspace.shown(&path), platforms.join(", "));
         written.push(path);
     }
     let [fmi3, fmi2] = <[PathBuf; 2]>::try_from(written).expect("one archive per standard");
-    Ok(Fmus {
-        fmi3,
-        fmi2,
-        library,
-    })
+    Ok(Fmus { fmi3, fmi2, library })
 }
 
 /// Builds the library for this machine's platform and checks it. On Linux it is linked against an old C library; where
 /// that cannot be had, the build says aloud that the result is for this machine and newer ones only.
 fn build(workspace: &Workspace, host: &Platform) -> Result<PathBuf> {
     let (prefix, suffix) = host.library;
-    let built = workspace
-        .target(host.triple)
-        .join("release")
-        .join(format!("{prefix}glidepolar_fmu{suffix}"));
+    let built = workspace.target(host.triple).join("release").join(format!("{prefix}glidepolar_fmu{suffix}"));
 
-    let portable = if host.is_linux() {
-        portable_cargo(workspace, host)
-    } else {
-        None
-    };
+    let portable = if host.is_linux() { portable_cargo(workspace, host) } else { None };
     let is_portable = portable.is_some();
     let mut command = portable.unwrap_or_else(|| {
         let mut command = workspace.cargo();
@@ -76,14 +61,10 @@ fn build(workspace: &Workspace, host: &Platform) -> Result<PathBuf> {
     });
     command.args(["--release", "--package", "glidepolar-fmu", "--lib"]);
     command.env("CARGO_PROFILE_RELEASE_STRIP", "symbols");
-    command.env(
-        "CARGO_ENCODED_RUSTFLAGS",
-        rustc_flags(workspace, host).join("\x1f"),
-    );
+    command.env("CARGO_ENCODED_RUSTFLAGS", rustc_flags(workspace, host).join("\x1f"));
     run_command(&mut command)?;
 
-    let bytes = fs::read(&built)
-        .with_context(|| format!("cargo did not leave {}", workspace.shown(&built)))?;
+    let bytes = fs::read(&built).with_context(|| format!("cargo did not leave {}", workspace.shown(&built)))?;
     check_exports(&bytes)?;
     if host.is_linux() {
         check_portable(workspace, &built, &bytes, is_portable)?;
@@ -95,26 +76,16 @@ fn build(workspace: &Workspace, host: &Platform) -> Result<PathBuf> {
 /// is not to be had here.
 fn portable_cargo(workspace: &Workspace, host: &Platform) -> Option<Command> {
     let warn = |reason: String| {
-        eprintln!(
-            "WARNING: {reason}.\n         The FMU is built against this machine's C library instead."
-        );
+        eprintln!("WARNING: {reason}.\n         The FMU is built against this machine's C library instead.");
     };
-    let python: Python = python::ensure(workspace)
-        .map_err(|error| warn(format!("{error:#}")))
-        .ok()?;
+    let python: Python = python::ensure(workspace).map_err(|error| warn(format!("{error:#}"))).ok()?;
     let zigbuild = python.tool("cargo-zigbuild");
     if !zigbuild.is_file() {
-        warn(format!(
-            "cargo-zigbuild is not among the packages in {}",
-            workspace.shown(&zigbuild)
-        ));
+        warn(format!("cargo-zigbuild is not among the packages in {}", workspace.shown(&zigbuild)));
         return None;
     }
     let mut command = workspace.command(zigbuild);
-    command
-        .arg("zigbuild")
-        .arg("--target")
-        .arg(format!("{}.{OLDEST_GLIBC}", host.triple));
+    command.arg("zigbuild").arg("--target").arg(format!("{}.{OLDEST_GLIBC}", host.triple));
     // The linker is the one of the ziglang package, wherever another may be installed.
     command.env("CARGO_ZIGBUILD_PYTHON_PATH", python.interpreter());
     Some(command)
@@ -123,14 +94,9 @@ fn portable_cargo(workspace: &Workspace, host: &Platform) -> Option<Command> {
 /// Flags that keep this machine out of the binary: no paths of it in the messages, on Windows no runtime library to
 /// install first.
 fn rustc_flags(workspace: &Workspace, host: &Platform) -> Vec<String> {
-    let mut flags = vec![format!(
-        "--remap-path-prefix={}=glidepolar",
-        workspace.path("").display()
-    )];
+    let mut flags = vec![format!("--remap-path-prefix={}=glidepolar", workspace.path("").display())];
     let home = |variable: &str, below: &str| {
-        std::env::var_os(variable)
-            .map(PathBuf::from)
-            .or_else(|| Some(std::env::home_dir()?.join(below)))
+        std::env::var_os(variable).map(PathBuf::from).or_else(|| Some(std::env::home_dir()?.join(below)))
     };
     if let Some(cargo) = home("CARGO_HOME", ".cargo") {
         flags.push(format!("--remap-path-prefix={}=cargo", cargo.display()));
@@ -145,19 +111,13 @@ fn check_portable(workspace: &Workspace, path: &Path, bytes: &[u8], must_be: boo
     let faults = portability_faults(bytes)?;
     if faults.is_empty() {
         if let Some(newest) = newest_glibc(bytes)? {
-            eprintln!(
-                "{} loads with glibc {newest} or newer and needs nothing else",
-                workspace.shown(path)
-            );
+            eprintln!("{} loads with glibc {newest} or newer and needs nothing else", workspace.shown(path));
         }
         return Ok(());
     }
     let faults = faults.join("\n  - ");
     if must_be {
-        bail!(
-            "{} does not load on every Linux machine:\n  - {faults}",
-            workspace.shown(path)
-        );
+        bail!("{} does not load on every Linux machine:\n  - {faults}", workspace.shown(path));
     }
     eprintln!("WARNING: this FMU does not load on every Linux machine:\n  - {faults}");
     Ok(())

@@ -16,19 +16,11 @@ pub fn build(workspace: &Workspace, skipped: &Path) -> Result<PathBuf> {
     let folder = workspace.target("importers");
     let cargo = || -> Command {
         let mut command = workspace.cargo();
-        command.args([
-            "build",
-            "--locked",
-            "--manifest-path",
-            "tests/importers/Cargo.toml",
-            "--bins",
-        ]);
+        command.args(["build", "--locked", "--manifest-path", "tests/importers/Cargo.toml", "--bins"]);
         command.arg("--target-dir").arg(&folder);
         command
     };
-    eprintln!(
-        "building the importers of tests/importers (for the first time this takes a few minutes)"
-    );
+    eprintln!("building the importers of tests/importers (for the first time this takes a few minutes)");
     // Not on the terminal: where libclang is missing, pages of a build script's complaints would hide the one line
     // that helps.
     if let Err(error) = capture(cargo().args(["--features", "fmi-sim"])) {
@@ -41,10 +33,7 @@ pub fn build(workspace: &Workspace, skipped: &Path) -> Result<PathBuf> {
             _ => "apt-get install libclang-dev",
         };
         let mut list = OpenOptions::new().append(true).create(true).open(skipped)?;
-        writeln!(
-            list,
-            "the `fmi` crate as an importer: it needs libclang ({install})"
-        )?;
+        writeln!(list, "the `fmi` crate as an importer: it needs libclang ({install})")?;
         run_command(&mut cargo())?;
     }
     Ok(folder.join("debug"))

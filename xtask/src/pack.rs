@@ -32,37 +32,13 @@ use Standard::{Fmi2, Fmi3};
 const PARTS: [(&str, &[Standard], &str); 9] = [
     ("modelDescription/fmi2", &[Fmi2], ""),
     ("modelDescription/fmi3", &[Fmi3], ""),
-    (
-        "modelDescription/documentation",
-        &[Fmi2, Fmi3],
-        "documentation",
-    ),
+    ("modelDescription/documentation", &[Fmi2, Fmi3], "documentation"),
     ("modelDescription/icon.png", &[Fmi2], "model.png"),
-    (
-        "modelDescription/icon.png",
-        &[Fmi3],
-        "terminalsAndIcons/icon.png",
-    ),
-    (
-        "vehicles/slocum-graver.toml",
-        &[Fmi2, Fmi3],
-        "resources/vehicle.toml",
-    ),
-    (
-        "modelDescription/license.txt",
-        &[Fmi2, Fmi3],
-        "documentation/licenses/license.txt",
-    ),
-    (
-        "LICENSE-MIT",
-        &[Fmi2, Fmi3],
-        "documentation/licenses/LICENSE-MIT.txt",
-    ),
-    (
-        "LICENSE-APACHE",
-        &[Fmi2, Fmi3],
-        "documentation/licenses/LICENSE-APACHE.txt",
-    ),
+    ("modelDescription/icon.png", &[Fmi3], "terminalsAndIcons/icon.png"),
+    ("vehicles/slocum-graver.toml", &[Fmi2, Fmi3], "resources/vehicle.toml"),
+    ("modelDescription/license.txt", &[Fmi2, Fmi3], "documentation/licenses/license.txt"),
+    ("LICENSE-MIT", &[Fmi2, Fmi3], "documentation/licenses/LICENSE-MIT.txt"),
+    ("LICENSE-APACHE", &[Fmi2, Fmi3], "documentation/licenses/LICENSE-APACHE.txt"),
 ];
 
 /// Files without which there is no archive, beside the [`PARTS`] themselves.
@@ -97,18 +73,11 @@ impl Standard {
 
 /// Fails, naming every one, if files that belong into the archives are missing from the checkout.
 pub fn check_sources(workspace: &Workspace) -> Result<()> {
-    let mut missing: Vec<&str> = PARTS
-        .iter()
-        .map(|(from, ..)| *from)
-        .chain(REQUIRED)
-        .collect();
+    let mut missing: Vec<&str> = PARTS.iter().map(|(from, ..)| *from).chain(REQUIRED).collect();
     missing.retain(|path| !workspace.path(path).exists());
     missing.dedup();
     if !missing.is_empty() {
-        bail!(
-            "the FMU cannot be packed, these files are missing from the checkout:\n  {}",
-            missing.join("\n  ")
-        );
+        bail!("the FMU cannot be packed, these files are missing from the checkout:\n  {}", missing.join("\n  "));
     }
     Ok(())
 }
@@ -123,10 +92,7 @@ pub fn assemble(workspace: &Workspace, standard: Standard, binaries: &Binaries) 
     }
     for (platform, library) in binaries {
         let file = platform.file_name(MODEL_IDENTIFIER);
-        archive.insert(
-            &format!("binaries/{}/{file}", standard.folder(platform)),
-            library.clone(),
-        )?;
+        archive.insert(&format!("binaries/{}/{file}", standard.folder(platform)), library.clone())?;
     }
     if standard == Fmi2 {
         insert_for_old_importers(&mut archive, binaries)?;
@@ -138,15 +104,11 @@ pub fn assemble(workspace: &Workspace, standard: Standard, binaries: &Binaries) 
 /// library refuses to start under another's token. Whichever standard it was packed for, its library serves both.
 pub fn binaries_of(workspace: &Workspace, path: &Path) -> Result<Binaries> {
     let archive = Archive::read(path, &Limits::default())?;
-    let description = archive
-        .get(DESCRIPTION)
-        .with_context(|| format!("{} has no {DESCRIPTION}: it is no FMU", path.display()))?;
+    let description =
+        archive.get(DESCRIPTION).with_context(|| format!("{} has no {DESCRIPTION}: it is no FMU", path.display()))?;
     let mut standard = None;
     for candidate in [Fmi2, Fmi3] {
-        if same_text(
-            description,
-            &fs::read(workspace.path(candidate.description()))?,
-        ) {
+        if same_text(description, &fs::read(workspace.path(candidate.description()))?) {
             standard = Some(candidate);
         }
     }
@@ -160,29 +122,18 @@ pub fn binaries_of(workspace: &Workspace, path: &Path) -> Result<Binaries> {
 
     let mut binaries = Binaries::new();
     for platform in &PLATFORMS {
-        let name = format!(
-            "binaries/{}/{}",
-            standard.folder(platform),
-            platform.file_name(MODEL_IDENTIFIER)
-        );
+        let name = format!("binaries/{}/{}", standard.folder(platform), platform.file_name(MODEL_IDENTIFIER));
         match archive.get(&name) {
             // The folder may hold a copy for old importers on another machine.
             Some(library) if is_built_for(library, platform) => {
                 binaries.insert(platform, library.to_vec());
             }
-            Some(_) => eprintln!(
-                "{}: {name} is not for {}, left out",
-                path.display(),
-                platform.fmi3
-            ),
+            Some(_) => eprintln!("{}: {name} is not for {}, left out", path.display(), platform.fmi3),
             None => {}
         }
     }
     if binaries.is_empty() {
-        bail!(
-            "{} has no binary of a platform that is known here",
-            path.display()
-        );
+        bail!("{} has no binary of a platform that is known here", path.display());
     }
     Ok(binaries)
 }
@@ -204,24 +155,15 @@ fn insert_for_old_importers(archive: &mut Archive, binaries: &Binaries) -> Resul
 fn insert_tree(archive: &mut Archive, from: &Path, to: &str) -> Result<()> {
     if from.is_file() {
         let contents = fs::read(from).with_context(|| format!("cannot read {}", from.display()))?;
-        return archive
-            .insert(to, contents)
-            .with_context(|| format!("cannot pack {}", from.display()));
+        return archive.insert(to, contents).with_context(|| format!("cannot pack {}", from.display()));
     }
     let mut entries: Vec<PathBuf> = fs::read_dir(from)
         .and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect())
         .with_context(|| format!("cannot read {}", from.display()))?;
     entries.sort();
     for entry in entries {
-        let name = entry
-            .file_name()
-            .and_then(|name| name.to_str())
-            .context("a file name is not UTF-8")?;
-        let below = if to.is_empty() {
-            name.to_owned()
-        } else {
-            format!("{to}/{name}")
-        };
+        let name = entry.file_name().and_then(|name| name.to_str()).context("a file name is not UTF-8")?;
+        let below = if to.is_empty() { name.to_owned() } else { format!("{to}/{name}") };
         insert_tree(archive, &entry, &below)?;
     }
     Ok(())
@@ -229,11 +171,6 @@ fn insert_tree(archive: &mut Archive, from: &Path, to: &str) -> Result<()> {
 
 /// Equal but for the line ends that a checkout on Windows may have changed.
 fn same_text(one: &[u8], other: &[u8]) -> bool {
-    let letters = |text: &[u8]| {
-        text.iter()
-            .copied()
-            .filter(|byte| *byte != b'\r')
-            .collect::<Vec<_>>()
-    };
+    let letters = |text: &[u8]| text.iter().copied().filter(|byte| *byte != b'\r').collect::<Vec<_>>();
     letters(one) == letters(other)
 }

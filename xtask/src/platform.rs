@@ -65,16 +65,10 @@ impl Platform {
             os => os,
         };
         let tuple = format!("{}-{os}", std::env::consts::ARCH);
-        PLATFORMS
-            .iter()
-            .find(|platform| platform.fmi3 == tuple)
-            .with_context(|| {
-                let known: Vec<_> = PLATFORMS.iter().map(|platform| platform.fmi3).collect();
-                format!(
-                    "no FMU can be packed on {tuple}; known platforms are {}",
-                    known.join(", ")
-                )
-            })
+        PLATFORMS.iter().find(|platform| platform.fmi3 == tuple).with_context(|| {
+            let known: Vec<_> = PLATFORMS.iter().map(|platform| platform.fmi3).collect();
+            format!("no FMU can be packed on {tuple}; known platforms are {}", known.join(", "))
+        })
     }
 
     /// What the library is called inside an FMU.

@@ -27,11 +27,7 @@ impl Python {
 
     /// A program that one of the packages installed.
     pub fn tool(&self, name: &str) -> PathBuf {
-        let (folder, suffix) = if cfg!(windows) {
-            ("Scripts", ".exe")
-        } else {
-            ("bin", "")
-        };
+        let (folder, suffix) = if cfg!(windows) { ("Scripts", ".exe") } else { ("bin", "") };
         self.folder.join(folder).join(format!("{name}{suffix}"))
     }
 }
@@ -47,54 +43,33 @@ pub fn ensure(workspace: &Workspace) -> Result<Python> {
 
     fs::create_dir_all(workspace.target(""))?;
     let lock = File::create(workspace.target("python.lock"))?;
-    lock.lock()
-        .context("cannot wait for another xtask that makes the Python environment")?;
+    lock.lock().context("cannot wait for another xtask that makes the Python environment")?;
     let python = Python { folder };
-    if fs::read_to_string(&stamp_file).is_ok_and(|found| found == wanted)
-        && python.interpreter().is_file()
-    {
+    if fs::read_to_string(&stamp_file).is_ok_and(|found| found == wanted) && python.interpreter().is_file() {
         return Ok(python);
     }
 
-    eprintln!(
-        "making the Python environment in {} (Python {})",
-        workspace.shown(&python.folder),
-        base.version
-    );
+    eprintln!("making the Python environment in {} (Python {})", workspace.shown(&python.folder), base.version);
     if python.folder.exists() {
         fs::remove_dir_all(&python.folder)?;
     }
     check_venv_modules(workspace, &base)?;
-    run(workspace
-        .command(&base.program)
-        .args(["-m", "venv"])
-        .arg(&python.folder))?;
+    run(workspace.command(&base.program).args(["-m", "venv"]).arg(&python.folder))?;
     install(workspace, &python, &requirements)?;
-    write_whole(&stamp_file, |file| {
-        std::io::Write::write_all(file, wanted.as_bytes())
-    })?;
+    write_whole(&stamp_file, |file| std::io::Write::write_all(file, wanted.as_bytes()))?;
     Ok(python)
 }
 
 fn install(workspace: &Workspace, python: &Python, requirements: &Path) -> Result<()> {
     let pip = || {
         let mut command = workspace.command(python.interpreter());
-        command.args([
-            "-m",
-            "pip",
-            "--disable-pip-version-check",
-            "--no-input",
-            "install",
-            "--quiet",
-        ]);
+        command.args(["-m", "pip", "--disable-pip-version-check", "--no-input", "install", "--quiet"]);
         command
     };
     // The pinned pip first: it is what reads the rest.
     let text = fs::read_to_string(requirements)?;
-    let pinned_pip = text
-        .lines()
-        .find(|line| line.starts_with("pip=="))
-        .context("requirements.txt does not pin pip")?;
+    let pinned_pip =
+        text.lines().find(|line| line.starts_with("pip==")).context("requirements.txt does not pin pip")?;
     run(pip().arg(pinned_pip))
         .and_then(|()| run(pip().arg("--only-binary=:all:").arg("--requirement").arg(requirements)))
         .context("the packages could not be installed; is the package index reachable (`python3 -m pip download pip`)?")
@@ -120,10 +95,7 @@ fn find_interpreter(workspace: &Workspace) -> Result<Interpreter> {
         };
         let version = version.trim().to_owned();
         if is_new_enough(&version) {
-            return Ok(Interpreter {
-                program: program.to_owned(),
-                version,
-            });
+            return Ok(Interpreter { program: program.to_owned(), version });
         }
         too_old.get_or_insert(format!("{program} is Python {version}"));
     }
@@ -144,9 +116,7 @@ fn find_interpreter(workspace: &Workspace) -> Result<Interpreter> {
 }
 
 fn is_new_enough(version: &str) -> bool {
-    let mut numbers = version
-        .split('.')
-        .map(|part| part.parse::<u32>().unwrap_or(0));
+    let mut numbers = version.split('.').map(|part| part.parse::<u32>().unwrap_or(0));
     (numbers.next().unwrap_or(0), numbers.next().unwrap_or(0)) >= OLDEST
 }
 

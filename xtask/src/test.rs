@@ -32,29 +32,15 @@ pub fn run(workspace: &Workspace, only: Option<Part>) -> Result<()> {
     if wanted(Part::Doc) {
         let mut command = workspace.cargo();
         command.args(["test", "--doc", "--workspace"]);
-        stages.time("examples in the documentation", || {
-            run_command(tested.announce(&mut command))
-        })?;
+        stages.time("examples in the documentation", || run_command(tested.announce(&mut command)))?;
     }
     if wanted(Part::Rust) {
-        stages.time("Rust's tests", || {
-            run_command(tested.announce(&mut rust_tests(workspace)))
-        })?;
+        stages.time("Rust's tests", || run_command(tested.announce(&mut rust_tests(workspace))))?;
     }
     if wanted(Part::Python) {
         let mut command = workspace.command(tested.python.interpreter());
-        command.args([
-            "-m",
-            "pytest",
-            "tests/python",
-            "-rs",
-            "--timeout=300",
-            "-p",
-            "no:cacheprovider",
-        ]);
-        stages.time("tests in Python", || {
-            run_command(tested.announce(&mut command))
-        })?;
+        command.args(["-m", "pytest", "tests/python", "-rs", "--timeout=300", "-p", "no:cacheprovider"]);
+        stages.time("tests in Python", || run_command(tested.announce(&mut command)))?;
     }
     stages.print();
     print_skipped(&tested.skipped);
@@ -92,11 +78,7 @@ impl Tested {
             "glidepolar-tank",
             "--bins",
         ]))?;
-        let program = |name: &str| {
-            workspace
-                .target("debug")
-                .join(format!("{name}{}", std::env::consts::EXE_SUFFIX))
-        };
+        let program = |name: &str| workspace.target("debug").join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
         let fmus = fmu::run(workspace, &[])?;
         let skipped = workspace.target("skipped-tests.txt");
         fs::write(&skipped, "").with_context(|| format!("cannot write {}", skipped.display()))?;

@@ -45,9 +45,6 @@ fn main() -> Result<()> {
     };
     let (trajectory, _) = fmi_sim::simulate(&options)?;
     let file = File::create(&flight.output).context("cannot write the trajectory")?;
-    WriterBuilder::new()
-        .with_header(true)
-        .build(file)
-        .write(&trajectory)?;
+    WriterBuilder::new().with_header(true).build(file).write(&trajectory)?;
     Ok(())
 }

@@ -109,21 +109,13 @@ fn refuse(problems: Vec<ValidationError>) -> Result<()> {
     if problems.is_empty() {
         return Ok(());
     }
-    let problems: Vec<_> = problems
-        .into_iter()
-        .map(|problem| problem.message)
-        .collect();
-    bail!(
-        "the model description is not valid:\n  {}",
-        problems.join("\n  ")
-    );
+    let problems: Vec<_> = problems.into_iter().map(|problem| problem.message).collect();
+    bail!("the model description is not valid:\n  {}", problems.join("\n  "));
 }
 
 fn start_values(flight: &Flight) -> Result<Vec<(String, String)>> {
     let split = |pair: &String| {
-        let (name, value) = pair
-            .split_once('=')
-            .with_context(|| format!("--start {pair}: expected NAME=VALUE"))?;
+        let (name, value) = pair.split_once('=').with_context(|| format!("--start {pair}: expected NAME=VALUE"))?;
         Ok((name.to_owned(), value.to_owned()))
     };
     flight.start_values.iter().map(split).collect()

@@ -55,8 +55,7 @@ impl<O: Ode> RungeKutta<O> {
     /// Tries a step: `trial` and `trial_z` are what would be after it.
     fn try_step(&mut self, h: f64) -> Result<(), SimulationError> {
         // Where the derivative is taken: how far into the step, along which of the slopes before.
-        const STAGES: [(f64, Option<usize>); 4] =
-            [(0.0, None), (0.5, Some(0)), (0.5, Some(1)), (1.0, Some(2))];
+        const STAGES: [(f64, Option<usize>); 4] = [(0.0, None), (0.5, Some(0)), (0.5, Some(1)), (1.0, Some(2))];
         for (index, (part, along)) in STAGES.into_iter().enumerate() {
             self.stage.copy_from_slice(&self.x);
             if let Some(along) = along {
@@ -64,22 +63,17 @@ impl<O: Ode> RungeKutta<O> {
                     *stage += part * h * slope;
                 }
             }
-            self.ode
-                .f(self.time + part * h, &self.stage, &mut self.slopes[index])?;
+            self.ode.f(self.time + part * h, &self.stage, &mut self.slopes[index])?;
         }
         let [k1, k2, k3, k4] = &self.slopes;
         for (index, trial) in self.trial.iter_mut().enumerate() {
-            *trial = self.x[index]
-                + h / 6.0 * (k1[index] + 2.0 * k2[index] + 2.0 * k3[index] + k4[index]);
+            *trial = self.x[index] + h / 6.0 * (k1[index] + 2.0 * k2[index] + 2.0 * k3[index] + k4[index]);
         }
         self.ode.g(self.time + h, &self.trial, &mut self.trial_z)
     }
 
     fn crosses(&self) -> bool {
-        self.z
-            .iter()
-            .zip(&self.trial_z)
-            .any(|(before, after)| (*before > 0.0) != (*after > 0.0))
+        self.z.iter().zip(&self.trial_z).any(|(before, after)| (*before > 0.0) != (*after > 0.0))
     }
 
     fn accept(&mut self, time: f64) {
@@ -102,11 +96,7 @@ impl<O: Ode> Solver for RungeKutta<O> {
         let count = ((next_time - self.time) / self.step).ceil().max(1.0);
         let (start, whole) = (self.time, next_time - self.time);
         for index in 1..=count as u64 {
-            let end = if index as f64 == count {
-                next_time
-            } else {
-                start + whole * index as f64 / count
-            };
+            let end = if index as f64 == count { next_time } else { start + whole * index as f64 / count };
             let h = end - self.time;
             self.try_step(h)?;
             if self.crosses() {
@@ -114,11 +104,7 @@ impl<O: Ode> Solver for RungeKutta<O> {
                 while after - before > EVENT_WIDTH * h {
                     let middle = 0.5 * (before + after);
                     self.try_step(middle)?;
-                    if self.crosses() {
-                        after = middle
-                    } else {
-                        before = middle
-                    }
+                    if self.crosses() { after = middle } else { before = middle }
                 }
                 self.try_step(after)?;
                 self.accept(if after == h { end } else { self.time + after });
