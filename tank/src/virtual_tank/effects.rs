@@ -161,10 +161,11 @@ pub(super) fn hide(requests: &[EffectRequest], seed: u64) -> Result<(Hidden, Vec
         let drawn = entry.draw.size(&mut stream);
         let value = request.size.unwrap_or(drawn);
         if !(entry.bounds.0..=entry.bounds.1).contains(&value) {
+            let unit = if entry.unit.is_empty() { String::new() } else { format!(" {}", entry.unit) };
             return Err(Error::EffectSize {
                 name: request.name.clone(),
                 found: value.to_string(),
-                expected: format!("{} from {} to {} {}", entry.parameter, entry.bounds.0, entry.bounds.1, entry.unit),
+                expected: format!("{} from {} to {}{}", entry.parameter, entry.bounds.0, entry.bounds.1, unit),
             });
         }
         let detail = (entry.act)(&mut hidden, value, &mut stream);
@@ -189,7 +190,7 @@ fn unknown(name: &str) -> Error {
         .map(|(_, name)| name);
     Error::UnknownEffect {
         name: name.to_owned(),
-        nearest: nearest.map(|name| format!("; did you mean {name}?")).unwrap_or_default(),
+        nearest: nearest.map(|name| format!(" (did you mean {name}?)")).unwrap_or_default(),
         known: CATALOGUE.iter().map(|entry| entry.name).collect::<Vec<_>>().join(", "),
     }
 }

@@ -74,7 +74,7 @@ fn check(place: &Path) -> Result<PathBuf, Error> {
         return Err(Error::FolderInUse { path: place, found: "it is a file".to_owned() });
     }
     if std::env::current_dir().is_ok_and(|here| here.canonicalize().is_ok_and(|here| here.starts_with(&place))) {
-        return Err(Error::FolderInUse { path: place, found: "it is the folder that this command runs in".to_owned() });
+        return Err(Error::FolderInUse { path: place, found: "this command runs in it".to_owned() });
     }
     let names = names(&place).map_err(|source| io_error(&place, "read the folder", source))?;
     if names.is_empty() {
