@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 
 use crate::check_library::{OLDEST_GLIBC, check_exports, newest_glibc, portability_faults};
+use crate::licences;
 use crate::pack::{self, Binaries, Standard};
 use crate::platform::Platform;
 use crate::python::{self, Python};
@@ -27,15 +28,21 @@ pub fn run(workspace: &Workspace, merge: &[PathBuf]) -> Result<Fmus> {
     let library = build(workspace, host)?;
     let mut binaries: Binaries = BTreeMap::new();
     for other in merge {
-        binaries.append(&mut pack::binaries_of(workspace, other)?);
+        for (platform, library) in pack::binaries_of(workspace, other)? {
+            if platform.is_linux() {
+                warn_unless_portable(&other.display().to_string(), &library)?;
+            }
+            binaries.insert(platform, library);
+        }
     }
     binaries.insert(host, fs::read(&library)?);
+    let notice = licences::notice(workspace)?;
 
     let folder = workspace.target("fmu");
     let mut written = Vec::new();
     for standard in [Standard::Fmi3, Standard::Fmi2] {
         let path = folder.join(standard.archive_name());
-        let archive = pack::assemble(workspace, standard, &binaries)?;
+        let archive = pack::assemble(workspace, standard, &notice, &binaries)?;
         archive.write(&path)?;
         let platforms: Vec<_> = binaries.keys().map(|platform| platform.fmi3).collect();
         let size = fs::metadata(&path)?.len() / 1024;
@@ -67,7 +74,8 @@ fn build(workspace: &Workspace, host: &Platform) -> Result<PathBuf> {
     let bytes = fs::read(&built).with_context(|| format!("cargo did not leave {}", workspace.shown(&built)))?;
     check_exports(&bytes)?;
     if host.is_linux() {
-        check_portable(workspace, &built, &bytes, is_portable)?;
+        let name = workspace.shown(&built).to_string();
+        if is_portable { check_portable(&name, &bytes)? } else { warn_unless_portable(&name, &bytes)? }
     }
     Ok(built)
 }
@@ -107,18 +115,21 @@ fn rustc_flags(workspace: &Workspace, host: &Platform) -> Vec<String> {
     flags
 }
 
-fn check_portable(workspace: &Workspace, path: &Path, bytes: &[u8], must_be: bool) -> Result<()> {
-    let faults = portability_faults(bytes)?;
-    if faults.is_empty() {
-        if let Some(newest) = newest_glibc(bytes)? {
-            eprintln!("{} loads with glibc {newest} or newer and needs nothing else", workspace.shown(path));
-        }
-        return Ok(());
+/// Fails if a library that was linked to load everywhere does not.
+fn check_portable(name: &str, library: &[u8]) -> Result<()> {
+    let faults = portability_faults(library)?;
+    if !faults.is_empty() {
+        bail!("{name} does not load on every Linux machine:\n  - {}", faults.join("\n  - "));
     }
-    let faults = faults.join("\n  - ");
-    if must_be {
-        bail!("{} does not load on every Linux machine:\n  - {faults}", workspace.shown(path));
+    let newest = newest_glibc(library)?.map_or_else(|| "any".to_owned(), |version| version.to_string());
+    eprintln!("{name} needs nothing but glibc {newest} or newer");
+    Ok(())
+}
+
+fn warn_unless_portable(name: &str, library: &[u8]) -> Result<()> {
+    let faults = portability_faults(library)?;
+    if !faults.is_empty() {
+        eprintln!("WARNING: {name} does not load on every Linux machine:\n  - {}", faults.join("\n  - "));
     }
-    eprintln!("WARNING: this FMU does not load on every Linux machine:\n  - {faults}");
     Ok(())
 }

@@ -7,6 +7,7 @@ mod check_library;
 mod fetch_data;
 mod fmu;
 mod importers;
+mod licences;
 mod pack;
 mod platform;
 mod python;

@@ -82,9 +82,10 @@ pub fn check_sources(workspace: &Workspace) -> Result<()> {
     Ok(())
 }
 
-/// One standard's archive.
-pub fn assemble(workspace: &Workspace, standard: Standard, binaries: &Binaries) -> Result<Archive> {
+/// One standard's archive. `notice` is the licence text of what is linked into the library.
+pub fn assemble(workspace: &Workspace, standard: Standard, notice: &str, binaries: &Binaries) -> Result<Archive> {
     let mut archive = Archive::new();
+    archive.insert("documentation/licenses/third-party.txt", notice)?;
     for (from, standards, to) in PARTS {
         if standards.contains(&standard) {
             insert_tree(&mut archive, &workspace.path(from), to)?;
@@ -173,4 +174,147 @@ fn insert_tree(archive: &mut Archive, from: &Path, to: &str) -> Result<()> {
 fn same_text(one: &[u8], other: &[u8]) -> bool {
     let letters = |text: &[u8]| text.iter().copied().filter(|byte| *byte != b'\r').collect::<Vec<_>>();
     letters(one) == letters(other)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::platform::Platform;
+
+    const NOTICE: &str = "licences of the parts";
+
+    /// A folder with every file that packing wants.
+    fn checkout() -> (tempfile::TempDir, Workspace) {
+        let folder = tempfile::tempdir().unwrap();
+        for path in [
+            "modelDescription/fmi2/modelDescription.xml",
+            "modelDescription/fmi3/modelDescription.xml",
+            "modelDescription/fmi3/terminalsAndIcons/terminalsAndIcons.xml",
+            "modelDescription/documentation/index.html",
+            "modelDescription/documentation/figures/polar.svg",
+            "modelDescription/icon.png",
+            "modelDescription/license.txt",
+            "vehicles/slocum-graver.toml",
+            "LICENSE-MIT",
+            "LICENSE-APACHE",
+        ] {
+            let file = folder.path().join(path);
+            fs::create_dir_all(file.parent().unwrap()).unwrap();
+            fs::write(&file, path).unwrap();
+        }
+        let workspace = Workspace::at(folder.path());
+        (folder, workspace)
+    }
+
+    /// A real binary of this machine: the running test program.
+    fn own_binary() -> (&'static Platform, Vec<u8>) {
+        (Platform::host().unwrap(), fs::read(std::env::current_exe().unwrap()).unwrap())
+    }
+
+    fn names(archive: &Archive) -> Vec<&str> {
+        archive.entries().map(|(name, _)| name).collect()
+    }
+
+    #[test]
+    fn each_part_lies_where_its_standard_wants_it() {
+        let (_folder, workspace) = checkout();
+        check_sources(&workspace).unwrap();
+        let linux = &PLATFORMS[0];
+        let binaries = Binaries::from([(linux, b"ELF".to_vec())]);
+
+        let fmi3 = assemble(&workspace, Fmi3, NOTICE, &binaries).unwrap();
+        assert_eq!(
+            names(&fmi3),
+            [
+                "binaries/x86_64-linux/UnderwaterGlider.so",
+                "documentation/figures/polar.svg",
+                "documentation/index.html",
+                "documentation/licenses/LICENSE-APACHE.txt",
+                "documentation/licenses/LICENSE-MIT.txt",
+                "documentation/licenses/license.txt",
+                "documentation/licenses/third-party.txt",
+                "modelDescription.xml",
+                "resources/vehicle.toml",
+                "terminalsAndIcons/icon.png",
+                "terminalsAndIcons/terminalsAndIcons.xml",
+            ]
+        );
+        assert_eq!(fmi3.get("modelDescription.xml"), Some(b"modelDescription/fmi3/modelDescription.xml".as_slice()));
+
+        let fmi2 = assemble(&workspace, Fmi2, NOTICE, &binaries).unwrap();
+        assert_eq!(fmi2.get("modelDescription.xml"), Some(b"modelDescription/fmi2/modelDescription.xml".as_slice()));
+        assert_eq!(fmi2.get("binaries/linux64/UnderwaterGlider.so"), Some(b"ELF".as_slice()));
+        assert!(fmi2.get("model.png").is_some());
+        assert!(!names(&fmi2).iter().any(|name| name.starts_with("terminalsAndIcons")));
+    }
+
+    #[test]
+    fn old_importers_find_a_binary_only_while_no_other_claims_the_folder() {
+        let (_folder, workspace) = checkout();
+        let [x86, arm] = [&PLATFORMS[0], &PLATFORMS[1]];
+        let alone = assemble(&workspace, Fmi2, NOTICE, &Binaries::from([(arm, b"arm".to_vec())])).unwrap();
+        assert_eq!(alone.get("binaries/aarch64-linux/UnderwaterGlider.so"), Some(b"arm".as_slice()));
+        assert_eq!(alone.get("binaries/linux64/UnderwaterGlider.so"), Some(b"arm".as_slice()));
+        let both = Binaries::from([(arm, b"arm".to_vec()), (x86, b"x86".to_vec())]);
+        let both = assemble(&workspace, Fmi2, NOTICE, &both).unwrap();
+        assert_eq!(both.get("binaries/linux64/UnderwaterGlider.so"), Some(b"x86".as_slice()));
+    }
+
+    #[test]
+    fn every_missing_file_is_named() {
+        let (folder, workspace) = checkout();
+        fs::remove_file(folder.path().join("modelDescription/icon.png")).unwrap();
+        fs::remove_file(folder.path().join("modelDescription/fmi2/modelDescription.xml")).unwrap();
+        let error = check_sources(&workspace).unwrap_err().to_string();
+        assert!(error.contains("modelDescription/icon.png"), "{error}");
+        assert!(error.contains("modelDescription/fmi2/modelDescription.xml"), "{error}");
+        assert!(!error.contains("index.html"), "{error}");
+    }
+
+    #[test]
+    fn binaries_are_taken_from_an_archive_of_either_standard() {
+        let (folder, workspace) = checkout();
+        let (host, bytes) = own_binary();
+        for standard in [Fmi2, Fmi3] {
+            let path = folder.path().join(standard.archive_name());
+            let mut archive = assemble(&workspace, standard, NOTICE, &Binaries::from([(host, bytes.clone())])).unwrap();
+            archive.insert("binaries/vax-vms/UnderwaterGlider.so", "for a machine nobody knows").unwrap();
+            archive.insert("resources/extra.txt", "not a binary").unwrap();
+            archive.write(&path).unwrap();
+            assert_eq!(binaries_of(&workspace, &path).unwrap(), Binaries::from([(host, bytes.clone())]));
+        }
+    }
+
+    #[test]
+    fn what_is_no_binary_of_its_folder_is_left_out() {
+        let (folder, workspace) = checkout();
+        let path = folder.path().join("forged.fmu");
+        let all = PLATFORMS.iter().map(|platform| (platform, b"not a program".to_vec())).collect();
+        assemble(&workspace, Fmi3, NOTICE, &all).unwrap().write(&path).unwrap();
+        let error = binaries_of(&workspace, &path).unwrap_err().to_string();
+        assert!(error.contains("no binary"), "{error}");
+    }
+
+    #[test]
+    fn an_archive_of_another_state_of_the_project_is_refused() {
+        let (folder, workspace) = checkout();
+        let (host, bytes) = own_binary();
+        let path = folder.path().join("other.fmu");
+        let mut archive = assemble(&workspace, Fmi3, NOTICE, &Binaries::from([(host, bytes)])).unwrap();
+        archive.insert("modelDescription.xml", "another token").unwrap();
+        archive.write(&path).unwrap();
+        let error = binaries_of(&workspace, &path).unwrap_err().to_string();
+        assert!(error.contains("another state of the project"), "{error}");
+
+        let mut archive = Archive::new();
+        archive.insert("notes.txt", "no FMU at all").unwrap();
+        archive.write(&path).unwrap();
+        assert!(binaries_of(&workspace, &path).unwrap_err().to_string().contains("is no FMU"));
+    }
+
+    #[test]
+    fn line_ends_do_not_make_another_text() {
+        assert!(same_text(b"<a>\r\n</a>\r\n", b"<a>\n</a>\n"));
+        assert!(!same_text(b"<a>\n</a>\n", b"<a></a>\n"));
+    }
 }

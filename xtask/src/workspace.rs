@@ -27,6 +27,12 @@ impl Workspace {
         Ok(Self { root, target })
     }
 
+    /// Some other folder in place of a checkout.
+    #[cfg(test)]
+    pub fn at(root: &Path) -> Self {
+        Self { root: root.to_owned(), target: root.join("target") }
+    }
+
     /// A path below the checkout's root.
     pub fn path(&self, below: impl AsRef<Path>) -> PathBuf {
         self.root.join(below)
