@@ -15,11 +15,9 @@
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod coefficients;
-#[cfg(feature = "diagnosis")]
-pub mod diagnose;
 pub mod dynamics;
-pub mod estimate;
 pub mod glide;
+pub mod hull_tests;
 pub mod input;
 pub mod mechanisms;
 pub mod number;

@@ -1,0 +1,107 @@
+//! The command line `tank-reduce`: arguments in, files and a short table out. The library does the work.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Parser, Subcommand};
+use glidepolar::cli::{CliError, Output, files};
+
+use crate::demo_cli;
+use glidepolar_tank::{output, reduce_points};
+
+/// Hull tests in a towing tank: raw balance runs to lift, drag and moment coefficients
+#[derive(Debug, Parser)]
+#[command(name = "tank-reduce", version, max_term_width = 110)]
+#[command(args_conflicts_with_subcommands = true, arg_required_else_help = true)]
+#[command(after_help = "Examples:\n  \
+    tank-reduce demo pmm_runs                          write a synthetic campaign\n  \
+    tank-reduce pmm_runs                               reduce a campaign; results in tank_out\n  \
+    tank-reduce points.csv --hull hull.toml --json -   reduce a table of points\n\
+    Exit code: 0 done, 1 it could not be written, 2 the input cannot be used.")]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    reduce: Reduce,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Demo(demo_cli::DemoArgs),
+}
+
+#[derive(Debug, Args)]
+struct Reduce {
+    /// A campaign's folder (campaign.toml, runs.csv, data/), or a table of points
+    #[arg(value_name = "PMM_RUNS | POINTS.CSV")]
+    input: Option<PathBuf>,
+    /// The hull of a table of points
+    #[arg(long, value_name = "HULL.TOML")]
+    hull: Option<PathBuf>,
+    /// Fit the points up to this angle [deg]
+    #[arg(long, value_name = "DEG", default_value_t = 10.0)]
+    range_deg: f64,
+    /// Folder for the results
+    #[arg(long, value_name = "DIR", default_value = "tank_out", help_heading = "Output")]
+    out: PathBuf,
+    #[command(flatten)]
+    output: Output,
+}
+
+impl Cli {
+    /// Does what was asked.
+    ///
+    /// # Errors
+    /// Where the input cannot be used or the results cannot be written.
+    pub fn run(self) -> Result<(), CliError> {
+        match self.command {
+            Some(Command::Demo(arguments)) => {
+                demo_cli::run(arguments).map_err(|error| CliError::Usage(error.to_string()))
+            }
+            None => self.reduce.run(),
+        }
+    }
+}
+
+impl Reduce {
+    fn run(&self) -> Result<(), CliError> {
+        let Some(input) = &self.input else {
+            return Err(CliError::Usage("name a campaign's folder or a table of points".to_owned()));
+        };
+        if !(self.range_deg > 0.0 && self.range_deg <= 90.0) {
+            return Err(CliError::Usage(format!(
+                "--range-deg {}: expected an angle above 0, up to 90",
+                self.range_deg
+            )));
+        }
+        let results = match &self.hull {
+            Some(hull) => reduce_points(input, hull, self.range_deg)?,
+            None => {
+                let problem = format!("{}: a table of points needs --hull hull.toml", input.display());
+                return Err(CliError::Usage(problem));
+            }
+        };
+        self.write(&results)?;
+        if self.output.shows_tables() {
+            output::print(&results);
+        }
+        for warning in &results.warnings {
+            if !self.output.quiet {
+                anstream::eprintln!("{YELLOW}warning{YELLOW:#}: {warning}");
+            }
+        }
+        self.output.write_json(&results.reduction())
+    }
+
+    fn write(&self, results: &glidepolar_tank::Results) -> Result<(), CliError> {
+        std::fs::create_dir_all(&self.out).map_err(|error| glidepolar::input::InputError::io(&self.out, &error))?;
+        let mut json =
+            serde_json::to_string_pretty(&results.reduction()).map_err(|error| CliError::Failed(error.to_string()))?;
+        json.push('\n');
+        let write = |name: &str, bytes: &[u8]| files::write_whole(&Path::new(&self.out).join(name), bytes);
+        write("fits.json", json.as_bytes())?;
+        write("coefficients.csv", &output::coefficients_csv(results))?;
+        Ok(())
+    }
+}
+
+const YELLOW: anstyle::Style = anstyle::AnsiColor::Yellow.on_default().bold();

@@ -1,0 +1,262 @@
+//! The three-parameter model on a sweep: `CL = a alpha`, `CD = b + c alpha^2`, `CM = d alpha`, each with its interval,
+//! its residuals, and whether the model is adequate at all.
+
+use glidepolar::hull_tests::{Estimate, HullFit};
+use nalgebra::{DMatrix, DVector};
+
+use crate::adequacy::{self, Adequacy};
+use crate::regression::{self, Fit, Problem, Scatter};
+use crate::sweep::{NAMES, Sweep};
+
+/// The fits of one hull.
+#[derive(Debug, Clone)]
+pub struct SweepFit {
+    /// Angles up to this magnitude entered \[deg\].
+    pub range_deg: f64,
+    /// Indices of the points that entered.
+    pub rows: Vec<usize>,
+    /// CL, CD, CM.
+    pub fits: [Fit; 3],
+    /// a, b, c, d with intervals.
+    pub estimates: HullFit,
+    /// Repeats against the model, for CL, CD and CM, where runs were repeated.
+    pub lack_of_fit: [Option<LackOfFit>; 3],
+    /// Other forms of the model on the same points.
+    pub adequacy: Adequacy,
+    /// The coefficients against the range.
+    pub ranges: Vec<RangePoint>,
+    /// Drag against Reynolds number: exponent of the dynamic pressure in b, where speeds differ.
+    pub drag_exponent: Option<Estimate>,
+}
+
+/// Scatter of repeated runs against scatter about the model (Draper and Smith, Applied Regression Analysis, 2.1).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LackOfFit {
+    /// Ratio of the mean squares.
+    pub f: f64,
+    /// Degrees of freedom of the misfit.
+    pub misfit_dof: usize,
+    /// Degrees of freedom of the repeats.
+    pub repeat_dof: usize,
+    /// Probability of so large a ratio if the model is right.
+    pub p_value: f64,
+}
+
+/// The coefficients as one range gives them.
+#[derive(Debug, Clone)]
+pub struct RangePoint {
+    /// Angles up to this magnitude entered \[deg\].
+    pub range_deg: f64,
+    /// Number of points.
+    pub points: usize,
+    /// a, b, c, d.
+    pub fit: HullFit,
+}
+
+/// Why a sweep could not be fitted.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{found} points within {range_deg} deg, expected at least 3 at three angles or more")]
+pub struct TooFewPoints {
+    /// Points in the range.
+    pub found: usize,
+    /// The range \[deg\].
+    pub range_deg: f64,
+}
+
+/// Fits a sweep within a range of angles.
+///
+/// # Errors
+/// Where too few points lie within the range.
+pub fn fit(sweep: &Sweep, range_deg: f64) -> Result<SweepFit, TooFewPoints> {
+    let rows = sweep.within_deg(range_deg);
+    let fits = coefficients(sweep, &rows).ok_or(TooFewPoints { found: rows.len(), range_deg })?;
+    Ok(SweepFit {
+        range_deg,
+        estimates: estimates(&fits, range_deg),
+        lack_of_fit: [0, 1, 2].map(|i| lack_of_fit(sweep, &rows, &fits[i])),
+        adequacy: adequacy::of(sweep, &rows),
+        ranges: ranges(sweep, range_deg),
+        drag_exponent: drag_exponent(sweep, &rows, &fits[1]),
+        rows,
+        fits,
+    })
+}
+
+/// How the points of a sweep are weighted: by their own errors and the scatter between runs where these are known.
+pub fn scatter(sweep: &Sweep) -> Scatter {
+    if sweep.has_errors() { Scatter::BetweenRuns } else { Scatter::Equal }
+}
+
+/// The regression of one coefficient (0 CL, 1 CD, 2 CM) on functions of the angle.
+pub fn problem(sweep: &Sweep, rows: &[usize], coefficient: usize, basis: Basis) -> Problem {
+    let alpha: Vec<f64> = rows.iter().map(|i| sweep.points[*i].alpha_rad()).collect();
+    Problem {
+        design: DMatrix::from_fn(rows.len(), basis.len(), |i, j| basis[j](alpha[i])),
+        observed: DVector::from_iterator(rows.len(), rows.iter().map(|i| sweep.points[*i].coefficients[coefficient])),
+        variance: DVector::from_iterator(rows.len(), rows.iter().map(|i| sweep.points[*i].se[coefficient].powi(2))),
+        shared: sweep.shared_for(rows, coefficient),
+    }
+}
+
+/// Functions of the angle in radians, one per parameter.
+pub type Basis = &'static [fn(f64) -> f64];
+
+/// The model: functions of the angle for CL, CD, CM.
+pub const MODEL: [Basis; 3] = [&[|x| x], &[|_| 1.0, |x| x * x], &[|x| x]];
+
+fn coefficients(sweep: &Sweep, rows: &[usize]) -> Option<[Fit; 3]> {
+    let solve = |i: usize| problem(sweep, rows, i, MODEL[i]).solve(scatter(sweep));
+    Some([solve(0)?, solve(1)?, solve(2)?])
+}
+
+fn estimates(fits: &[Fit; 3], range_deg: f64) -> HullFit {
+    HullFit {
+        range_deg,
+        a: fits[0].estimate(0, "1/rad"),
+        b: fits[1].estimate(0, "1"),
+        c: fits[1].estimate(1, "1/rad^2"),
+        d: fits[2].estimate(0, "1/rad"),
+    }
+}
+
+/// Runs asked for at the same angle and speed are repeats of each other.
+fn lack_of_fit(sweep: &Sweep, rows: &[usize], fit: &Fit) -> Option<LackOfFit> {
+    let key = |i: usize| {
+        let point = &sweep.points[rows[i]];
+        (point.nominal_yaw_deg, point.nominal_speed_m_s)
+    };
+    let mut seen = vec![false; rows.len()];
+    let (mut repeat_dof, mut pure) = (0, 0.0);
+    for i in 0..rows.len() {
+        if std::mem::replace(&mut seen[i], true) {
+            continue;
+        }
+        let alike: Vec<usize> = (i..rows.len()).filter(|j| key(*j) == key(i)).collect();
+        let weight: f64 = alike.iter().map(|j| fit.weights[*j]).sum();
+        let mean = alike.iter().map(|j| fit.weights[*j] * fit.residuals[*j]).sum::<f64>() / weight;
+        pure += alike.iter().map(|j| fit.weights[*j] * (fit.residuals[*j] - mean).powi(2)).sum::<f64>();
+        repeat_dof += alike.len() - 1;
+        alike.into_iter().for_each(|j| seen[j] = true);
+    }
+    let misfit_dof = fit.dof.checked_sub(repeat_dof).filter(|dof| *dof > 0)?;
+    if repeat_dof == 0 {
+        return None;
+    }
+    let total = fit.chi2_per_dof * fit.dof as f64;
+    let f = ((total - pure).max(0.0) / misfit_dof as f64) / (pure / repeat_dof as f64);
+    let p_value = regression::f_p_value(f, misfit_dof as f64, repeat_dof as f64);
+    Some(LackOfFit { f, misfit_dof, repeat_dof, p_value })
+}
+
+/// The fit at every range from a third of the widest angle on, at most a dozen, the chosen one and its neighbours among
+/// them.
+fn ranges(sweep: &Sweep, range_deg: f64) -> Vec<RangePoint> {
+    let mut angles: Vec<f64> = sweep.points.iter().map(|p| p.nominal_yaw_deg.abs()).collect();
+    angles.sort_by(f64::total_cmp);
+    // Angles closer than a quarter of a degree are one setting.
+    let mut steps: Vec<f64> = Vec::new();
+    for angle in angles {
+        match steps.last_mut() {
+            Some(last) if angle - *last < 0.25 && (angle <= range_deg) == (*last <= range_deg) => *last = angle,
+            _ => steps.push(angle),
+        }
+    }
+    let widest = steps.last().copied().unwrap_or(0.0);
+    steps.retain(|angle| *angle >= 0.3 * range_deg.min(widest));
+    while steps.len() > 12 {
+        // Thin out where the chosen range is far.
+        let far = (0..steps.len() - 1).max_by(|i, j| {
+            let distance = |i: usize| (steps[i] - range_deg).abs() / (steps[i + 1] - steps[i]).max(1e-3);
+            distance(*i).total_cmp(&distance(*j))
+        });
+        steps.remove(far.unwrap_or(0));
+    }
+    steps
+        .into_iter()
+        .filter_map(|range_deg| {
+            let rows = sweep.within_deg(range_deg);
+            let fits = coefficients(sweep, &rows)?;
+            Some(RangePoint { range_deg, points: rows.len(), fit: estimates(&fits, range_deg) })
+        })
+        .collect()
+}
+
+/// The exponent `s` of `b ~ q^s`, by adding `b ln(q/q0)` to the drag model, linear for small exponents.
+fn drag_exponent(sweep: &Sweep, rows: &[usize], drag: &Fit) -> Option<Estimate> {
+    let pressures: Option<Vec<f64>> = rows.iter().map(|i| sweep.points[*i].dynamic_pressure_Pa).collect();
+    let logs: Vec<f64> = pressures?.into_iter().map(f64::ln).collect();
+    let mean = logs.iter().sum::<f64>() / logs.len() as f64;
+    let spread = logs.iter().map(|l| (l - mean).abs()).fold(0.0, f64::max);
+    let b = drag.parameters[0];
+    // Speeds that differ by less than a tenth say nothing.
+    if spread < 0.2 || b <= 0.0 {
+        return None;
+    }
+    let mut problem = problem(sweep, rows, 1, MODEL[1]);
+    problem.design = problem.design.insert_column(2, 0.0);
+    for (i, log) in logs.iter().enumerate() {
+        problem.design[(i, 2)] = b * (log - mean);
+    }
+    Some(problem.solve(scatter(sweep))?.estimate(2, "1"))
+}
+
+/// What a reader of the fits has to know, hull by hull.
+pub fn warnings(id: &str, fit: &SweepFit) -> Vec<String> {
+    let mut warnings = Vec::new();
+    warnings.extend(range_warning(id, fit));
+    for (i, lack) in fit.lack_of_fit.iter().enumerate() {
+        if let Some(lack) = lack
+            && lack.p_value < 0.001
+        {
+            warnings.push(format!(
+                "{id}: {} departs from its model by more than repeats scatter (F = {:.1} on {} and {}, p = {:.1e})",
+                NAMES[i], lack.f, lack.misfit_dof, lack.repeat_dof, lack.p_value
+            ));
+        }
+    }
+    if let Some(s) = &fit.drag_exponent
+        && s.value.abs() > 4.0 * s.se
+    {
+        warnings.push(format!(
+            "{id}: drag depends on Reynolds number, b ~ q^({:.3} +- {:.3}); the b given is a mean over the speeds",
+            s.value, s.se
+        ));
+    }
+    warnings
+}
+
+/// Whether another range would have given another coefficient.
+fn range_warning(id: &str, fit: &SweepFit) -> Option<String> {
+    let mut moved: Vec<(&str, String)> = Vec::new();
+    for (i, name) in ["a", "b", "c", "d"].into_iter().enumerate() {
+        let of = |fit: &HullFit| [&fit.a, &fit.b, &fit.c, &fit.d][i].clone();
+        let here = of(&fit.estimates);
+        // Nested samples: the variance of the difference is the difference of the variances.
+        let differs = |other: &&RangePoint| {
+            let there = of(&other.fit);
+            let se = (there.se.powi(2) - here.se.powi(2)).abs().sqrt();
+            let change = (there.value - here.value).abs();
+            change > 4.0 * se && change > 0.05 * here.value.abs()
+        };
+        let mut off = fit.ranges.iter().filter(|r| (r.range_deg - fit.range_deg).abs() > 0.05 && r.points >= 5);
+        let Some(worst) = off.rfind(differs) else { continue };
+        let next = fit.ranges.iter().find(|r| r.range_deg > fit.range_deg + 1e-9);
+        let mut text = format!("{name} = {:.3} within {} deg", here.value, fit.range_deg);
+        if let Some(next) = next.filter(|next| next.range_deg < worst.range_deg) {
+            text += &format!(", {:.3} within {} deg", of(&next.fit).value, next.range_deg);
+        }
+        text += &format!(", {:.3} within {} deg", of(&worst.fit).value, worst.range_deg);
+        moved.push((name, text));
+    }
+    if moved.is_empty() {
+        return None;
+    }
+    let names: Vec<&str> = moved.iter().map(|(name, _)| *name).collect();
+    let texts: Vec<&str> = moved.iter().map(|(_, text)| text.as_str()).collect();
+    let (verb, model) = if names.len() == 1 { ("depends", "model") } else { ("depend", "models") };
+    Some(format!(
+        "{id}: {} {verb} on the range of angles: {}; the {model} differ in kind from the readings",
+        names.join(", "),
+        texts.join("; ")
+    ))
+}

@@ -1,0 +1,43 @@
+//! The short table on the terminal.
+
+use glidepolar::hull_tests::Estimate;
+
+use crate::results::Results;
+
+/// Prints the fits hull by hull.
+pub fn print(results: &Results) {
+    let width = results.hulls.iter().map(|h| h.hull.id.len()).max().unwrap_or(0).max(4);
+    anstream::println!("{BOLD}{:<width$}  {:>4}  {}{BOLD:#}", "hull", "runs", heading());
+    for hull in &results.hulls {
+        let id = glidepolar::input::printable(&hull.hull.id);
+        match &hull.fit {
+            Ok(fit) => {
+                let e = &fit.estimates;
+                anstream::println!(
+                    "{id:<width$}  {:>4}  {}  {}  {}  {}",
+                    hull.n_runs,
+                    shown(&e.a, 3),
+                    shown(&e.b, 4),
+                    shown(&e.c, 3),
+                    shown(&e.d, 3)
+                );
+            }
+            Err(few) => anstream::println!("{id:<width$}  {:>4}  {few}", hull.n_runs),
+        }
+    }
+    anstream::println!(
+        "CL = a alpha, CD = b + c alpha^2, CM = d alpha about the centre of buoyancy, |alpha| <= {} deg; 95 % intervals",
+        results.range_deg
+    );
+}
+
+/// Widths as [`shown`] prints.
+fn heading() -> String {
+    ["a [1/rad]", "b", "c [1/rad^2]", "d [1/rad]"].map(|name| format!("{name:<24}")).join("  ").trim_end().to_owned()
+}
+
+fn shown(q: &Estimate, places: usize) -> String {
+    format!("{:<24}", format!("{:.places$} ({:.places$} to {:.places$})", q.value, q.ci95[0], q.ci95[1]))
+}
+
+const BOLD: anstyle::Style = anstyle::Style::new().bold();

@@ -1,0 +1,269 @@
+//! Weighted least squares with intervals that hold: scatter judged by the residuals, Student's quantiles for few points,
+//! and errors that many observations share (a tare, a zero) carried to the result instead of being averaged away.
+//!
+//! Knows numbers only.
+
+use glidepolar::hull_tests::Estimate;
+use nalgebra::{DMatrix, DVector};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
+
+/// What is observed: one row of `design` and one value per observation.
+#[derive(Debug, Clone)]
+pub struct Problem {
+    /// Observations by parameters.
+    pub design: DMatrix<f64>,
+    /// What was observed.
+    pub observed: DVector<f64>,
+    /// Variance of each observation from within its own run; zero where it is unknown.
+    pub variance: DVector<f64>,
+    /// Errors that observations share.
+    pub shared: Vec<Shared>,
+}
+
+/// An error that several observations share: `observed += influence * error`.
+#[derive(Debug, Clone)]
+pub struct Shared {
+    /// Observations by errors.
+    pub influence: DMatrix<f64>,
+    /// Covariance of the errors.
+    pub covariance: DMatrix<f64>,
+    /// Degrees of freedom with which the covariance is known; infinite where it is given.
+    pub dof: f64,
+}
+
+/// How the scatter between observations is judged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Scatter {
+    /// The same for all, from the residuals alone.
+    Equal,
+    /// The variances given, plus one between runs that the residuals ask for (Paule and Mandel 1982).
+    BetweenRuns,
+    /// The variances given, all scaled by one factor that the residuals ask for.
+    Scaled,
+}
+
+/// The solution.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// Parameters.
+    pub parameters: DVector<f64>,
+    /// Covariance of the parameters, shared errors included.
+    pub covariance: DMatrix<f64>,
+    /// The part of the covariance that the observations' own scatter makes.
+    pub own_covariance: DMatrix<f64>,
+    /// Parameters by observations: `parameters = gain * observed`.
+    pub gain: DMatrix<f64>,
+    /// Observed less fitted.
+    pub residuals: DVector<f64>,
+    /// Weight of each observation: 1 over its variance.
+    pub weights: DVector<f64>,
+    /// Observations less parameters.
+    pub dof: usize,
+    /// Degrees of freedom of each parameter's variance, by Welch and Satterthwaite.
+    pub parameter_dof: Vec<f64>,
+    /// Standard deviation between runs, beyond what the runs themselves show.
+    pub between_runs: f64,
+    /// Weighted sum of squared residuals over degrees of freedom.
+    pub chi2_per_dof: f64,
+}
+
+impl Problem {
+    /// Solves it; none if there are no degrees of freedom left or the parameters cannot be told apart.
+    pub fn solve(&self, scatter: Scatter) -> Option<Fit> {
+        let (n, p) = self.design.shape();
+        if n <= p {
+            return None;
+        }
+        let dof = n - p;
+        let weights_for = |between: f64| match scatter {
+            Scatter::Equal => DVector::from_element(n, 1.0),
+            _ => self.variance.map(|v| 1.0 / (v + between * between)),
+        };
+        let between_runs = match scatter {
+            Scatter::BetweenRuns => self.between_runs(&weights_for, dof)?,
+            _ => 0.0,
+        };
+        let weights = weights_for(between_runs);
+        let (gain, normal_inverse) = self.gain(&weights)?;
+        let parameters = &gain * &self.observed;
+        let residuals = &self.observed - &self.design * &parameters;
+        let chi2: f64 = residuals.iter().zip(weights.iter()).map(|(r, w)| w * r * r).sum();
+        let chi2_per_dof = chi2 / dof as f64;
+        let own_covariance = normal_inverse * chi2_per_dof;
+        let mut covariance = own_covariance.clone();
+        let mut by_source: Vec<(DMatrix<f64>, f64)> = vec![(own_covariance.clone(), dof as f64)];
+        for shared in &self.shared {
+            let influence = &gain * &shared.influence;
+            let part = &influence * &shared.covariance * influence.transpose();
+            covariance += &part;
+            by_source.push((part, shared.dof));
+        }
+        let parameter_dof = (0..p)
+            .map(|i| {
+                let total = covariance[(i, i)];
+                let sum: f64 = by_source.iter().map(|(part, dof)| part[(i, i)] * part[(i, i)] / dof).sum();
+                if sum > 0.0 { total * total / sum } else { dof as f64 }
+            })
+            .collect();
+        Some(Fit {
+            parameters,
+            covariance,
+            own_covariance,
+            gain,
+            residuals,
+            weights,
+            dof,
+            parameter_dof,
+            between_runs,
+            chi2_per_dof,
+        })
+    }
+
+    fn gain(&self, weights: &DVector<f64>) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
+        let mut weighted = self.design.clone();
+        for (i, mut row) in weighted.row_iter_mut().enumerate() {
+            row *= weights[i];
+        }
+        let normal = self.design.transpose() * &weighted;
+        let inverse = invert(&normal)?;
+        Some((&inverse * weighted.transpose(), inverse))
+    }
+
+    /// The standard deviation between runs with which the weighted squares of the residuals are as many as the degrees
+    /// of freedom; zero if the runs' own variances explain the residuals already.
+    fn between_runs(&self, weights_for: &dyn Fn(f64) -> DVector<f64>, dof: usize) -> Option<f64> {
+        let excess = |between: f64| {
+            let weights = weights_for(between);
+            let (gain, _) = self.gain(&weights)?;
+            let residuals = &self.observed - &self.design * (gain * &self.observed);
+            let chi2: f64 = residuals.iter().zip(weights.iter()).map(|(r, w)| w * r * r).sum();
+            Some(chi2 - dof as f64)
+        };
+        let smallest = self.variance.iter().copied().fold(f64::INFINITY, f64::min);
+        if smallest > 0.0 && excess(0.0)? <= 0.0 {
+            return Some(0.0);
+        }
+        let spread = self.observed.iter().map(|y| y * y).sum::<f64>().sqrt();
+        let (mut low, mut high) = (0.0, spread.max(f64::MIN_POSITIVE));
+        for _ in 0..100 {
+            let middle = 0.5 * (low + high);
+            if excess(middle)? > 0.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Some(high)
+    }
+}
+
+impl Fit {
+    /// A parameter with its 95 % interval.
+    pub fn estimate(&self, index: usize, unit: &str) -> Estimate {
+        estimate(self.parameters[index], self.covariance[(index, index)], self.parameter_dof[index], unit)
+    }
+}
+
+/// A figure with its 95 % interval by Student's distribution.
+pub fn estimate(value: f64, variance: f64, dof: f64, unit: &str) -> Estimate {
+    let se = variance.max(0.0).sqrt();
+    let half = quantile_975(dof) * se;
+    Estimate { value, se, ci95: [value - half, value + half], unit: unit.to_owned() }
+}
+
+/// The 97.5 % quantile of Student's distribution.
+pub fn quantile_975(dof: f64) -> f64 {
+    // Beyond, it is the normal distribution's to four digits.
+    let dof = dof.clamp(1.0, 1e5);
+    StudentsT::new(0.0, 1.0, dof).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
+}
+
+/// Two-sided probability of a value of Student's t at least this large.
+pub fn student_p_value(t: f64, dof: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, dof.clamp(1.0, 1e5)).map_or(1.0, |d| 2.0 * d.sf(t.abs()))
+}
+
+/// Probability of a ratio of variances at least this large.
+pub fn f_p_value(f: f64, dof1: f64, dof2: f64) -> f64 {
+    if !f.is_finite() || f <= 0.0 {
+        return if f > 0.0 { 0.0 } else { 1.0 };
+    }
+    FisherSnedecor::new(dof1, dof2).map_or(1.0, |d| d.sf(f))
+}
+
+/// Inverse of a symmetric matrix; none if its columns, scaled alike, are not independent.
+pub fn invert(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let scale = matrix.diagonal().map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { f64::NAN });
+    if scale.iter().any(|s| !s.is_finite()) {
+        return None;
+    }
+    let diagonal = DMatrix::from_diagonal(&scale);
+    let decomposition = (&diagonal * matrix * &diagonal).symmetric_eigen();
+    if decomposition.eigenvalues.min() < 1e-10 {
+        return None;
+    }
+    let inverse = DMatrix::from_diagonal(&decomposition.eigenvalues.map(|e| 1.0 / e));
+    let vectors = &decomposition.eigenvectors;
+    Some(&diagonal * vectors * inverse * vectors.transpose() * &diagonal)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(observed: &[f64]) -> Problem {
+        let n = observed.len();
+        let design = DMatrix::from_fn(n, 2, |i, j| if j == 0 { 1.0 } else { i as f64 });
+        Problem {
+            design,
+            observed: DVector::from_column_slice(observed),
+            variance: DVector::from_element(n, 1.0),
+            shared: vec![],
+        }
+    }
+
+    #[test]
+    fn a_line_through_points_has_the_textbook_standard_errors() {
+        // x = 0..4, y = 1, 3, 2, 5, 4: slope 0.8, residual sum 3.6, s^2 = 1.2, var(slope) = 1.2/10.
+        let fit = line(&[1.0, 3.0, 2.0, 5.0, 4.0]).solve(Scatter::Equal).unwrap();
+        assert!((fit.parameters[1] - 0.8).abs() < 1e-12);
+        assert!((fit.covariance[(1, 1)] - 0.12).abs() < 1e-12);
+        let slope = fit.estimate(1, "1");
+        // t(0.975, 3) = 3.18245.
+        assert!((slope.ci95[1] - (0.8 + 3.18245 * 0.12f64.sqrt())).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_shared_offset_is_not_averaged_away() {
+        let mut problem = line(&[1.0, 3.0, 2.0, 5.0, 4.0]);
+        let alone = problem.solve(Scatter::Equal).unwrap();
+        problem.shared.push(Shared {
+            influence: DMatrix::from_element(5, 1, 1.0),
+            covariance: DMatrix::from_element(1, 1, 0.25),
+            dof: f64::INFINITY,
+        });
+        let fit = problem.solve(Scatter::Equal).unwrap();
+        // The offset takes all of it, the slope nothing.
+        assert!((fit.covariance[(0, 0)] - alone.covariance[(0, 0)] - 0.25).abs() < 1e-12);
+        assert!((fit.covariance[(1, 1)] - alone.covariance[(1, 1)]).abs() < 1e-12);
+        assert!(fit.parameter_dof[0] > 3.0 && (fit.parameter_dof[1] - 3.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn scatter_beyond_the_runs_own_is_found() {
+        let mut problem = line(&[1.0, 3.0, 2.0, 5.0, 4.0]);
+        problem.variance.fill(0.2);
+        let fit = problem.solve(Scatter::BetweenRuns).unwrap();
+        // Equal weights: total variance 1.2, of which 0.2 is the runs' own.
+        assert!((fit.between_runs - 1.0).abs() < 1e-9, "{}", fit.between_runs);
+        problem.variance.fill(5.0);
+        assert_eq!(problem.solve(Scatter::BetweenRuns).unwrap().between_runs, 0.0);
+    }
+
+    #[test]
+    fn parameters_that_cannot_be_told_apart_are_refused() {
+        let mut problem = line(&[1.0, 3.0, 2.0, 5.0, 4.0]);
+        problem.design.column_mut(1).fill(2.0);
+        assert!(problem.solve(Scatter::Equal).is_none());
+    }
+}

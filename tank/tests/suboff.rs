@@ -1,0 +1,114 @@
+//! The SUBOFF bare hull, Roddy 1990: the figures that the table gives were computed apart from this project.
+
+use std::path::{Path, PathBuf};
+
+use glidepolar::hull_tests::HullFit;
+use glidepolar_tank::{Results, reduce_points};
+
+fn data(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("data").join(name)
+}
+
+fn suboff(range_deg: f64) -> Results {
+    reduce_points(&data("suboff_roddy1990.csv"), &data("suboff.toml"), range_deg).unwrap()
+}
+
+fn fit(results: &Results) -> HullFit {
+    results.hulls[0].fit.as_ref().unwrap().estimates.clone()
+}
+
+fn assert_near(found: f64, expected: f64, relative: f64) {
+    assert!((found / expected - 1.0).abs() < relative, "{found}, expected {expected}");
+}
+
+#[test]
+fn the_three_parameters_are_those_of_the_table() {
+    let results = suboff(10.0);
+    assert_eq!(results.hulls[0].fit.as_ref().unwrap().rows.len(), 15);
+    let fit = fit(&results);
+    assert_near(fit.a.value, 0.840, 0.01);
+    assert_near(fit.b.value, 0.0931, 0.01);
+    assert_near(fit.c.value, 1.146, 0.01);
+    assert_near(fit.d.value, 1.036, 0.01);
+    assert!(fit.a.ci95[0] < 0.84 && fit.a.ci95[1] > 0.84);
+}
+
+#[test]
+fn one_point_more_moves_the_lift_slope_and_the_report_says_so() {
+    assert_near(fit(&suboff(10.1)).a.value, 0.905, 0.002);
+    let warnings = suboff(10.0).warnings;
+    let warning = warnings.iter().find(|w| w.contains("depend")).expect("a warning about the range");
+    assert!(warning.contains("a = 0.84") && warning.contains("0.90"), "{warning}");
+}
+
+/// Every point as converted apart from this code, to the last printed place.
+#[test]
+fn points_convert_to_coefficients_about_the_centre_of_buoyancy() {
+    let results = suboff(10.0);
+    let points = &results.hulls[0].sweep.points;
+    for (id, expected) in [
+        ("152", [-0.0092, 0.0950, 0.0086]),
+        ("159", [0.1997, 0.1308, 0.1757]),
+        ("164", [0.6075, 0.2618, 0.2610]),
+        ("168", [-0.0314, 0.0961, -0.0523]),
+        ("172", [-0.1894, 0.1315, -0.1641]),
+        ("176", [-0.6098, 0.2790, -0.2568]),
+    ] {
+        let point = points.iter().find(|p| p.run_id == id).unwrap();
+        for (found, expected) in point.coefficients.into_iter().zip(expected) {
+            assert!((found - expected).abs() < 1.01e-4, "point {id}: {found}, expected {expected}");
+        }
+    }
+}
+
+/// Errors of prediction (each point left out in turn) and coefficients of other forms.
+#[test]
+fn other_forms_predict_as_published() {
+    let check = |range: f64, coefficient: usize, form: &str, rms: f64, parameters: &[f64]| {
+        let results = suboff(range);
+        let fit = results.hulls[0].fit.as_ref().unwrap();
+        let candidate = fit.adequacy[coefficient].iter().find(|c| c.form == form).unwrap();
+        assert_near(candidate.left_out_rms, rms, 0.01);
+        for (found, expected) in candidate.parameters.iter().zip(parameters) {
+            assert!((found.0 - expected).abs() < 6e-4 + 6e-4 * expected.abs(), "{form}: {found:?}, {expected}");
+        }
+    };
+    check(20.0, 0, "x", 0.0703, &[1.543]);
+    check(20.0, 0, "x + x|x|", 0.0067, &[0.128, 5.728]);
+    check(20.0, 0, "1 + x + x|x|", 0.0065, &[-0.0026, 0.128, 5.726]);
+    check(20.0, 1, "1 + x^2", 0.00882, &[0.0879, 1.709]);
+    check(20.0, 1, "1 + x^2 + |x|^3", 0.00516, &[0.0941, 0.505, 4.012]);
+    check(20.0, 2, "x", 0.0158, &[0.890]);
+    check(10.1, 0, "x", 0.0239, &[0.905]);
+    check(10.1, 2, "1 + x + x^3", 0.00196, &[0.0063, 1.153, -5.995]);
+}
+
+/// The same points as forces and as coefficients give the same fit.
+#[test]
+fn the_three_forms_of_a_table_agree() {
+    let folder = tempfile::tempdir().unwrap();
+    let from_primes = suboff(10.0);
+    let mut coefficients = "yaw_deg,CL,CD,CM\n".to_owned();
+    let mut forces = "yaw_deg,AF_N,SF_N,YM_N_m,speed_m_s\n".to_owned();
+    // By hand: rho = 998.204 kg/m3 (fresh, 20 degC), Lpp = 4.2609 m, U = 3.344 m/s.
+    let q = 0.5 * 998.204 * 3.344f64.powi(2) * 4.2609f64.powi(2);
+    let text = std::fs::read_to_string(data("suboff_roddy1990.csv")).unwrap();
+    let rows = text.lines().filter(|line| !line.starts_with(['#', 'r']));
+    for (row, point) in rows.zip(&from_primes.hulls[0].sweep.points) {
+        let cells: Vec<f64> = row.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let (yaw, x, y, n) = (cells[1], cells[2], cells[3], cells[4]);
+        let [cl, cd, cm] = point.coefficients;
+        coefficients += &format!("{yaw},{cl},{cd},{cm}\n");
+        forces += &format!("{yaw},{},{},{},3.344\n", -x * q, y * q, n * q * 4.2609);
+    }
+    for table in [coefficients, forces] {
+        let file = folder.path().join("points.csv");
+        std::fs::write(&file, table).unwrap();
+        let results = reduce_points(&file, &data("suboff.toml"), 10.0).unwrap();
+        let (found, expected) = (fit(&results), fit(&from_primes));
+        assert_near(found.a.value, expected.a.value, 2e-6);
+        assert_near(found.b.value, expected.b.value, 2e-6);
+        assert_near(found.c.value, expected.c.value, 2e-6);
+        assert_near(found.d.value, expected.d.value, 2e-6);
+    }
+}
