@@ -15,7 +15,10 @@
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod coefficients;
+#[cfg(feature = "diagnosis")]
+pub mod diagnose;
 pub mod dynamics;
+pub mod estimate;
 pub mod glide;
 pub mod hull_tests;
 pub mod input;

@@ -1,0 +1,188 @@
+//! modelDescription.xml of FMI 2.0.
+
+use super::structure::{Unknown, structure};
+use super::xml::{Document, flag, number, text};
+use super::{DEFAULT_EXPERIMENT, LOG_CATEGORIES, MODEL_DESCRIPTION, MODEL_NAME, start_value};
+use crate::model::table::{reference_of, token};
+use crate::model::units::UNITS;
+use crate::model::vehicle::Vehicle;
+use crate::model::{Causality, Initial, Kind, Slot, Variability, Variable, variables};
+use glidepolar::dynamics::limits::N_EVENTS;
+
+/// The model description with the start values of this vehicle.
+pub fn model_description(vehicle: &Vehicle) -> String {
+    let mut document = Document::new();
+    document.open(
+        "fmiModelDescription",
+        &[
+            ("fmiVersion", text("2.0")),
+            ("modelName", text(MODEL_NAME)),
+            ("guid", text(token())),
+            ("description", text(MODEL_DESCRIPTION)),
+            ("version", text(env!("CARGO_PKG_VERSION"))),
+            ("license", text("MIT OR Apache-2.0")),
+            ("generationTool", text("glidepolar")),
+            ("variableNamingConvention", text("structured")),
+            ("numberOfEventIndicators", text(N_EVENTS.to_string())),
+        ],
+    );
+    capabilities(&mut document);
+    units(&mut document);
+    document.open("LogCategories", &[]);
+    for (name, description) in LOG_CATEGORIES {
+        document.leaf("Category", &[("name", text(name)), ("description", text(description))]);
+    }
+    document.close();
+    let (stop, step, tolerance) = DEFAULT_EXPERIMENT;
+    document.leaf(
+        "DefaultExperiment",
+        &[
+            ("startTime", number(0.0)),
+            ("stopTime", number(stop)),
+            ("tolerance", number(tolerance)),
+            ("stepSize", number(step)),
+        ],
+    );
+    document.open("ModelVariables", &[]);
+    for variable in variables() {
+        scalar_variable(&mut document, variable, vehicle);
+    }
+    document.close();
+    model_structure(&mut document);
+    document.finish()
+}
+
+fn capabilities(document: &mut Document) {
+    let common = [
+        ("modelIdentifier", text(MODEL_NAME)),
+        ("canNotUseMemoryManagementFunctions", flag(true)),
+        ("canGetAndSetFMUstate", flag(true)),
+        ("canSerializeFMUstate", flag(true)),
+        ("providesDirectionalDerivative", flag(true)),
+    ];
+    let with = |more: &[(&'static str, Option<String>)]| [common.as_slice(), more].concat();
+    document.leaf("ModelExchange", &with(&[("completedIntegratorStepNotNeeded", flag(true))]));
+    document.leaf(
+        "CoSimulation",
+        &with(&[
+            ("canHandleVariableCommunicationStepSize", flag(true)),
+            ("canInterpolateInputs", flag(true)),
+            ("maxOutputDerivativeOrder", text("1")),
+        ]),
+    );
+}
+
+fn units(document: &mut Document) {
+    document.open("UnitDefinitions", &[]);
+    for unit in UNITS {
+        document.open("Unit", &[("name", text(unit.name))]);
+        let mut base: Vec<_> = unit.base.iter().map(|(name, power)| (*name, text(power.to_string()))).collect();
+        base.push(("factor", number(unit.factor).filter(|_| unit.factor != 1.0)));
+        base.push(("offset", number(unit.offset).filter(|_| unit.offset != 0.0)));
+        document.leaf("BaseUnit", &base);
+        if let Some((name, factor)) = unit.display {
+            document.leaf("DisplayUnit", &[("name", text(name)), ("factor", number(factor))]);
+        }
+        document.close();
+    }
+    document.close();
+}
+
+fn scalar_variable(document: &mut Document, variable: &Variable, vehicle: &Vehicle) {
+    let may_say_initial = !matches!(variable.causality, Causality::Input | Causality::Independent);
+    document.open(
+        "ScalarVariable",
+        &[
+            ("name", text(variable.name.as_ref())),
+            ("valueReference", text(reference_of(variable.slot).to_string())),
+            ("description", text(variable.description.as_ref())),
+            ("causality", text(causality(variable.causality))),
+            ("variability", text(variability(variable.variability))),
+            ("initial", variable.initial.filter(|_| may_say_initial).map(|i| initial(i).to_owned())),
+        ],
+    );
+    let start = start_value(&vehicle.glider, &vehicle.name, variable);
+    let integer = |bound: f64| Some((bound as i64).to_string());
+    match variable.kind {
+        Kind::Real => document.leaf(
+            "Real",
+            &[
+                ("unit", variable.unit.and_then(|unit| text(unit.name))),
+                ("displayUnit", variable.unit.and_then(|unit| unit.display).and_then(|(name, _)| text(name))),
+                ("min", variable.bounds.and_then(|(min, _)| number(min))),
+                ("max", variable.bounds.and_then(|(_, max)| number(max))),
+                ("nominal", variable.nominal.and_then(number)),
+                ("start", start),
+                ("derivative", derivative_of(variable).map(|state| (state + 1).to_string())),
+                ("reinit", flag(variable.jumps)),
+            ],
+        ),
+        Kind::Integer => document.leaf(
+            "Integer",
+            &[
+                ("min", variable.bounds.and_then(|(min, _)| integer(min))),
+                ("max", variable.bounds.and_then(|(_, max)| integer(max))),
+                ("start", start),
+            ],
+        ),
+        Kind::Boolean => document.leaf("Boolean", &[("start", start)]),
+        Kind::Text => document.leaf("String", &[("start", start)]),
+    }
+    document.close();
+}
+
+fn model_structure(document: &mut Document) {
+    let structure = structure();
+    document.open("ModelStructure", &[]);
+    for (name, unknowns) in
+        [("Outputs", structure.outputs), ("Derivatives", structure.derivatives), ("InitialUnknowns", structure.initial)]
+    {
+        document.open(name, &[]);
+        for Unknown { reference, dependencies } in unknowns {
+            let indices = |references: Vec<u32>| {
+                references.iter().map(|reference| (reference + 1).to_string()).collect::<Vec<_>>().join(" ")
+            };
+            document.leaf(
+                "Unknown",
+                &[("index", text((reference + 1).to_string())), ("dependencies", dependencies.map(indices))],
+            );
+        }
+        document.close();
+    }
+    document.close();
+}
+
+/// The value reference of the state that this variable is the derivative of.
+pub(super) fn derivative_of(variable: &Variable) -> Option<u32> {
+    match variable.slot {
+        Slot::Derivative(i) => Some(reference_of(Slot::State(i))),
+        _ => None,
+    }
+}
+
+pub(super) fn causality(causality: Causality) -> &'static str {
+    match causality {
+        Causality::Independent => "independent",
+        Causality::Input => "input",
+        Causality::Output => "output",
+        Causality::Local => "local",
+        Causality::Parameter => "parameter",
+    }
+}
+
+pub(super) fn variability(variability: Variability) -> &'static str {
+    match variability {
+        Variability::Constant => "constant",
+        Variability::Fixed => "fixed",
+        Variability::Tunable => "tunable",
+        Variability::Discrete => "discrete",
+        Variability::Continuous => "continuous",
+    }
+}
+
+pub(super) fn initial(initial: Initial) -> &'static str {
+    match initial {
+        Initial::Exact => "exact",
+        Initial::Calculated => "calculated",
+    }
+}

@@ -1,0 +1,57 @@
+//! What an importer and a person read before a simulation runs: the model descriptions of both standards and the
+//! documentation in the archive, all written from the table of variables.
+
+mod fmi2;
+mod fmi3;
+pub mod structure;
+mod terminals;
+mod xml;
+
+use std::path::PathBuf;
+
+use glidepolar::dynamics::integrate::DEFAULT_TOLERANCE;
+
+use crate::model::glider::Glider;
+use crate::model::vehicle::Vehicle;
+use crate::model::{Kind, Variable};
+
+/// Name of the model, and of the binary in the archive.
+pub const MODEL_NAME: &str = "UnderwaterGlider";
+
+/// What the model is, in a line.
+pub const MODEL_DESCRIPTION: &str = "Underwater glider in the vertical plane: buoyancy engine, moving mass, glide polar from hull tests, and the mechanisms by which gliders at sea depart from them";
+
+/// The experiment when nothing is said: stop time, communication step, tolerance.
+pub const DEFAULT_EXPERIMENT: (f64, f64, f64) = (600.0, 1.0, DEFAULT_TOLERANCE);
+
+/// The categories of log messages and what they carry.
+pub const LOG_CATEGORIES: [(&str, &str); 4] = [
+    ("logEvents", "State events, mode changes and what the instance starts from"),
+    ("logStatusWarning", "What works, but perhaps not as meant"),
+    ("logStatusDiscard", "Steps that could not be completed"),
+    ("logStatusError", "Calls that were refused, with what to do"),
+];
+
+/// The files that are generated and checked in, by path below `modelDescription/`, with their content.
+pub fn files() -> Vec<(PathBuf, String)> {
+    let vehicle = Vehicle::default();
+    vec![
+        ("fmi2/modelDescription.xml".into(), fmi2::model_description(&vehicle)),
+        ("fmi3/modelDescription.xml".into(), fmi3::model_description(&vehicle)),
+        ("fmi3/terminalsAndIcons/terminalsAndIcons.xml".into(), terminals::terminals_and_icons()),
+    ]
+}
+
+/// The start value of a variable, as the descriptions write it.
+fn start_value(glider: &Glider, name: &str, variable: &Variable) -> Option<String> {
+    if !variable.has_start() {
+        return None;
+    }
+    let mut reading = glider.read();
+    match variable.kind {
+        Kind::Real => reading.real(variable.slot).and_then(xml::number),
+        Kind::Integer => reading.integer(variable.slot).map(|n| n.to_string()),
+        Kind::Boolean => reading.boolean(variable.slot).map(|b| b.to_string()),
+        Kind::Text => Some(name.to_owned()),
+    }
+}

@@ -1,0 +1,172 @@
+//! Which variable follows from which: found by the exact derivatives themselves, at many points of every mode, so that
+//! the declared structure cannot differ from the equations.
+
+use std::collections::BTreeSet;
+
+use glidepolar::dynamics::state::N_INPUTS;
+use glidepolar::dynamics::{Modes, N_STATES, PARAMETERS, Stop, parameter_index};
+
+use crate::model::glider::{Glider, actuation_of};
+use crate::model::table::reference_of;
+use crate::model::tangent::Tangent;
+use crate::model::vehicle::Vehicle;
+use crate::model::{Causality, Initial, Kind, Slot, Variable, variables};
+
+/// A calculated variable and the value references of those that it follows from.
+pub struct Unknown {
+    /// Its value reference.
+    pub reference: u32,
+    /// What it follows from; none when all that is known may matter.
+    pub dependencies: Option<Vec<u32>>,
+}
+
+/// The structure of the model.
+pub struct Structure {
+    /// All outputs.
+    pub outputs: Vec<Unknown>,
+    /// The derivatives, in the order of the states.
+    pub derivatives: Vec<Unknown>,
+    /// What is calculated at the start.
+    pub initial: Vec<Unknown>,
+    /// The event indicators.
+    pub indicators: Vec<Unknown>,
+}
+
+/// The structure of the model.
+pub fn structure() -> Structure {
+    let states = || (0..N_STATES).map(Slot::State);
+    let running: Vec<Slot> = [Slot::Time].into_iter().chain((0..N_INPUTS).map(Slot::Input)).chain(states()).collect();
+    let at_start: Vec<Slot> = variables()
+        .iter()
+        .filter(|v| v.kind == Kind::Real && (v.has_start() || v.slot == Slot::Time))
+        .map(|v| v.slot)
+        .collect();
+    let running = Probe { knowns: running, starting: false };
+    let starting = Probe { knowns: at_start, starting: true };
+
+    let of_all = |probe: &Probe, wanted: &dyn Fn(&Variable) -> bool| {
+        let wanted: Vec<&Variable> = variables().iter().filter(|v| wanted(v)).collect();
+        probe.unknowns(&wanted)
+    };
+    let calculated_at_start = |v: &Variable| {
+        v.initial == Some(Initial::Calculated)
+            && (v.causality == Causality::Output || matches!(v.slot, Slot::State(_) | Slot::Derivative(_)))
+    };
+    Structure {
+        outputs: of_all(&running, &|v| v.causality == Causality::Output),
+        derivatives: of_all(&running, &|v| matches!(v.slot, Slot::Derivative(_))),
+        initial: of_all(&starting, &calculated_at_start),
+        indicators: of_all(&running, &|v| matches!(v.slot, Slot::Indicator(_))),
+    }
+}
+
+/// Asks which of some unknowns move with which of the knowns.
+struct Probe {
+    knowns: Vec<Slot>,
+    starting: bool,
+}
+
+impl Probe {
+    fn unknowns(&self, wanted: &[&Variable]) -> Vec<Unknown> {
+        let mut found: Vec<BTreeSet<u32>> = vec![BTreeSet::new(); wanted.len()];
+        let parameter = |name| Slot::Parameter(parameter_index(name).expect("a parameter of the library"));
+        let (drag_step, step_time) = (parameter("drag_step"), parameter("step_time_s"));
+        for glider in points() {
+            for &known in &self.knowns {
+                let tangent = Tangent::along(&glider, self.starting, [(known, 1.0)]);
+                for (variable, found) in wanted.iter().zip(&mut found) {
+                    if tangent.of(variable.slot).is_some_and(|change| change != 0.0) {
+                        found.insert(reference_of(known));
+                    }
+                }
+            }
+            if self.starting {
+                for (variable, found) in wanted.iter().zip(&mut found) {
+                    let switches = [
+                        (Slot::Actuation, depends_on_actuation(&glider, variable.slot)),
+                        (step_time, found.contains(&reference_of(drag_step))),
+                    ];
+                    found
+                        .extend(switches.iter().filter(|(_, switches)| *switches).map(|(slot, _)| reference_of(*slot)));
+                }
+            }
+        }
+        let unknown = |(variable, found): (&&Variable, BTreeSet<u32>)| Unknown {
+            reference: reference_of(variable.slot),
+            dependencies: (variable.kind == Kind::Real).then(|| found.into_iter().collect()),
+        };
+        wanted.iter().zip(found).map(unknown).collect()
+    }
+}
+
+fn depends_on_actuation(glider: &Glider, slot: Slot) -> bool {
+    let value = |number| {
+        let mut glider = *glider;
+        glider.set_actuation(number);
+        glider.read().real(slot)
+    };
+    value(0) != value(1) || value(1) != value(2)
+}
+
+/// Gliders of every kind of actuation and mode, in free water, at the surface and on the seabed, with every mechanism
+/// at work and no number at a special value.
+fn points() -> Vec<Glider> {
+    const DEPTHS_M: [f64; 3] = [37.3, -0.013, 119.7];
+    const STOPS: [Stop; 3] = [Stop::Free, Stop::AtMin, Stop::AtMax];
+    let mut odd = OddNumbers(0x9e37_79b9_7f4a_7c15);
+    let mut points = Vec::new();
+    for depth in DEPTHS_M {
+        for actuation in [0, 1, 2] {
+            for stop in STOPS {
+                for command in [1.0, 1e-3] {
+                    let gliding = point(&mut odd, depth, actuation, stop, command);
+                    let mut turning = gliding;
+                    let state = &mut turning.values.state;
+                    // Descents and ascents pass into each other at sink rates of millimetres per second.
+                    state.pitch_rad = state.v3_m_s.atan2(state.v1_m_s) - 0.01;
+                    points.extend([gliding, turning]);
+                }
+            }
+        }
+    }
+    points
+}
+
+fn point(odd: &mut OddNumbers, depth: f64, actuation: i32, stop: Stop, command: f64) -> Glider {
+    let mut glider = Vehicle::default().glider;
+    let values = &mut glider.values;
+    for (i, info) in PARAMETERS.iter().enumerate() {
+        let place = values.parameters.at(i);
+        *place = if info.default == 0.0 {
+            (0.01 * info.max.min(1.0) * odd.next()).max(info.min)
+        } else {
+            (info.default * (1.0 + 0.01 * odd.next())).clamp(info.min, info.max)
+        };
+    }
+    values.time_s = 3.7;
+    values.state = values.state.map(|value| value + 0.01 * odd.next());
+    values.inputs = values.inputs.map(|value| value + 0.01 * odd.next());
+    values.state.depth_m = depth;
+    values.inputs.seabed_depth_m = 119.6;
+    // A set-point near the position is followed in proportion, one far away at the largest rate.
+    values.inputs.ballast_command_m3 = values.parameters.ballast_m3(values.state.ballast_mass_kg) + 1e-4 * command;
+    values.inputs.moving_mass_command_m = values.state.moving_mass_1_m + 0.05 * command;
+    glider.actuation = actuation_of(actuation).expect("a kind of actuation");
+    if actuation != 0 {
+        glider.discrete.modes = Modes { ballast: stop, moving_mass: stop };
+    }
+    glider.discrete.drag_has_stepped = true;
+    glider
+}
+
+/// Numbers between 0.5 and 1.5 without any pattern (xorshift).
+struct OddNumbers(u64);
+
+impl OddNumbers {
+    fn next(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        0.5 + (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+}

@@ -1,0 +1,167 @@
+//! Reading and setting variables by value reference.
+
+use std::ffi::CStr;
+
+use super::Instance;
+use super::phase::Phase;
+use super::refusal::{Outcome, Refusal};
+use crate::model::glider::actuation_of;
+use crate::model::{Causality, Initial, Kind, Slot, Variability, Variable, variable, variables};
+
+impl Instance {
+    /// The numbers of these variables.
+    pub fn get_reals(&self, references: &[u32], values: &mut [f64]) -> Outcome {
+        let glider = self.now();
+        let mut reading = glider.read();
+        for (&reference, value) in references.iter().zip(values) {
+            let variable = of_kind(reference, Kind::Real)?;
+            *value = reading.real(variable.slot).ok_or_else(|| fault(variable))?;
+        }
+        Ok(())
+    }
+
+    /// The integers of these variables.
+    pub fn get_integers(&self, references: &[u32], values: &mut [i32]) -> Outcome {
+        let glider = self.now();
+        for (&reference, value) in references.iter().zip(values) {
+            let variable = of_kind(reference, Kind::Integer)?;
+            *value = glider.read().integer(variable.slot).ok_or_else(|| fault(variable))?;
+        }
+        Ok(())
+    }
+
+    /// The truths of these variables, by way of `put`.
+    pub fn get_booleans(&self, references: &[u32], mut put: impl FnMut(usize, bool)) -> Outcome {
+        let glider = self.now();
+        for (i, &reference) in references.iter().enumerate() {
+            let variable = of_kind(reference, Kind::Boolean)?;
+            put(i, glider.read().boolean(variable.slot).ok_or_else(|| fault(variable))?);
+        }
+        Ok(())
+    }
+
+    /// The texts of these variables, by way of `put`. They live as long as the instance.
+    pub fn get_texts(&self, references: &[u32], mut put: impl FnMut(usize, &CStr)) -> Outcome {
+        for (i, &reference) in references.iter().enumerate() {
+            of_kind(reference, Kind::Text)?;
+            put(i, &self.vehicle_name);
+        }
+        Ok(())
+    }
+
+    /// Sets these variables, all or none.
+    pub fn set_reals(&mut self, references: &[u32], values: &[f64]) -> Outcome {
+        for (&reference, &value) in references.iter().zip(values) {
+            let variable = of_kind(reference, Kind::Real)?;
+            self.may_set(variable)?;
+            check_value(variable, value)?;
+        }
+        for (&reference, &value) in references.iter().zip(values) {
+            if let Some(variable) = variable(reference) {
+                if let Slot::Input(i) = variable.slot {
+                    self.core.slopes.forget(i);
+                }
+                self.core.unsettled |= self.core.glider.values.get(variable.slot) != Some(value);
+                self.core.glider.values.set(variable.slot, value);
+            }
+        }
+        Ok(())
+    }
+
+    /// Sets these variables, all or none.
+    pub fn set_integers(&mut self, references: &[u32], values: &[i32]) -> Outcome {
+        for (&reference, &value) in references.iter().zip(values) {
+            let variable = of_kind(reference, Kind::Integer)?;
+            self.may_set(variable)?;
+            check_value(variable, f64::from(value))?;
+        }
+        for &value in values.iter().take(references.len()) {
+            // The only integer that can be set.
+            if let Some(actuation) = actuation_of(value) {
+                self.core.glider.actuation = actuation;
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses to set variables of a kind of which none can be set.
+    pub fn set_none(&self, references: &[u32], kind: Kind) -> Outcome {
+        references.iter().try_for_each(|&reference| self.may_set(of_kind(reference, kind)?))
+    }
+
+    /// Refuses a variable that cannot be set, or not now.
+    fn may_set(&self, variable: &Variable) -> Outcome {
+        let (name, phase) = (&variable.name, self.core.phase);
+        let refused = |why: &str| Err(Refusal::error(format!("{name} cannot be set: {why}")));
+        let input = variable.causality == Causality::Input;
+        if variable.variability == Variability::Constant {
+            return refused("it is a constant");
+        }
+        if variable.causality == Causality::Independent {
+            return refused("it is the time");
+        }
+        if variable.initial == Some(Initial::Calculated) {
+            return refused("it is calculated from other variables");
+        }
+        let tunable = variable.variability == Variability::Tunable;
+        match phase {
+            Phase::Instantiated | Phase::Initialization => Ok(()),
+            Phase::Event | Phase::Step if input || tunable => Ok(()),
+            Phase::ContinuousTime | Phase::Intermediate if input => Ok(()),
+            Phase::ContinuousTime if tunable => {
+                refused("in Continuous-Time Mode only inputs can; enter Event Mode first")
+            }
+            _ if variable.causality == Causality::Parameter => {
+                refused(&format!("in {phase} a fixed parameter stays as it is; set it before the simulation begins"))
+            }
+            _ => refused(&format!("in {phase} only inputs and tunable parameters can")),
+        }
+    }
+}
+
+/// The variable of this reference, if it is of this kind.
+pub(super) fn of_kind(reference: u32, kind: Kind) -> Outcome<&'static Variable> {
+    let Some(variable) = variable(reference) else {
+        let last = variables().len() - 1;
+        return Err(Refusal::error(format!(
+            "there is no variable with value reference {reference}; they go from 0 to {last}, see modelDescription.xml"
+        )));
+    };
+    if variable.kind == kind {
+        return Ok(variable);
+    }
+    Err(Refusal::error(format!(
+        "{} (value reference {reference}) is of type {}, not {}",
+        variable.name,
+        kind_name(variable.kind),
+        kind_name(kind)
+    )))
+}
+
+/// How the standards call a kind.
+pub fn kind_name(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Real => "Real (Float64)",
+        Kind::Integer => "Integer (Int32)",
+        Kind::Boolean => "Boolean",
+        Kind::Text => "String",
+    }
+}
+
+fn check_value(variable: &Variable, value: f64) -> Outcome {
+    let name = &variable.name;
+    if !value.is_finite() {
+        return Err(Refusal::error(format!("{name} = {value}: expected a finite number")));
+    }
+    match variable.bounds {
+        Some((min, max)) if !(min..=max).contains(&value) => {
+            let unit = variable.unit.map_or("", |unit| unit.name);
+            Err(Refusal::error(format!("{name} = {value} {unit} lies outside its bounds, {min} to {max}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn fault(variable: &Variable) -> Refusal {
+    Refusal::error(format!("{} has no value", variable.name))
+}

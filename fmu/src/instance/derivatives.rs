@@ -1,0 +1,88 @@
+//! Partial derivatives, forward and adjoint, of any calculated number with respect to any number that is not.
+
+use super::Instance;
+use super::access::of_kind;
+use super::phase::Phase;
+use super::refusal::{Outcome, Refusal};
+use crate::model::tangent::Tangent;
+use crate::model::{Initial, Kind, Slot, Variable};
+
+impl Instance {
+    /// `sensitivity = d unknowns / d knowns * seed`.
+    pub fn directional_derivative(
+        &self,
+        unknowns: &[u32],
+        knowns: &[u32],
+        seed: &[f64],
+        sensitivity: &mut [f64],
+    ) -> Outcome {
+        let knowns = self.knowns(knowns)?;
+        check_seed(seed)?;
+        let tangent = self.tangent(knowns.iter().copied().zip(seed.iter().copied()));
+        for (&unknown, sensitivity) in unknowns.iter().zip(sensitivity) {
+            *sensitivity = of(&tangent, self.unknown(unknown)?)?;
+        }
+        Ok(())
+    }
+
+    /// `sensitivity = (d unknowns / d knowns)^T * seed`.
+    pub fn adjoint_derivative(
+        &self,
+        unknowns: &[u32],
+        knowns: &[u32],
+        seed: &[f64],
+        sensitivity: &mut [f64],
+    ) -> Outcome {
+        let knowns = self.knowns(knowns)?;
+        check_seed(seed)?;
+        let unknowns: Vec<&Variable> =
+            unknowns.iter().map(|&reference| self.unknown(reference)).collect::<Outcome<_>>()?;
+        for (&known, sensitivity) in knowns.iter().zip(sensitivity) {
+            let tangent = self.tangent([(known, 1.0)]);
+            *sensitivity = 0.0;
+            for (unknown, seed) in unknowns.iter().zip(seed) {
+                *sensitivity += seed * of(&tangent, unknown)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn tangent(&self, direction: impl IntoIterator<Item = (Slot, f64)>) -> Tangent {
+        Tangent::along(&self.now(), self.core.phase.is_starting(), direction)
+    }
+
+    /// What a derivative can be taken of.
+    fn unknown(&self, reference: u32) -> Outcome<&'static Variable> {
+        let variable = of_kind(reference, Kind::Real)?;
+        match variable.slot {
+            Slot::Derivative(_) | Slot::Output(_) | Slot::Indicator(_) | Slot::State(_) => Ok(variable),
+            _ => Err(Refusal::error(format!("{} is not an unknown: it follows from nothing", variable.name))),
+        }
+    }
+
+    /// What a derivative can be taken with respect to: during initialisation all that a start value or time decides,
+    /// afterwards states, inputs, time and tunable parameters.
+    fn knowns(&self, references: &[u32]) -> Outcome<Vec<Slot>> {
+        let known = |&reference: &u32| {
+            let variable = of_kind(reference, Kind::Real)?;
+            let starts = variable.initial == Some(Initial::Exact);
+            match variable.slot {
+                Slot::Time | Slot::Input(_) | Slot::Parameter(_) => Ok(variable.slot),
+                Slot::State(_) if starts || self.core.phase != Phase::Initialization => Ok(variable.slot),
+                _ => Err(Refusal::error(format!("{} is not a known here: it follows from others", variable.name))),
+            }
+        };
+        references.iter().map(known).collect()
+    }
+}
+
+fn of(tangent: &Tangent, variable: &Variable) -> Outcome<f64> {
+    tangent.of(variable.slot).ok_or_else(|| Refusal::error(format!("{} has no derivative", variable.name)))
+}
+
+fn check_seed(seed: &[f64]) -> Outcome {
+    match seed.iter().find(|value| !value.is_finite()) {
+        Some(value) => Err(Refusal::error(format!("a seed is {value}: expected finite numbers"))),
+        None => Ok(()),
+    }
+}

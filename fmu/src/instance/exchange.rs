@@ -1,0 +1,88 @@
+//! Model Exchange: time and states come from the importer's integrator, rates and event indicators go back. The
+//! handling of events is shared with Co-Simulation.
+
+use glidepolar::dynamics::{N_STATES, STATE_NOMINALS, State};
+
+use super::Instance;
+use super::refusal::{Outcome, Refusal};
+
+/// What an event brought.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EventOutcome {
+    /// A continuous state jumped.
+    pub states_changed: bool,
+    /// When the next event comes that time alone brings \[s\].
+    pub next_time_event_s: Option<f64>,
+}
+
+impl Instance {
+    /// Sets the time.
+    pub fn set_time(&mut self, time_s: f64) -> Outcome {
+        let start = self.core.start_time_s;
+        if !time_s.is_finite() || time_s < start - 1e-9 * start.abs().max(1.0) {
+            return Err(Refusal::error(format!(
+                "time = {time_s}: expected a finite time after the start at {start} s"
+            )));
+        }
+        self.core.glider.values.time_s = time_s;
+        Ok(())
+    }
+
+    /// Sets the continuous states.
+    pub fn set_states(&mut self, states: &[f64]) -> Outcome {
+        let states = n_states(states)?;
+        if let Some((i, value)) = states.iter().enumerate().find(|(_, value)| !value.is_finite()) {
+            return Err(Refusal::error(format!("continuous state {i} = {value}: expected a finite number")));
+        }
+        self.core.glider.values.state = State::from_array(states);
+        Ok(())
+    }
+
+    /// The continuous states.
+    pub fn states(&self, states: &mut [f64]) -> Outcome {
+        fill(states, &self.now().values.state.as_array(), "continuous states")
+    }
+
+    /// Their rates of change.
+    pub fn derivatives(&self, derivatives: &mut [f64]) -> Outcome {
+        fill(derivatives, &self.now().derivative().as_array(), "derivatives")
+    }
+
+    /// Their usual sizes.
+    pub fn nominals(&self, nominals: &mut [f64]) -> Outcome {
+        fill(nominals, &STATE_NOMINALS.as_array(), "continuous states")
+    }
+
+    /// The event indicators.
+    pub fn indicators(&self, indicators: &mut [f64]) -> Outcome {
+        fill(indicators, &self.now().indicators(), "event indicators")
+    }
+
+    /// Brings the discrete states up to date.
+    pub fn handle_event(&mut self) -> EventOutcome {
+        let before = self.core.glider.discrete;
+        let states_changed = self.core.glider.handle_event();
+        self.core.unsettled = false;
+        let after = self.core.glider.discrete;
+        if before != after && self.log.wants_events() {
+            self.log.event(&format!("event at {} s: {after:?}", self.time_s()));
+        }
+        EventOutcome { states_changed, next_time_event_s: self.core.glider.next_time_event_s() }
+    }
+}
+
+fn n_states(states: &[f64]) -> Outcome<[f64; N_STATES]> {
+    states.try_into().map_err(|_| wrong_length(states.len(), N_STATES, "continuous states"))
+}
+
+fn fill(target: &mut [f64], source: &[f64], what: &str) -> Outcome {
+    if target.len() != source.len() {
+        return Err(wrong_length(target.len(), source.len(), what));
+    }
+    target.copy_from_slice(source);
+    Ok(())
+}
+
+fn wrong_length(found: usize, expected: usize, what: &str) -> Refusal {
+    Refusal::error(format!("room for {found} {what}, expected {expected}"))
+}

@@ -1,0 +1,160 @@
+//! The vehicle that travels in the archive: `resources/vehicle.toml`.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use super::log::Log;
+use super::refusal::{Outcome, Refusal, Status};
+use crate::model::table::token;
+use crate::model::vehicle::Vehicle;
+
+/// File in the resources folder that describes the vehicle.
+pub const VEHICLE_FILE: &str = "vehicle.toml";
+
+/// What a packed FMU with a vehicle of its own appends to the token, so that the library knows that its defaults are
+/// not what the model description says.
+pub const OWN_VEHICLE: &str = "+vehicle";
+
+/// The vehicle of a new instance, after a look at the name and the token that the importer gave.
+///
+/// # Errors
+/// Where the archive and this library do not belong together, or its vehicle cannot be used.
+pub fn chosen(name: &str, given: &str, folder: Option<&Path>, log: &Log) -> Outcome<Vehicle> {
+    if name.is_empty() {
+        return Err(Refusal::error("the instance has no name; give it one"));
+    }
+    let Some(expected) = carries_vehicle(given) else {
+        return Err(Refusal::error(format!(
+            "the token (guid) \"{given}\" is not that of this binary; modelDescription.xml and binary come from different builds"
+        )));
+    };
+    let (vehicle, note) = vehicle(folder, expected).map_err(Refusal::error)?;
+    if let Some(note) = note {
+        log.problem(Status::Warning, &note);
+    }
+    log.event(&format!("the vehicle is \"{}\"", vehicle.name));
+    Ok(vehicle)
+}
+
+/// Whether the token is that of this library; `Some(true)` when the archive says that it carries its own vehicle.
+pub fn carries_vehicle(given: &str) -> Option<bool> {
+    let rest = given.trim().strip_prefix(token())?;
+    match rest {
+        "" => Some(false),
+        OWN_VEHICLE => Some(true),
+        _ => None,
+    }
+}
+
+/// The vehicle in this folder, or the default one where there is none. With it, what the importer should be told.
+///
+/// # Errors
+/// Where there is a vehicle file that cannot be used: no other vehicle may silently take its place.
+pub fn vehicle(folder: Option<&Path>, expected: bool) -> Result<(Vehicle, Option<String>), String> {
+    let missing = |why: String| {
+        let note = expected.then(|| {
+            format!(
+                "this FMU carries a vehicle of its own, but {why}; the default vehicle takes its place and the start values of modelDescription.xml do not hold"
+            )
+        });
+        Ok((Vehicle::default(), note))
+    };
+    let Some(folder) = folder else {
+        return missing("the importer gave no resource path".to_owned());
+    };
+    let path = folder.join(VEHICLE_FILE);
+    match std::fs::read_to_string(&path) {
+        Ok(text) => Vehicle::parse(&text, &path).map(|vehicle| (vehicle, None)),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            missing(format!("{} does not exist", path.display()))
+        }
+        Err(error) => missing(format!("{} cannot be read: {error}", path.display())),
+    }
+}
+
+/// The folder that a resource URI names (RFC 3986 `file:` URIs, percent-encoded); a plain path is taken as it is.
+///
+/// # Errors
+/// Where it is a URI of another kind.
+pub fn folder_of_uri(uri: &str) -> Result<PathBuf, String> {
+    let lower = uri.get(..5).unwrap_or_default().to_ascii_lowercase();
+    if lower != "file:" {
+        return match uri.split_once("://") {
+            Some((scheme, _)) => Err(format!("the resource location {uri} is of scheme {scheme}, expected file")),
+            None => Ok(PathBuf::from(uri)),
+        };
+    }
+    let rest = &uri[5..];
+    let path = match rest.strip_prefix("//") {
+        // What stands before the next slash is a host; only this one can be meant.
+        Some(with_host) => with_host.find('/').map_or("/", |slash| &with_host[slash..]),
+        None => rest,
+    };
+    let decoded = percent_decoded(path);
+    // file:///C:/folder names C:/folder.
+    let bytes = decoded.as_slice();
+    let has_drive = bytes.len() > 2 && bytes[0] == b'/' && bytes[1].is_ascii_alphabetic() && bytes[2] == b':';
+    Ok(path_of(if has_drive { bytes[1..].to_vec() } else { decoded }))
+}
+
+fn percent_decoded(text: &str) -> Vec<u8> {
+    let bytes = text.as_bytes();
+    let (mut decoded, mut i) = (Vec::with_capacity(bytes.len()), 0);
+    while i < bytes.len() {
+        let hex = bytes.get(i + 1..i + 3).and_then(|pair| std::str::from_utf8(pair).ok());
+        match (bytes[i], hex.and_then(|pair| u8::from_str_radix(pair, 16).ok())) {
+            (b'%', Some(byte)) => {
+                decoded.push(byte);
+                i += 3;
+            }
+            (byte, _) => {
+                decoded.push(byte);
+                i += 1;
+            }
+        }
+    }
+    decoded
+}
+
+#[cfg(unix)]
+fn path_of(bytes: Vec<u8>) -> PathBuf {
+    use std::os::unix::ffi::OsStringExt;
+    PathBuf::from(OsString::from_vec(bytes))
+}
+
+#[cfg(not(unix))]
+fn path_of(bytes: Vec<u8>) -> PathBuf {
+    PathBuf::from(OsString::from(String::from_utf8_lossy(&bytes).into_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn uris_become_folders() {
+        for (uri, folder) in [
+            ("file:///tmp/my%20fmu/resources", "/tmp/my fmu/resources"),
+            ("file:/tmp/resources", "/tmp/resources"),
+            ("file://localhost/tmp/resources/", "/tmp/resources/"),
+            ("FILE:///tmp/100%25", "/tmp/100%"),
+            ("file:///C:/fmu/resources", "C:/fmu/resources"),
+            ("/tmp/plain path", "/tmp/plain path"),
+            ("file:///tmp/%zz%4", "/tmp/%zz%4"),
+        ] {
+            assert_eq!(folder_of_uri(uri).unwrap(), Path::new(folder), "{uri}");
+        }
+        assert!(folder_of_uri("http://example.org/resources").unwrap_err().contains("http"));
+    }
+
+    #[test]
+    fn only_a_vehicle_that_was_promised_is_missed() {
+        let (_, note) = vehicle(None, false).unwrap();
+        assert_eq!(note, None);
+        let (_, note) = vehicle(Some(Path::new("/no/such/folder")), true).unwrap();
+        assert!(note.unwrap().contains("/no/such/folder/vehicle.toml does not exist"));
+        assert_eq!(carries_vehicle(token()), Some(false));
+        assert_eq!(carries_vehicle(&format!("{}{OWN_VEHICLE}", token())), Some(true));
+        assert_eq!(carries_vehicle("{other}"), None);
+    }
+}

@@ -1,0 +1,313 @@
+//! Co-Simulation: communication steps carried out by the library's integrator, with inputs that may move inside a step.
+
+use std::cell::Cell;
+
+use glidepolar::dynamics::integrate::System;
+use glidepolar::dynamics::limits::{N_EVENTS, event_indicators};
+use glidepolar::dynamics::state::N_INPUTS;
+use glidepolar::dynamics::{Actuation, Advance, Inputs, Integrator, Modes, Parameters, State, derivative};
+
+use super::access::of_kind;
+use super::refusal::{Outcome, Refusal};
+use super::{Core, Instance};
+use crate::model::tangent::Tangent;
+use crate::model::{Causality, Kind, Slot};
+
+/// Highest derivative of an input that can be given.
+pub const MAX_INPUT_ORDER: usize = 3;
+
+/// Right-hand sides that one communication step may cost: about ten seconds of work. A step that needs more has a
+/// parameter without physical meaning, or should be asked for in pieces.
+const MAX_EVALUATIONS: u64 = 40_000_000;
+
+/// Events at one place after which the step is given up.
+const MAX_EVENTS_AT_ONCE: usize = 100;
+
+/// How the inputs move after the communication point at which they were set.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InputSlopes {
+    /// Derivatives of order 1, 2, 3.
+    pub(super) derivatives: [[f64; N_INPUTS]; MAX_INPUT_ORDER],
+    /// Whether any of them is there.
+    pub(super) any: bool,
+}
+
+impl Default for InputSlopes {
+    fn default() -> Self {
+        InputSlopes { derivatives: [[0.0; N_INPUTS]; MAX_INPUT_ORDER], any: false }
+    }
+}
+
+impl InputSlopes {
+    /// An input that is set stands still from there on, unless its derivatives are given after it.
+    pub(super) fn forget(&mut self, input: usize) {
+        if self.any {
+            self.derivatives.iter_mut().for_each(|order| order[input] = 0.0);
+        }
+    }
+
+    /// The inputs this long after they were set.
+    fn inputs(&self, base: &Inputs<f64>, duration_s: f64) -> Inputs<f64> {
+        if !self.any {
+            return *base;
+        }
+        let mut values = base.as_array();
+        let (mut power, mut factorial) = (1.0, 1.0);
+        for (order, derivatives) in self.derivatives.iter().enumerate() {
+            power *= duration_s;
+            factorial *= (order + 1) as f64;
+            values.iter_mut().zip(derivatives).for_each(|(value, d)| *value += d * power / factorial);
+        }
+        Inputs::from_array(values)
+    }
+
+    /// Their rates of change this long after they were set.
+    fn rates(&self, duration_s: f64) -> [f64; N_INPUTS] {
+        let [d1, d2, d3] = &self.derivatives;
+        std::array::from_fn(|i| d1[i] + duration_s * (d2[i] + 0.5 * duration_s * d3[i]))
+    }
+}
+
+/// How far a part of a step came.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Progress {
+    /// To the time that was asked for.
+    Reached,
+    /// To a state event, or to the time of an event, before it or on it.
+    Event,
+}
+
+/// A communication step under way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// Where it ends \[s\].
+    pub target_s: f64,
+    begun_s: f64,
+    inputs: Inputs<f64>,
+    evaluations: u64,
+}
+
+impl Instance {
+    /// Checks a communication step and begins it.
+    pub fn begin_step(&mut self, current_s: f64, size_s: f64) -> Outcome<Step> {
+        let time = self.time_s();
+        if !(size_s > 0.0 && size_s.is_finite()) {
+            return Err(Refusal::error(format!("the step size is {size_s} s, expected a number above zero")));
+        }
+        if !current_s.is_finite() || (current_s - time).abs() > 1e-9 * time.abs().max(1.0) {
+            return Err(Refusal::error(format!(
+                "the communication point is {current_s} s, but the instance stands at {time} s; to go back, restore a saved state"
+            )));
+        }
+        let target_s = current_s + size_s;
+        if target_s <= time {
+            return Err(Refusal::error(format!("a step of {size_s} s does not move the time {time} s")));
+        }
+        if let Some(stop) = self.core.stop_time_s
+            && target_s > stop + 1e-9 * stop.abs().max(1.0)
+        {
+            return Err(Refusal::error(format!("the step would end at {target_s} s, after the stop time {stop} s")));
+        }
+        if self.core.unsettled {
+            self.handle_event();
+        }
+        Ok(Step { target_s, begun_s: time, inputs: self.core.glider.values.inputs, evaluations: 0 })
+    }
+
+    /// Everything as it is, to go back to when a step fails.
+    pub fn checkpoint(&self) -> Core {
+        self.core
+    }
+
+    /// Back to where a failed step began.
+    pub fn roll_back(&mut self, checkpoint: &Core) {
+        self.core = *checkpoint;
+    }
+
+    /// A whole communication step; when it fails, everything is as before it.
+    pub fn whole_step(&mut self, current_s: f64, size_s: f64) -> Outcome {
+        let before = self.checkpoint();
+        let mut steps = || {
+            let mut step = self.begin_step(current_s, size_s)?;
+            let end_s = step.target_s;
+            self.advance_over_events(&mut step, end_s)?;
+            self.end_step();
+            Ok(())
+        };
+        let result = steps();
+        if result.is_err() {
+            self.roll_back(&before);
+        }
+        result
+    }
+
+    /// The step that the integrator would take next \[s\].
+    pub fn integrator_step_s(&self) -> f64 {
+        self.core.integrator_step_s
+    }
+
+    /// Carries the step on, to `until_s` or to the first event before it.
+    pub fn advance(&mut self, step: &mut Step, until_s: f64) -> Outcome<Progress> {
+        let until_s = until_s.min(step.target_s);
+        let time_event = self.core.glider.next_time_event_s().filter(|event| *event <= until_s);
+        let end_s = time_event.unwrap_or(until_s).max(self.time_s());
+        let core = &mut self.core;
+        let mut time = core.glider.values.time_s;
+        let mut state = core.glider.values.state;
+        let moving = Moving {
+            active: core.glider.active_parameters(),
+            actuation: core.glider.actuation,
+            modes: core.glider.discrete.modes,
+            slopes: &core.slopes,
+            inputs: &step.inputs,
+            begun_s: step.begun_s,
+            evaluations: Cell::new(step.evaluations),
+        };
+        let mut integrator = Integrator::new(core.tolerance).with_step_s(core.integrator_step_s);
+        let advance = integrator.advance(&moving, &mut time, &mut state, end_s);
+        step.evaluations = moving.evaluations.get();
+        let inputs = moving.inputs_at(time);
+        let advance = match advance {
+            Ok(advance) => advance,
+            Err(_) if step.evaluations > MAX_EVALUATIONS => {
+                return Err(Refusal::discard(format!(
+                    "the step to {} s needs too many internal steps; ask for it in smaller steps, or check the parameters for values without physical meaning",
+                    step.target_s
+                )));
+            }
+            Err(error) => return Err(Refusal::discard(error.to_string())),
+        };
+        core.glider.values.time_s = time;
+        core.glider.values.state = state;
+        core.glider.values.inputs = inputs;
+        core.integrator_step_s = integrator.step_s();
+        match (advance, time_event) {
+            (Advance::Reached, None) => Ok(Progress::Reached),
+            _ => {
+                core.unsettled = true;
+                Ok(Progress::Event)
+            }
+        }
+    }
+
+    /// Carries the step to its end, over every event on the way.
+    pub fn advance_over_events(&mut self, step: &mut Step, until_s: f64) -> Outcome {
+        let mut at_once = 0;
+        loop {
+            let before = self.time_s();
+            match self.advance(step, until_s)? {
+                Progress::Reached => return Ok(()),
+                Progress::Event => {
+                    self.handle_event();
+                    at_once = if self.time_s() - before < 1e-6 { at_once + 1 } else { 0 };
+                    if at_once > MAX_EVENTS_AT_ONCE {
+                        return Err(Refusal::discard(format!(
+                            "events follow each other without end at {} s; check limits and commands",
+                            self.time_s()
+                        )));
+                    }
+                    if self.time_s() >= until_s.min(step.target_s) {
+                        return Ok(());
+                    }
+                }
+            }
+        }
+    }
+
+    /// The importer set inputs inside the step: it goes on from there with them standing still.
+    pub fn take_inputs_inside(&mut self, step: &mut Step) {
+        if self.core.glider.values.inputs != step.inputs {
+            step.inputs = self.core.glider.values.inputs;
+            step.begun_s = self.time_s();
+            self.core.slopes = InputSlopes::default();
+        }
+    }
+
+    /// The step is over: inputs stand still until they are set again.
+    pub fn end_step(&mut self) {
+        self.core.slopes = InputSlopes::default();
+    }
+
+    /// Sets derivatives of inputs at this communication point, all or none. They hold for one step.
+    pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Outcome {
+        let checked = |(&reference, (&order, &value)): (&u32, (&i32, &f64))| {
+            let variable = of_kind(reference, Kind::Real)?;
+            let Slot::Input(input) = variable.slot else {
+                return Err(Refusal::error(format!("{} is not an input", variable.name)));
+            };
+            let order = check_order(order, MAX_INPUT_ORDER)?;
+            if !value.is_finite() {
+                return Err(Refusal::error(format!(
+                    "a derivative of {} is {value}, expected a finite number",
+                    variable.name
+                )));
+            }
+            Ok((input, order, value))
+        };
+        let all = || references.iter().zip(orders.iter().zip(values)).map(checked);
+        all().try_for_each(|one| one.map(|_| ()))?;
+        for (input, order, value) in all().flatten() {
+            self.core.slopes.derivatives[order - 1][input] = value;
+            self.core.slopes.any = true;
+        }
+        Ok(())
+    }
+
+    /// Time derivatives of outputs, exact.
+    pub fn output_derivatives(&self, references: &[u32], orders: &[i32], values: &mut [f64]) -> Outcome {
+        let glider = self.now();
+        let tangent = Tangent::in_time(&glider, self.core.slopes.rates(0.0));
+        for ((&reference, &order), value) in references.iter().zip(orders).zip(values) {
+            let variable = of_kind(reference, Kind::Real)?;
+            check_order(order, 1)?;
+            let derivative = if variable.causality == Causality::Output { tangent.of(variable.slot) } else { None };
+            *value = derivative.ok_or_else(|| Refusal::error(format!("{} is not an output", variable.name)))?;
+        }
+        Ok(())
+    }
+}
+
+fn check_order(order: i32, max: usize) -> Outcome<usize> {
+    match usize::try_from(order) {
+        Ok(order) if (1..=max).contains(&order) => Ok(order),
+        _ => Err(Refusal::error(format!("derivative of order {order}, expected 1 to {max}"))),
+    }
+}
+
+/// The glider with its inputs moving.
+struct Moving<'a> {
+    active: Parameters<f64>,
+    actuation: Actuation,
+    modes: Modes,
+    slopes: &'a InputSlopes,
+    inputs: &'a Inputs<f64>,
+    begun_s: f64,
+    evaluations: Cell<u64>,
+}
+
+impl Moving<'_> {
+    fn inputs_at(&self, time_s: f64) -> Inputs<f64> {
+        self.slopes.inputs(self.inputs, time_s - self.begun_s)
+    }
+}
+
+impl System for Moving<'_> {
+    fn derivative(&self, time_s: f64, state: &State<f64>) -> State<f64> {
+        let evaluations = self.evaluations.get() + 1;
+        self.evaluations.set(evaluations);
+        if evaluations > MAX_EVALUATIONS {
+            // The integrator refuses what is not a number: the way out of a step without end.
+            return state.map(|_| f64::NAN);
+        }
+        derivative(&self.active, self.actuation, self.modes, time_s, state, &self.inputs_at(time_s))
+    }
+
+    fn event_indicators(&self, time_s: f64, state: &State<f64>) -> [f64; N_EVENTS] {
+        event_indicators(&self.active, self.actuation, self.modes, time_s, state, &self.inputs_at(time_s))
+    }
+
+    fn next_jump_s(&self, _: f64) -> Option<f64> {
+        // The jump of drag is a mode here; each advance ends on it.
+        None
+    }
+}

@@ -1,0 +1,504 @@
+//! The one table of the variables. Value references, both model descriptions, start values, units, the documentation
+//! and the dispatch of every get and set follow from it; a further variable is one more row.
+//!
+//! A row's place is its value reference. Parameters are the rows of the library's own table.
+
+use std::borrow::Cow;
+use std::sync::LazyLock;
+
+use glidepolar::dynamics::limits::{EVENT_NAMES, N_EVENTS};
+use glidepolar::dynamics::state::N_INPUTS;
+use glidepolar::dynamics::{N_STATES, PARAMETERS, STATE_NOMINALS};
+
+use super::units::{Unit, unit_named};
+
+/// How many outputs that are neither states nor discrete.
+pub const N_OUTPUTS: usize = OUTPUTS.len();
+
+/// What a variable is to its surroundings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Causality {
+    /// Time.
+    Independent,
+    /// Set from outside while the simulation runs.
+    Input,
+    /// Published to other models.
+    Output,
+    /// Open to look at.
+    Local,
+    /// Set from outside before the simulation, or between its steps when tunable.
+    Parameter,
+}
+
+/// When a variable may change.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Variability {
+    /// Never.
+    Constant,
+    /// Not after initialisation.
+    Fixed,
+    /// Between steps and at events, by the hand of the user.
+    Tunable,
+    /// At events.
+    Discrete,
+    /// Any time.
+    Continuous,
+}
+
+/// Where the value at the start comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Initial {
+    /// It is the start value.
+    Exact,
+    /// It follows from other variables.
+    Calculated,
+}
+
+/// The type of a value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A floating-point number.
+    Real,
+    /// An integer.
+    Integer,
+    /// True or false.
+    Boolean,
+    /// A text.
+    Text,
+}
+
+/// The place in the glider that a variable stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Slot {
+    /// Time.
+    Time,
+    /// An input, by its place in [`INPUTS`].
+    Input(usize),
+    /// A continuous state.
+    State(usize),
+    /// The time derivative of a continuous state.
+    Derivative(usize),
+    /// An output, by its place in [`OUTPUTS`].
+    Output(usize),
+    /// An event indicator.
+    Indicator(usize),
+    /// Something that changes at events only.
+    Discrete(Discrete),
+    /// A number of the library's table of parameters.
+    Parameter(usize),
+    /// Who moves the moving mass and the ballast.
+    Actuation,
+    /// The name of the vehicle.
+    VehicleName,
+}
+
+/// What changes at events only.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Discrete {
+    /// Whether the hull breaks the surface.
+    AtSurface,
+    /// Whether the hull touches the seabed.
+    OnSeabed,
+    /// Which end of its range the ballast is pushed against.
+    BallastStop,
+    /// Which stop the moving mass is pushed against.
+    MovingMassStop,
+}
+
+/// One variable.
+#[derive(Debug, Clone)]
+pub struct Variable {
+    /// Name, with its unit.
+    pub name: Cow<'static, str>,
+    /// What it is, in a line.
+    pub description: Cow<'static, str>,
+    /// Type of its value.
+    pub kind: Kind,
+    /// What it is to its surroundings.
+    pub causality: Causality,
+    /// When it may change.
+    pub variability: Variability,
+    /// Where its value at the start comes from; none for time.
+    pub initial: Option<Initial>,
+    /// Its unit, where it has one.
+    pub unit: Option<&'static Unit>,
+    /// Smallest and largest value.
+    pub bounds: Option<(f64, f64)>,
+    /// A usual size.
+    pub nominal: Option<f64>,
+    /// Whether an event may make it jump.
+    pub jumps: bool,
+    /// What it stands for.
+    pub slot: Slot,
+}
+
+impl Variable {
+    /// Whether a user may give it a start value.
+    pub fn has_start(&self) -> bool {
+        self.initial == Some(Initial::Exact)
+    }
+}
+
+/// All variables; the place in this list is the value reference.
+pub fn variables() -> &'static [Variable] {
+    static TABLE: LazyLock<Vec<Variable>> = LazyLock::new(build);
+    &TABLE
+}
+
+/// The variable of this value reference.
+pub fn variable(value_reference: u32) -> Option<&'static Variable> {
+    variables().get(value_reference as usize)
+}
+
+/// The value reference of what stands in this place.
+pub fn reference_of(slot: Slot) -> u32 {
+    let place = variables().iter().position(|variable| variable.slot == slot);
+    place.expect("every slot has its row") as u32
+}
+
+/// A name for this very table: it changes when a variable changes, and stays when only start values do. Written as a
+/// GUID, the form that FMI 2.0 importers expect.
+pub fn token() -> &'static str {
+    static TOKEN: LazyLock<String> = LazyLock::new(|| {
+        // FNV-1a: stable across compilers and machines, which the standard library's hash does not promise to be.
+        let mut hash: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
+        for byte in variables().iter().flat_map(|v| format!("{v:?}").into_bytes()) {
+            hash = (hash ^ u128::from(byte)).wrapping_mul(0x0000_0000_0100_0000_0000_0000_0000_013b);
+        }
+        let digits = format!("{hash:032x}");
+        let parts = [&digits[..8], &digits[8..12], &digits[12..16], &digits[16..20], &digits[20..]];
+        format!("{{{}}}", parts.join("-"))
+    });
+    &TOKEN
+}
+
+/// Name, unit, smallest and largest value, usual size, meaning.
+type Row = (&'static str, &'static str, f64, f64, f64, &'static str);
+
+/// The inputs, in the order of the library's `Inputs`.
+const INPUTS: [Row; N_INPUTS] = [
+    ("ballast_command_m3", "m3", -10.0, 10.0, 1e-4, "Buoyancy-engine set-point, positive = more buoyant (actuation 0)"),
+    (
+        "moving_mass_command_m",
+        "m",
+        -100.0,
+        100.0,
+        0.01,
+        "Moving-mass set-point along axis 1, positive forward (actuation 0)",
+    ),
+    (
+        "u1_N",
+        "N",
+        -1e6,
+        1e6,
+        1.0,
+        "Force on the moving mass along axis 1: the rate of change of its momentum PP1 (actuation 1 and 2)",
+    ),
+    (
+        "u3_N",
+        "N",
+        -1e6,
+        1e6,
+        1.0,
+        "Force on the moving mass along axis 3: the rate of change of its momentum PP3 (actuation 1)",
+    ),
+    ("u4_kg_s", "kg/s", -1e3, 1e3, 0.01, "Ballast mass rate, positive = heavier (actuation 1 and 2)"),
+    ("water_density_kg_m3", "kg/m3", 900.0, 1300.0, 1000.0, "In-situ water density at the glider"),
+    ("water_temperature_C", "degC", -5.0, 50.0, 10.0, "Water temperature at the glider"),
+    ("current_x_m_s", "m/s", -10.0, 10.0, 0.1, "Horizontal water velocity"),
+    ("current_z_m_s", "m/s", -10.0, 10.0, 0.1, "Vertical water velocity, positive down"),
+    ("seabed_depth_m", "m", 0.0, 12_000.0, 1000.0, "Depth of the seabed"),
+    ("roll_rad", "rad", -3.2, 3.2, 0.1, "Roll angle, for the drag that it costs"),
+    ("rudder_rad", "rad", -3.2, 3.2, 0.1, "Rudder angle, for the drag that it costs"),
+];
+
+/// The states in the order of the library's `State`; the first letter says whether it is an output too, the second
+/// whether its start follows from other variables.
+const STATES: [(Row, Causality, Initial); N_STATES] = [
+    (("x_m", "m", -1e9, 1e9, 0.0, "Horizontal position"), Causality::Output, Initial::Exact),
+    (("depth_m", "m", -1e4, 2e4, 0.0, "Depth of the centre of buoyancy"), Causality::Output, Initial::Exact),
+    (("pitch_rad", "rad", -1e3, 1e3, 0.0, "Pitch, nose-up positive"), Causality::Output, Initial::Exact),
+    (("pitch_rate_rad_s", "rad/s", -1e3, 1e3, 0.0, "Pitch rate"), Causality::Output, Initial::Exact),
+    (
+        ("v1_m_s", "m/s", -100.0, 100.0, 0.0, "Velocity through the water along axis 1 (forward)"),
+        Causality::Output,
+        Initial::Exact,
+    ),
+    (
+        ("v3_m_s", "m/s", -100.0, 100.0, 0.0, "Velocity through the water along axis 3 (down when level)"),
+        Causality::Output,
+        Initial::Exact,
+    ),
+    (
+        (
+            "moving_mass_position_m",
+            "m",
+            -100.0,
+            100.0,
+            0.0,
+            "Position of the moving mass along axis 1, forward of the centre of buoyancy",
+        ),
+        Causality::Output,
+        Initial::Exact,
+    ),
+    (
+        (
+            "moving_mass_position_3_m",
+            "m",
+            -100.0,
+            100.0,
+            0.0,
+            "Position of the moving mass along axis 3, below the centre of buoyancy; starts at moving_mass_height_m",
+        ),
+        Causality::Local,
+        Initial::Calculated,
+    ),
+    (
+        (
+            "PP1_kg_m_s",
+            "kg.m/s",
+            -1e9,
+            1e9,
+            0.0,
+            "Momentum of the moving mass along axis 1; starts with the mass at rest in the hull",
+        ),
+        Causality::Local,
+        Initial::Calculated,
+    ),
+    (
+        (
+            "PP3_kg_m_s",
+            "kg.m/s",
+            -1e9,
+            1e9,
+            0.0,
+            "Momentum of the moving mass along axis 3; starts with the mass at rest in the hull",
+        ),
+        Causality::Local,
+        Initial::Calculated,
+    ),
+    (
+        ("ballast_mass_kg", "kg", -1e6, 1e6, 0.0, "Ballast mass at the reference density"),
+        Causality::Output,
+        Initial::Exact,
+    ),
+    (("energy_J", "J", -1e18, 1e18, 0.0, "Energy drawn from the battery"), Causality::Output, Initial::Exact),
+];
+
+/// Units of the derivatives, in the order of the states.
+const DERIVATIVE_UNITS: [&str; N_STATES] =
+    ["m/s", "m/s", "rad/s", "rad/s2", "m/s2", "m/s2", "m/s", "m/s", "N", "N", "kg/s", "W"];
+
+/// States that an event may change: what the impulse of the moving mass at its stop reaches, and the ballast.
+const JUMPING_STATES: [&str; 7] =
+    ["pitch_rate_rad_s", "v1_m_s", "v3_m_s", "moving_mass_position_m", "PP1_kg_m_s", "PP3_kg_m_s", "ballast_mass_kg"];
+
+/// The outputs, in the order of `output_array`.
+const OUTPUTS: &[Row] = &[
+    ("glide_angle_rad", "rad", -1e3, 1e3, 0.1, "Glide path angle through the water, negative when descending"),
+    ("angle_of_attack_rad", "rad", -3.2, 3.2, 0.01, "Angle of attack"),
+    ("speed_m_s", "m/s", 0.0, 200.0, 0.1, "Speed through the water"),
+    ("vertical_velocity_m_s", "m/s", -200.0, 200.0, 0.1, "Rate of change of depth, current included, positive down"),
+    ("net_mass_kg", "kg", -1e6, 1e6, 0.1, "Net (excess) mass m0, positive when heavy"),
+    ("ballast_m3", "m3", -1e3, 1e3, 1e-4, "Ballast volume that an instrument reads, positive = more buoyant"),
+    ("lift_N", "N", -1e9, 1e9, 1.0, "Lift, normal to the path, upward positive"),
+    ("drag_N", "N", -1e9, 1e9, 0.1, "Drag, against the path"),
+    (
+        "pitching_moment_N_m",
+        "N.m",
+        -1e9,
+        1e9,
+        0.1,
+        "Hydrodynamic pitching moment about the centre of buoyancy, Munk couple and damping included",
+    ),
+    ("pitch_read_rad", "rad", -1e4, 1e4, 0.1, "Pitch as the glider's own instrument reads it"),
+    (
+        "pressure_read_dbar",
+        "dbar",
+        -1e5,
+        1e5,
+        10.0,
+        "Gauge pressure as the glider's own instrument reads it, without lag",
+    ),
+];
+
+/// Names of the event indicators, in the order of the library's.
+const INDICATORS: [&str; N_EVENTS] = [
+    "indicator_surface",
+    "indicator_seabed",
+    "indicator_ballast_min",
+    "indicator_ballast_max",
+    "indicator_moving_mass_aft",
+    "indicator_moving_mass_forward",
+];
+
+/// Parameters that make the body what it is: they cannot change while it moves. All others are tunable.
+const FIXED: &[&str] = &[
+    "gravity_m_s2",
+    "reference_density_kg_m3",
+    "reference_temperature_C",
+    "frontal_area_m2",
+    "length_m",
+    "hull_mass_kg",
+    "moving_mass_kg",
+    "ballast_nominal_kg",
+    "displaced_mass_kg",
+    "added_mass_1_kg",
+    "added_mass_3_kg",
+    "pitch_inertia_kg_m2",
+    "moving_mass_height_m",
+    "offset_mass_kg",
+    "offset_mass_forward_m",
+    "offset_mass_below_m",
+    "ballast_forward_m",
+    "ballast_below_m",
+];
+
+/// Parameters without any effect on motion or outputs: a log's matter.
+const NOT_PUBLISHED: &[&str] = &["pressure_lag_s"];
+
+fn build() -> Vec<Variable> {
+    let mut table = vec![time()];
+    table.extend(INPUTS.iter().enumerate().map(|(i, row)| Variable {
+        causality: Causality::Input,
+        initial: Some(Initial::Exact),
+        ..real(row, Slot::Input(i))
+    }));
+    let nominals = STATE_NOMINALS.as_array();
+    table.extend(STATES.iter().enumerate().map(|(i, (row, causality, initial))| Variable {
+        causality: *causality,
+        initial: Some(*initial),
+        nominal: Some(nominals[i]),
+        jumps: JUMPING_STATES.contains(&row.0),
+        ..real(row, Slot::State(i))
+    }));
+    table.extend(
+        OUTPUTS
+            .iter()
+            .enumerate()
+            .map(|(i, row)| Variable { causality: Causality::Output, ..real(row, Slot::Output(i)) }),
+    );
+    table.extend(discrete());
+    table.extend(STATES.iter().enumerate().map(|(i, (row, ..))| derivative(i, row.0, nominals[i])));
+    table.extend((0..N_EVENTS).map(indicator));
+    table.push(actuation());
+    table.extend((0..PARAMETERS.len()).filter(|&i| !NOT_PUBLISHED.contains(&PARAMETERS[i].name)).map(parameter));
+    table.push(vehicle_name());
+    table
+}
+
+fn time() -> Variable {
+    Variable {
+        causality: Causality::Independent,
+        initial: None,
+        bounds: None,
+        nominal: None,
+        ..real(&("time", "s", 0.0, 0.0, 0.0, "Time"), Slot::Time)
+    }
+}
+
+fn real(&(name, unit, min, max, nominal, description): &Row, slot: Slot) -> Variable {
+    Variable {
+        name: name.into(),
+        description: description.into(),
+        kind: Kind::Real,
+        causality: Causality::Local,
+        variability: Variability::Continuous,
+        initial: Some(Initial::Calculated),
+        unit: Some(unit_named(unit).expect("the unit of a row is one of UNITS")),
+        bounds: Some((min, max)),
+        nominal: Some(nominal),
+        jumps: false,
+        slot,
+    }
+}
+
+fn derivative(index: usize, state: &str, nominal: f64) -> Variable {
+    /// Time over which a state changes by its usual size \[s\].
+    const USUAL_TIME_S: f64 = 10.0;
+    let row = ("", DERIVATIVE_UNITS[index], 0.0, 0.0, nominal / USUAL_TIME_S, "");
+    Variable {
+        name: format!("der({state})").into(),
+        description: format!("Time derivative of {state}").into(),
+        bounds: None,
+        ..real(&row, Slot::Derivative(index))
+    }
+}
+
+fn indicator(index: usize) -> Variable {
+    let description = format!("Event indicator: {}; its change of sign is the event", EVENT_NAMES[index]);
+    Variable {
+        description: description.into(),
+        bounds: None,
+        nominal: None,
+        // The ends of ballast and moving mass are watched by volume or length while free, by flow or force when held.
+        unit: if index < 2 { unit_named("m") } else { None },
+        ..real(&(INDICATORS[index], "m", 0.0, 0.0, 1.0, ""), Slot::Indicator(index))
+    }
+}
+
+fn discrete() -> impl Iterator<Item = Variable> {
+    const ROWS: [(&str, Kind, Discrete, &str); 4] = [
+        ("at_surface", Kind::Boolean, Discrete::AtSurface, "Whether the centre of buoyancy is above the surface"),
+        ("on_seabed", Kind::Boolean, Discrete::OnSeabed, "Whether the hull rests on the seabed"),
+        (
+            "ballast_stop",
+            Kind::Integer,
+            Discrete::BallastStop,
+            "-1 at the smallest ballast volume, 1 at the largest, 0 between (actuation 1 and 2)",
+        ),
+        (
+            "moving_mass_stop",
+            Kind::Integer,
+            Discrete::MovingMassStop,
+            "-1 at the aft stop, 1 at the forward stop, 0 between (actuation 1 and 2)",
+        ),
+    ];
+    ROWS.into_iter().map(|(name, kind, which, description)| Variable {
+        kind,
+        causality: Causality::Output,
+        variability: Variability::Discrete,
+        unit: None,
+        bounds: (kind == Kind::Integer).then_some((-1.0, 1.0)),
+        nominal: None,
+        ..real(&(name, "1", 0.0, 0.0, 1.0, description), Slot::Discrete(which))
+    })
+}
+
+fn actuation() -> Variable {
+    const MEANING: &str = "0 servo: set-points followed by rate-limited servos; 1 raw: forces on the moving mass along both axes and a ballast mass rate; 2 raw along axis 1, the axis-3 offset of the moving mass held";
+    Variable {
+        kind: Kind::Integer,
+        causality: Causality::Parameter,
+        variability: Variability::Fixed,
+        initial: Some(Initial::Exact),
+        unit: None,
+        bounds: Some((0.0, 2.0)),
+        nominal: None,
+        ..real(&("actuation", "1", 0.0, 0.0, 1.0, MEANING), Slot::Actuation)
+    }
+}
+
+fn parameter(index: usize) -> Variable {
+    let info = &PARAMETERS[index];
+    let fixed = FIXED.contains(&info.name);
+    Variable {
+        causality: Causality::Parameter,
+        variability: if fixed { Variability::Fixed } else { Variability::Tunable },
+        initial: Some(Initial::Exact),
+        nominal: (info.default != 0.0).then_some(info.default.abs()),
+        ..real(&(info.name, info.unit, info.min, info.max, 0.0, info.meaning), Slot::Parameter(index))
+    }
+}
+
+fn vehicle_name() -> Variable {
+    Variable {
+        kind: Kind::Text,
+        variability: Variability::Constant,
+        initial: Some(Initial::Exact),
+        unit: None,
+        bounds: None,
+        nominal: None,
+        ..real(&("vehicle_name", "1", 0.0, 0.0, 1.0, "Name of the vehicle"), Slot::VehicleName)
+    }
+}

@@ -1,0 +1,50 @@
+//! What an instance starts from: the vehicle that travels with it, or the default one.
+
+use std::path::Path;
+
+use glidepolar::dynamics::{Actuation, Parameters};
+use glidepolar::glide::start;
+use glidepolar::vehicle::builtin;
+
+use super::glider::{DiscreteState, Glider, Values};
+
+/// The vehicle when none travels with the instance.
+pub const DEFAULT_VEHICLE: &str = "slocum-graver";
+
+/// A vehicle ready to start.
+#[derive(Debug, Clone)]
+pub struct Vehicle {
+    /// What it is called.
+    pub name: String,
+    /// The glider at the start of a simulation.
+    pub glider: Glider,
+}
+
+impl Default for Vehicle {
+    /// The built-in SLOCUM-like vehicle.
+    fn default() -> Self {
+        let text = builtin::text(DEFAULT_VEHICLE).expect("the default vehicle is built in");
+        Vehicle::parse(text, DEFAULT_VEHICLE).expect("a built-in vehicle is complete")
+    }
+}
+
+impl Vehicle {
+    /// The vehicle of a vehicle file's text; `origin` is what errors name.
+    ///
+    /// # Errors
+    /// What is wrong with the text, where, and what to do.
+    pub fn parse(text: &str, origin: impl AsRef<Path>) -> Result<Self, String> {
+        let file = glidepolar::vehicle::Vehicle::parse(text, origin.as_ref()).map_err(|error| error.to_string())?;
+        let parameters = file.parameters().map_err(|error| error.to_string())?;
+        Ok(Vehicle::new(&file.name, parameters))
+    }
+
+    /// The vehicle with these parameters, in the library's start.
+    pub fn new(name: &str, parameters: Parameters<f64>) -> Self {
+        let start = start(&parameters);
+        let values = Values { parameters, time_s: 0.0, state: start.state, inputs: start.inputs };
+        let mut glider = Glider { values, actuation: Actuation::Servo, discrete: DiscreteState::default() };
+        glider.complete_start();
+        Vehicle { name: name.to_owned(), glider }
+    }
+}

@@ -1,0 +1,88 @@
+//! The generated files: as checked in, and right where an importer's own validation does not look.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use glidepolar_fmu::description::{files, structure::structure};
+use glidepolar_fmu::model::table::token;
+use glidepolar_fmu::model::units::UNITS;
+use glidepolar_fmu::model::vehicle::Vehicle;
+use glidepolar_fmu::model::{Kind, variables};
+
+#[test]
+fn the_checked_in_files_are_those_of_the_table() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../modelDescription");
+    for (path, text) in files() {
+        let found = std::fs::read_to_string(folder.join(&path)).unwrap_or_default();
+        assert!(
+            found == text,
+            "modelDescription/{} is stale: run `cargo run -p glidepolar-fmu --example write_model_description`",
+            path.display()
+        );
+    }
+}
+
+#[test]
+fn names_are_unique_and_starts_lie_within_their_bounds() {
+    let glider = Vehicle::default().glider;
+    let mut names = BTreeSet::new();
+    for variable in variables() {
+        assert!(names.insert(variable.name.as_ref()), "{} twice", variable.name);
+        assert!(!variable.description.is_empty());
+        if let (Kind::Real, true, Some((min, max))) = (variable.kind, variable.has_start(), variable.bounds) {
+            let start = glider.read().real(variable.slot).unwrap();
+            assert!(min <= start && start <= max, "{} starts at {start}, outside {min} .. {max}", variable.name);
+        }
+    }
+}
+
+#[test]
+fn every_unit_is_used_and_every_display_unit_has_a_factor() {
+    let used: BTreeSet<&str> = variables().iter().filter_map(|v| v.unit).map(|unit| unit.name).collect();
+    for unit in UNITS {
+        assert!(used.contains(unit.name), "unit {} is not used", unit.name);
+        assert!(unit.display.is_none_or(|(_, factor)| factor > 0.0));
+    }
+}
+
+#[test]
+fn the_token_is_a_guid_and_stays_as_long_as_the_table() {
+    let digits: String = token().chars().filter(char::is_ascii_hexdigit).collect();
+    assert_eq!((token().len(), digits.len()), (38, 32), "{}", token());
+    let description = std::fs::read_to_string(
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../modelDescription/fmi2/modelDescription.xml"),
+    )
+    .unwrap();
+    assert!(description.contains(token()));
+}
+
+#[test]
+fn what_physics_says_depends_on_what_stands_in_the_structure() {
+    let reference = |name: &str| variables().iter().position(|v| v.name == name).unwrap() as u32;
+    let structure = structure();
+    let dependencies = |unknowns: &[glidepolar_fmu::description::structure::Unknown], name: &str| {
+        let unknown = unknowns.iter().find(|unknown| unknown.reference == reference(name)).unwrap();
+        unknown.dependencies.clone().unwrap()
+    };
+    let of = |names: &[&str]| {
+        let mut references: Vec<u32> = names.iter().map(|name| reference(name)).collect();
+        references.sort_unstable();
+        references
+    };
+    // From the kinematics alone.
+    assert_eq!(
+        dependencies(&structure.derivatives, "der(x_m)"),
+        of(&["current_x_m_s", "pitch_rad", "v1_m_s", "v3_m_s"])
+    );
+    assert_eq!(dependencies(&structure.outputs, "speed_m_s"), of(&["v1_m_s", "v3_m_s"]));
+    // Lift differs between descents and ascents, so pitch decides too; damping needs the pitch rate.
+    assert_eq!(
+        dependencies(&structure.outputs, "lift_N"),
+        of(&["water_density_kg_m3", "pitch_rad", "v1_m_s", "v3_m_s"])
+    );
+    assert!(dependencies(&structure.derivatives, "der(v1_m_s)").contains(&reference("seabed_depth_m")));
+    assert_eq!(
+        dependencies(&structure.initial, "PP1_kg_m_s"),
+        of(&["v1_m_s", "pitch_rate_rad_s", "moving_mass_kg", "moving_mass_height_m"])
+    );
+}

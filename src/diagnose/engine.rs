@@ -1,0 +1,577 @@
+//! The four answers in their order: wrong, cause, extension, gain.
+//!
+//! Fit and search alternate: around the best fit of the present set every set is tried on the linearised model, the
+//! chosen one is fitted again in full, until the choice stands.
+
+use nalgebra::{DMatrix, DVector};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use super::evidence::{Candidate, Evidence, Point, Problem};
+use super::findings::{Cause, Diagnosis, Gain, Rejected, Unexplained, Verdict, Wrong};
+use super::holdout::{self, least_squares};
+use super::noise::{self, Noise, Series};
+use super::score::{Score, whiten};
+use super::search::{Choice, Race, Runner};
+use super::smooth;
+use crate::estimate::Estimate;
+
+/// Steps of Gauss and Newton to one fit.
+const MAX_FIT_STEPS: usize = 12;
+
+/// Alternations of fit and search.
+const MAX_ROUNDS: usize = 6;
+
+/// By how much a curve without a name must be better before it keeps a mechanism from being named, and how much worse
+/// a mechanism may be and still count as a stand-in: a factor of 20 in evidence.
+const MARGIN: f64 = 6.0;
+
+/// Probability below which a misfit is called one.
+const SIGNIFICANT: f64 = 0.01;
+
+/// The diagnosis of a problem, and the point of the extended model.
+pub fn diagnose(problem: &impl Problem) -> (Diagnosis, Point) {
+    let candidates = problem.candidates();
+    let start = problem.start();
+    let mut baseline = Fitted::new(problem, start, Vec::new());
+    baseline.settle(problem);
+
+    let mut present = baseline.clone();
+    let mut seen_sets = vec![Vec::new()];
+    let mut curve = None;
+    for _ in 0..MAX_ROUNDS {
+        let lap = Lap::new(candidates, &present);
+        let race = lap.race();
+        let (mechanisms, with_curve) = (race.best_mechanisms(), race.best_with_curve());
+        let (members, found_curve) = decide(mechanisms, with_curve, &lap);
+        curve = found_curve;
+        if members == present.included {
+            break;
+        }
+        let mut next = Fitted::new(problem, lap.point_of(&members, problem), members.clone());
+        next.settle(problem);
+        present = next;
+        if seen_sets.contains(&members) {
+            break;
+        }
+        seen_sets.push(members);
+    }
+    present.drop_what_does_not_predict(problem, &baseline);
+    report(problem, &baseline, &present, curve)
+}
+
+/// Mechanisms alone, or what is left of them beside a curve that none of them can replace.
+fn decide(mechanisms: Choice, with_curve: Option<Choice>, lap: &Lap<'_>) -> (Vec<usize>, Option<usize>) {
+    match with_curve {
+        Some(other) if other.criterion < mechanisms.criterion.min(0.0) - MARGIN => {
+            // Beside something unknown a name needs evidence that the unknown cannot take over.
+            let race = lap.race();
+            let mut members = other.members;
+            while let Some(place) = (0..members.len()).find(|place| {
+                let mut fewer = members.clone();
+                let gone = fewer.remove(*place);
+                !lap.runners[gone].is_curve && race.criterion(&fewer) < race.criterion(&members) + MARGIN
+            }) {
+                members.remove(place);
+            }
+            let (curves, named): (Vec<usize>, Vec<usize>) =
+                members.iter().partition(|member| lap.runners[**member].is_curve);
+            (named, curves.first().copied())
+        }
+        _ => (mechanisms.members, None),
+    }
+}
+
+/// A fit of the baseline and the included candidates.
+#[derive(Debug, Clone)]
+struct Fitted {
+    point: Point,
+    included: Vec<usize>,
+    evidence: Evidence,
+    noises: Vec<Noise>,
+}
+
+impl Fitted {
+    fn new(problem: &impl Problem, point: Point, included: Vec<usize>) -> Self {
+        let evidence = problem.evidence(&point);
+        let noises = noises(&evidence, &included);
+        Fitted { point, included, evidence, noises }
+    }
+
+    /// Gauss and Newton's steps, shortened where a whole one makes things worse.
+    fn settle(&mut self, problem: &impl Problem) {
+        for _ in 0..MAX_FIT_STEPS {
+            let columns = self.columns();
+            let step = solve(&self.evidence, &self.noises, &columns, &self.evidence.residual);
+            let before = weighted_squares(&self.evidence, &self.noises);
+            let expected = {
+                let left = &self.evidence.residual - &columns * &step;
+                before - weighted(&self.evidence, &self.noises, &left)
+            };
+            let mut accepted = false;
+            for shortening in [1.0, 0.5, 0.25, 0.1, 0.03] {
+                let point = self.moved(problem, &(&step * shortening));
+                let evidence = problem.evidence(&point);
+                if weighted_squares(&evidence, &self.noises) < before {
+                    (self.point, self.evidence, accepted) = (point, evidence, true);
+                    break;
+                }
+            }
+            self.noises = noises(&self.evidence, &self.included);
+            if !accepted || expected < 1e-4 {
+                return;
+            }
+        }
+    }
+
+    fn columns(&self) -> DMatrix<f64> {
+        let parts: Vec<&DMatrix<f64>> = std::iter::once(&self.evidence.baseline)
+            .chain(self.included.iter().map(|member| &self.evidence.candidates[*member]))
+            .collect();
+        side_by_side(self.evidence.residual.len(), &parts)
+    }
+
+    fn moved(&self, problem: &impl Problem, step: &DVector<f64>) -> Point {
+        let mut point = self.point.clone();
+        let mut steps = step.iter();
+        for (value, step) in point.baseline.iter_mut().zip(&mut steps) {
+            *value += step;
+        }
+        for member in &self.included {
+            for (value, step) in point.candidates[*member].iter_mut().zip(&mut steps) {
+                *value += step;
+            }
+        }
+        debug_assert_eq!(problem.baseline().len(), point.baseline.len());
+        point
+    }
+
+    /// Residuals as the baseline would leave them at this point: the included candidates' share put back.
+    fn without_candidates(&self, candidates: &[Candidate]) -> DVector<f64> {
+        let mut residual = self.evidence.residual.clone();
+        for member in &self.included {
+            let (values, neutral) = (&self.point.candidates[*member], &candidates[*member].neutral);
+            let offset = DVector::from_iterator(values.len(), values.iter().zip(neutral).map(|(v, n)| v - n));
+            residual += &self.evidence.candidates[*member] * offset;
+        }
+        residual
+    }
+
+    /// What is left of each row when its block was held out.
+    fn held_out(&self) -> DVector<f64> {
+        holdout::residuals(&self.evidence, &self.noises, &self.columns(), &self.evidence.residual)
+    }
+
+    /// A mechanism that fits and does not predict is none: the weakest goes, until those left all do.
+    fn drop_what_does_not_predict(&mut self, problem: &impl Problem, baseline: &Fitted) {
+        while !self.included.is_empty() {
+            let error = |fitted: &Fitted| weighted_rms(&fitted.evidence, &fitted.noises_of(self), &fitted.held_out());
+            let here = error(self);
+            let mut worst: Option<(f64, Fitted)> = None;
+            for place in 0..self.included.len() {
+                let mut fewer = self.included.clone();
+                let gone = fewer.remove(place);
+                let other = if fewer.is_empty() {
+                    baseline.clone()
+                } else {
+                    let mut point = self.point.clone();
+                    point.candidates[gone].clone_from(&problem.candidates()[gone].neutral);
+                    let mut other = Fitted::new(problem, point, fewer);
+                    other.settle(problem);
+                    other
+                };
+                let without = error(&other);
+                if without <= here && worst.as_ref().is_none_or(|(least, _)| without < *least) {
+                    worst = Some((without, other));
+                }
+            }
+            match worst {
+                Some((_, other)) => *self = other,
+                None => return,
+            }
+        }
+    }
+
+    /// One noise for two models that are compared.
+    fn noises_of(&self, other: &Fitted) -> Vec<Noise> {
+        other.noises.clone()
+    }
+}
+
+/// One round of the search around a fit.
+struct Lap<'a> {
+    candidates: &'a [Candidate],
+    fitted: &'a Fitted,
+    runners: Vec<Runner>,
+    /// For each curve the covariate it runs along.
+    curve_names: Vec<(usize, String)>,
+    score: Score,
+}
+
+impl<'a> Lap<'a> {
+    fn new(candidates: &'a [Candidate], fitted: &'a Fitted) -> Self {
+        let mut evidence = fitted.evidence.clone();
+        evidence.residual = fitted.without_candidates(candidates);
+        let mut runners = Vec::new();
+        let mut parts: Vec<DMatrix<f64>> = Vec::new();
+        let mut n_columns = 0;
+        let mut push = |columns: DMatrix<f64>, family: usize, is_curve: bool| {
+            runners.push(Runner { columns: n_columns..n_columns + columns.ncols(), family, is_curve });
+            n_columns += columns.ncols();
+            parts.push(columns);
+        };
+        for (index, candidate) in candidates.iter().enumerate() {
+            let family = candidates.iter().position(|other| other.name == candidate.name).unwrap_or(index);
+            push(evidence.candidates[index].clone(), family, false);
+        }
+        let mut curve_names = Vec::new();
+        for (columns, name) in curves(&evidence) {
+            let index = candidates.len() + curve_names.len();
+            curve_names.push((index, name));
+            push(columns, index, true);
+        }
+        let all = side_by_side(evidence.residual.len(), &parts.iter().collect::<Vec<_>>());
+        let score = Score::new(&evidence, &fitted.noises, &evidence.baseline, &all);
+        Lap { candidates, fitted, runners, curve_names, score }
+    }
+
+    fn race(&self) -> Race<'_> {
+        Race::new(&self.score, &self.runners)
+    }
+
+    fn curve_name(&self, runner: usize) -> Option<&str> {
+        self.curve_names.iter().find(|(index, _)| *index == runner).map(|(_, name)| name.as_str())
+    }
+
+    /// Where the linearised fit of a set lies.
+    fn point_of(&self, members: &[usize], problem: &impl Problem) -> Point {
+        let mut point = self.fitted.point.clone();
+        for (values, candidate) in point.candidates.iter_mut().zip(self.candidates) {
+            values.clone_from(&candidate.neutral);
+        }
+        let columns: Vec<usize> = members.iter().flat_map(|member| self.runners[*member].columns.clone()).collect();
+        if columns.is_empty() {
+            return Point { baseline: problem.start().baseline, ..point };
+        }
+        let fit = self.score.fit(&columns);
+        let mut steps = fit.step.iter();
+        for member in members {
+            for (value, step) in point.candidates[*member].iter_mut().zip(&mut steps) {
+                *value += step;
+            }
+        }
+        point
+    }
+}
+
+/// Every curve that could show: along each covariate, alike and opposite on the legs, in each quantity and in all.
+fn curves(evidence: &Evidence) -> Vec<(DMatrix<f64>, String)> {
+    let n = evidence.residual.len();
+    let has_legs = evidence.leg.iter().any(|leg| *leg < 0.0) && evidence.leg.iter().any(|leg| *leg > 0.0);
+    let mut found = Vec::new();
+    for covariate in &evidence.covariates {
+        let basis = smooth::basis(covariate.kind, &covariate.values);
+        if basis.ncols() == 0 {
+            continue;
+        }
+        let by_leg = DMatrix::from_fn(n, basis.ncols(), |i, j| basis[(i, j)] * evidence.leg[i]);
+        for shape in if has_legs { vec![basis, by_leg] } else { vec![basis] } {
+            let parts: Vec<DMatrix<f64>> = evidence
+                .quantities
+                .iter()
+                .map(|quantity| {
+                    // Each quantity in units of its own noise, and free of the others.
+                    DMatrix::from_fn(n, shape.ncols(), |i, j| {
+                        if quantity.rows.contains(&i) { shape[(i, j)] * evidence.stated_sd[i] } else { 0.0 }
+                    })
+                })
+                .collect();
+            if parts.len() > 1 {
+                found.push((side_by_side(n, &parts.iter().collect::<Vec<_>>()), covariate.name.to_owned()));
+            }
+            found.extend(parts.into_iter().map(|part| (part, covariate.name.to_owned())));
+        }
+    }
+    found
+}
+
+fn report(problem: &impl Problem, baseline: &Fitted, extended: &Fitted, curve: Option<usize>) -> (Diagnosis, Point) {
+    let candidates = problem.candidates();
+    let before = baseline.held_out();
+    let after = if extended.included.is_empty() { before.clone() } else { extended.held_out() };
+    let gains: Vec<Gain> = baseline
+        .evidence
+        .quantities
+        .iter()
+        .map(|quantity| {
+            let (b, a) = (holdout::rms(&before, quantity.rows.clone()), holdout::rms(&after, quantity.rows.clone()));
+            Gain {
+                quantity: quantity.name.to_owned(),
+                holdout_rms_before: b,
+                holdout_rms_after: a,
+                reduction_percent: holdout::reduction_percent(b, a),
+                ci95: holdout::reduction_interval(&baseline.evidence, quantity.rows.clone(), &before, &after),
+            }
+        })
+        .collect();
+
+    let lap = Lap::new(candidates, extended);
+    let race = lap.race();
+    let n_names = names(candidates).len() as f64;
+    let mut causes: Vec<(f64, Cause)> =
+        (0..extended.included.len()).map(|place| cause(problem, extended, &lap, &race, place, n_names)).collect();
+    causes.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let causes: Vec<Cause> = causes.into_iter().map(|(_, cause)| cause).collect();
+
+    let depends_on: Vec<String> =
+        curve.and_then(|runner| lap.curve_name(runner)).map(str::to_owned).into_iter().collect();
+    let rows = baseline.evidence.quantities[0].rows.clone();
+    let unexplained = (!depends_on.is_empty())
+        .then(|| Unexplained { rms: holdout::rms(&extended.evidence.residual, rows), depends_on });
+    let verdict = match (causes.is_empty(), unexplained.is_some()) {
+        (true, false) => Verdict::None,
+        (true, true) => Verdict::Unexplained,
+        (false, true) => Verdict::PartlyExplained,
+        (false, false) => Verdict::Explained,
+    };
+    let diagnosis = Diagnosis {
+        schema: "glidepolar.diagnosis/1",
+        verdict,
+        wrong: wrong(candidates, baseline),
+        rejected: rejected(candidates, extended, &lap, &race, &causes),
+        causes,
+        unexplained,
+        gain: gains[0].clone(),
+        gains,
+        extended: None,
+    };
+    (diagnosis, extended.point.clone())
+}
+
+fn cause(
+    problem: &impl Problem,
+    extended: &Fitted,
+    lap: &Lap<'_>,
+    race: &Race<'_>,
+    place: usize,
+    n_names: f64,
+) -> (f64, Cause) {
+    let candidates = problem.candidates();
+    let member = extended.included[place];
+    let candidate = &candidates[member];
+    let all = race.columns(&extended.included);
+    let fit = lap.score.fit(&all);
+    let others: Vec<usize> = extended.included.iter().copied().filter(|other| *other != member).collect();
+    let gain = fit.gain - if others.is_empty() { 0.0 } else { lap.score.fit(&race.columns(&others)).gain };
+    let df = lap.runners[member].columns.len();
+    let first = all.iter().position(|column| *column == lap.runners[member].columns.start).unwrap_or(0);
+    let mut parameters: std::collections::BTreeMap<String, Estimate> = candidate
+        .parameters
+        .iter()
+        .enumerate()
+        .map(|(i, (name, unit))| {
+            let se = fit.covariance[(first + i, first + i)].max(0.0).sqrt();
+            ((*name).to_owned(), Estimate::normal(extended.point.candidates[member][i], se, unit))
+        })
+        .collect();
+    for (name, value, unit) in &candidate.fixed {
+        parameters.insert((*name).to_owned(), Estimate::normal(*value, 0.0, unit));
+    }
+
+    let mut stand_ins: Vec<String> = Vec::new();
+    for other in race.stand_ins(&extended.included, place, MARGIN) {
+        let name = candidates[other].name;
+        if name != candidate.name && !stand_ins.iter().any(|known| known == name) {
+            stand_ins.push(name.to_owned());
+        }
+    }
+
+    let mut without = extended.clone();
+    without.included = others;
+    without.evidence.residual += &extended.evidence.candidates[member]
+        * DVector::from_iterator(
+            df,
+            extended.point.candidates[member].iter().zip(&candidate.neutral).map(|(v, n)| v - n),
+        );
+    let rows = extended.evidence.quantities[0].rows.clone();
+    let cause = Cause {
+        cause: candidate.name.to_owned(),
+        parameters,
+        p_value: (n_names * chance(gain, df)).min(1.0),
+        delta_bic: gain - df as f64 * lap.score.effective_rows.ln(),
+        holdout_rms_before: holdout::rms(&without.held_out(), rows.clone()),
+        holdout_rms_after: holdout::rms(&extended.held_out(), rows),
+        indistinguishable_from: stand_ins,
+    };
+    (gain, cause)
+}
+
+fn rejected(
+    candidates: &[Candidate],
+    extended: &Fitted,
+    lap: &Lap<'_>,
+    race: &Race<'_>,
+    causes: &[Cause],
+) -> Vec<Rejected> {
+    let here = if extended.included.is_empty() { 0.0 } else { lap.score.fit(&race.columns(&extended.included)).gain };
+    names(candidates)
+        .into_iter()
+        .filter(|name| !causes.iter().any(|cause| cause.cause == *name))
+        .map(|name| {
+            let versions = (0..candidates.len()).filter(|i| candidates[*i].name == name);
+            let best = versions
+                .filter(|i| lap.runners[*i].columns.clone().any(|column| lap.score.is_seen(column)))
+                .map(|i| {
+                    let mut set = extended.included.clone();
+                    set.push(i);
+                    let gain = lap.score.fit(&race.columns(&set)).gain - here;
+                    (chance(gain, lap.runners[i].columns.len()), i)
+                })
+                .min_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((p_value, index)) = best else {
+                return Rejected {
+                    cause: name.to_owned(),
+                    p_value: None,
+                    holdout_rms_after: None,
+                    why: "these data cannot show it: the baseline's own parameters absorb it".to_owned(),
+                };
+            };
+            let mut with = extended.clone();
+            with.included.push(index);
+            let rows = extended.evidence.quantities[0].rows.clone();
+            let stands_in: Vec<&str> = causes
+                .iter()
+                .filter(|cause| cause.indistinguishable_from.iter().any(|other| other == name))
+                .map(|cause| cause.cause.as_str())
+                .collect();
+            let why = if stands_in.is_empty() {
+                format!("explains no more than chance would beside what is named (p = {p_value:.2})")
+            } else {
+                format!("cannot be told from {} in these data", stands_in.join(", "))
+            };
+            Rejected {
+                cause: name.to_owned(),
+                p_value: Some(p_value),
+                holdout_rms_after: Some(holdout::rms(&with.held_out(), rows)),
+                why,
+            }
+        })
+        .collect()
+}
+
+/// Where the baseline alone misses the data: along which covariate, in which quantity.
+fn wrong(candidates: &[Candidate], baseline: &Fitted) -> Vec<Wrong> {
+    let lap = Lap::new(candidates, baseline);
+    let evidence = &baseline.evidence;
+    let tests = lap.curve_names.len().max(1) as f64;
+    let mut found: Vec<(String, Wrong)> = Vec::new();
+    for (runner, name) in &lap.curve_names {
+        let columns: Vec<usize> = lap.runners[*runner].columns.clone().collect();
+        let p_value = (tests * chance(lap.score.fit(&columns).gain, columns.len())).min(1.0);
+        if p_value > SIGNIFICANT {
+            continue;
+        }
+        match found.iter_mut().find(|(known, _)| known == name) {
+            Some((_, known)) => known.p_value = known.p_value.min(p_value),
+            None => {
+                let quantity = &evidence.quantities[0];
+                found.push((
+                    name.clone(),
+                    Wrong {
+                        quantity: quantity.name.to_owned(),
+                        regime: name.clone(),
+                        rms: holdout::rms(&evidence.residual, quantity.rows.clone()),
+                        expected_rms: expected_rms(evidence, &baseline.noises, 0),
+                        p_value,
+                    },
+                ));
+            }
+        }
+    }
+    found.sort_by(|a, b| a.1.p_value.total_cmp(&b.1.p_value));
+    found.into_iter().map(|(_, wrong)| wrong).collect()
+}
+
+fn expected_rms(evidence: &Evidence, noises: &[Noise], quantity: usize) -> f64 {
+    let rows = evidence.quantities[quantity].rows.clone();
+    let n = rows.len().max(1) as f64;
+    (rows.map(|row| noises[quantity].sd(evidence.stated_sd[row]).powi(2)).sum::<f64>() / n).sqrt()
+}
+
+/// The names of the candidates, each once.
+fn names(candidates: &[Candidate]) -> Vec<&'static str> {
+    let mut names: Vec<&'static str> = Vec::new();
+    for candidate in candidates {
+        if !names.contains(&candidate.name) {
+            names.push(candidate.name);
+        }
+    }
+    names
+}
+
+/// The noise of each quantity, everything that any candidate could explain set aside where there are rows to spare.
+fn noises(evidence: &Evidence, included: &[usize]) -> Vec<Noise> {
+    let mut parts: Vec<&DMatrix<f64>> = vec![&evidence.baseline];
+    parts.extend(included.iter().map(|member| &evidence.candidates[*member]));
+    let few = side_by_side(evidence.residual.len(), &parts);
+    let all: Vec<&DMatrix<f64>> = std::iter::once(&evidence.baseline).chain(&evidence.candidates).collect();
+    let many = side_by_side(evidence.residual.len(), &all);
+    evidence
+        .quantities
+        .iter()
+        .map(|quantity| {
+            let rows = quantity.rows.clone();
+            let explained = if rows.len() > 6 * many.ncols() { &many } else { &few };
+            let series =
+                Series { time_s: &evidence.time_s[rows.clone()], stated_sd: &evidence.stated_sd[rows.clone()] };
+            let residual = evidence.residual.rows(rows.start, rows.len()).into_owned();
+            noise::estimate(series, &residual, &explained.rows(rows.start, rows.len()).into_owned())
+        })
+        .collect()
+}
+
+fn solve(evidence: &Evidence, noises: &[Noise], columns: &DMatrix<f64>, target: &DVector<f64>) -> DVector<f64> {
+    let k = columns.ncols();
+    let mut all = DMatrix::zeros(target.len(), k + 1);
+    all.columns_mut(0, k).copy_from(columns);
+    all.column_mut(k).copy_from(target);
+    whiten(evidence, noises, &mut all);
+    least_squares(&all)
+}
+
+fn weighted_squares(evidence: &Evidence, noises: &[Noise]) -> f64 {
+    weighted(evidence, noises, &evidence.residual)
+}
+
+fn weighted(evidence: &Evidence, noises: &[Noise], values: &DVector<f64>) -> f64 {
+    let mut column = DMatrix::from_column_slice(values.len(), 1, values.as_slice());
+    whiten(evidence, noises, &mut column);
+    column.norm_squared()
+}
+
+/// Root mean square in units of the noise, each quantity by its own.
+fn weighted_rms(evidence: &Evidence, noises: &[Noise], values: &DVector<f64>) -> f64 {
+    let squares: f64 = evidence
+        .quantities
+        .iter()
+        .zip(noises)
+        .flat_map(|(quantity, noise)| {
+            quantity.rows.clone().map(|row| (values[row] / noise.sd(evidence.stated_sd[row])).powi(2))
+        })
+        .sum();
+    (squares / values.len() as f64).sqrt()
+}
+
+/// Probability that chance alone explains this much.
+fn chance(gain: f64, df: usize) -> f64 {
+    ChiSquared::new(df as f64).map_or(1.0, |distribution| distribution.sf(gain.max(0.0)))
+}
+
+fn side_by_side(rows: usize, parts: &[&DMatrix<f64>]) -> DMatrix<f64> {
+    let mut all = DMatrix::zeros(rows, parts.iter().map(|part| part.ncols()).sum());
+    let mut column = 0;
+    for part in parts {
+        all.columns_mut(column, part.ncols()).copy_from(part);
+        column += part.ncols();
+    }
+    all
+}

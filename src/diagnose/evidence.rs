@@ -1,0 +1,89 @@
+//! What a diagnosis works on: residuals, and how each candidate would change them. Knows neither tank nor sea.
+
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::smooth::Kind;
+
+/// One measured quantity: a run of rows in the order of time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Quantity {
+    /// Its name, as reports give it (`vertical_velocity`).
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Its rows.
+    pub rows: Range<usize>,
+}
+
+/// A value that may have to do with the residuals: depth, time, heading, speed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Covariate {
+    /// Its name, as reports give it.
+    pub name: &'static str,
+    /// How it runs.
+    pub kind: Kind,
+    /// Its value in each row.
+    pub values: Vec<f64>,
+}
+
+/// The data against a model at one point of its parameters.
+#[derive(Debug, Clone)]
+pub struct Evidence {
+    /// The measured quantities, one after the other.
+    pub quantities: Vec<Quantity>,
+    /// Time of each row \[s\].
+    pub time_s: Vec<f64>,
+    /// Stated standard deviation of the measurement in each row.
+    pub stated_sd: Vec<f64>,
+    /// The glide or run to which each row belongs: what is held out is held out whole.
+    pub block: Vec<usize>,
+    /// Which leg a row is on: +1 and -1; all +1 where there are no legs.
+    pub leg: Vec<f64>,
+    /// Measured less modelled.
+    pub residual: DVector<f64>,
+    /// Sensitivity of the modelled value to each baseline parameter: rows by parameters.
+    pub baseline: DMatrix<f64>,
+    /// Sensitivity to each candidate's parameters, in the order of [`Problem::candidates`].
+    pub candidates: Vec<DMatrix<f64>>,
+    /// What the residuals may go with.
+    pub covariates: Vec<Covariate>,
+}
+
+/// A mechanism that a diagnosis may name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    /// The mechanism's name. Candidates of one name are versions of it (the time of a jump), of which one is taken.
+    pub name: &'static str,
+    /// Name and unit of each parameter that is fitted.
+    pub parameters: Vec<(&'static str, &'static str)>,
+    /// Where each parameter has no effect.
+    pub neutral: Vec<f64>,
+    /// What else goes with this version, unfitted: name, value, unit.
+    pub fixed: Vec<(&'static str, f64, &'static str)>,
+}
+
+/// Values of the baseline's and the candidates' parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Point {
+    /// Baseline parameters.
+    pub baseline: Vec<f64>,
+    /// Parameters of each candidate; neutral where it is not in the model.
+    pub candidates: Vec<Vec<f64>>,
+}
+
+/// A model with its data.
+pub trait Problem {
+    /// Names and units of the baseline parameters.
+    fn baseline(&self) -> &[(&'static str, &'static str)];
+
+    /// What may be named.
+    fn candidates(&self) -> &[Candidate];
+
+    /// Where to begin: the baseline as it is believed, every candidate neutral.
+    fn start(&self) -> Point;
+
+    /// Residuals and sensitivities at a point. Rows, blocks and covariates are the same at every point.
+    fn evidence(&self, point: &Point) -> Evidence;
+}

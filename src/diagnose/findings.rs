@@ -1,0 +1,115 @@
+//! The four answers of a diagnosis, in the form in which they are written down (`glidepolar.diagnosis/1`).
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::estimate::Estimate;
+
+/// What a diagnosis says in a word.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// Nothing is wrong beyond what the measurement explains.
+    None,
+    /// Named mechanisms explain what is wrong.
+    Explained,
+    /// Named mechanisms explain a part.
+    PartlyExplained,
+    /// Something is wrong and no known mechanism fits.
+    Unexplained,
+}
+
+/// A quantity that the baseline misses, and where.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Wrong {
+    /// The quantity.
+    pub quantity: String,
+    /// Where or with what the misfit goes.
+    pub regime: String,
+    /// Root mean square of the residuals.
+    pub rms: f64,
+    /// What the measurement alone would leave.
+    pub expected_rms: f64,
+    /// Probability of such a misfit by chance, corrected for the number of tests.
+    pub p_value: f64,
+}
+
+/// A named mechanism with its evidence.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Cause {
+    /// The mechanism.
+    pub cause: String,
+    /// Its parameters.
+    pub parameters: BTreeMap<String, Estimate>,
+    /// Probability of such a gain by chance, corrected for the number of mechanisms.
+    pub p_value: f64,
+    /// Fall of the Bayesian information criterion.
+    pub delta_bic: f64,
+    /// Error on held-out data without it.
+    pub holdout_rms_before: f64,
+    /// Error on held-out data with it.
+    pub holdout_rms_after: f64,
+    /// Mechanisms that these data cannot tell from it.
+    pub indistinguishable_from: Vec<String>,
+}
+
+/// A mechanism that was tried and not named.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Rejected {
+    /// The mechanism.
+    pub cause: String,
+    /// Probability of its gain by chance; none where the data cannot show it.
+    pub p_value: Option<f64>,
+    /// Error on held-out data with it.
+    pub holdout_rms_after: Option<f64>,
+    /// Why it was not named.
+    pub why: String,
+}
+
+/// Structure that no mechanism explains.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Unexplained {
+    /// Root mean square of what is left.
+    pub rms: f64,
+    /// What it goes with.
+    pub depends_on: Vec<String>,
+}
+
+/// Error before and after on data that no fit saw.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Gain {
+    /// The quantity; the first one is that of `holdout_rms_*` elsewhere.
+    pub quantity: String,
+    /// Without the causes.
+    pub holdout_rms_before: f64,
+    /// With them.
+    pub holdout_rms_after: f64,
+    /// Reduction in per cent.
+    pub reduction_percent: f64,
+    /// Its 95 % interval.
+    pub ci95: [f64; 2],
+}
+
+/// A diagnosis.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Diagnosis {
+    /// `glidepolar.diagnosis/1`.
+    pub schema: &'static str,
+    /// In a word.
+    pub verdict: Verdict,
+    /// Where the baseline misses the data.
+    pub wrong: Vec<Wrong>,
+    /// The named mechanisms, strongest first.
+    pub causes: Vec<Cause>,
+    /// The others.
+    pub rejected: Vec<Rejected>,
+    /// What is left without a name.
+    pub unexplained: Option<Unexplained>,
+    /// What the extension gains on the first quantity.
+    pub gain: Gain,
+    /// The same for every quantity.
+    pub gains: Vec<Gain>,
+    /// The file with the extended model, where one was written.
+    pub extended: Option<String>,
+}

@@ -1,0 +1,130 @@
+//! The gain on data that no fit saw: whole glides or runs held out, predicted by a fit to the others.
+
+use nalgebra::{DMatrix, DVector};
+use rand::{RngExt, SeedableRng, rngs::StdRng};
+
+use super::evidence::Evidence;
+use super::noise::Noise;
+use super::score::whiten;
+
+/// In how many parts the blocks are split; each is held out once.
+const FOLDS: usize = 4;
+
+/// Resampled sets of blocks for the interval of a gain.
+const RESAMPLES: usize = 400;
+
+/// Predicts every row from a fit to the other parts, and returns what is left of it.
+///
+/// `columns` are the sensitivities of the model that is fitted, `target` what they are fitted to. Rows of one block
+/// stay together, and so do neighbouring blocks: a part is every fourth pair of them.
+pub fn residuals(evidence: &Evidence, noises: &[Noise], columns: &DMatrix<f64>, target: &DVector<f64>) -> DVector<f64> {
+    let mut left = target.clone();
+    for fold in 0..FOLDS {
+        let is_out = |row: usize| (evidence.block[row] / 2) % FOLDS == fold;
+        let kept: Vec<usize> = (0..target.len()).filter(|row| !is_out(*row)).collect();
+        if kept.len() == target.len() || kept.len() <= columns.ncols() {
+            continue;
+        }
+        let part = subset(evidence, &kept);
+        let mut all = DMatrix::zeros(kept.len(), columns.ncols() + 1);
+        for (i, row) in kept.iter().enumerate() {
+            all.view_mut((i, 0), (1, columns.ncols())).copy_from(&columns.row(*row));
+            all[(i, columns.ncols())] = target[*row];
+        }
+        whiten(&part, noises, &mut all);
+        let solution = least_squares(&all);
+        for row in (0..target.len()).filter(|row| is_out(*row)) {
+            left[row] = target[row] - (columns.row(row) * &solution)[0];
+        }
+    }
+    left
+}
+
+/// Solution of a least-squares problem whose right side is the last column; directions that no row sees stay zero.
+pub fn least_squares(all: &DMatrix<f64>) -> DVector<f64> {
+    let k = all.ncols() - 1;
+    let mut design = all.columns(0, k).into_owned();
+    let sizes: Vec<f64> = (0..k).map(|j| design.column(j).norm().max(f64::MIN_POSITIVE)).collect();
+    for (j, size) in sizes.iter().enumerate() {
+        design.column_mut(j).unscale_mut(*size);
+    }
+    let gram = design.transpose() * &design;
+    let moments = design.transpose() * all.column(k);
+    let eigen = gram.symmetric_eigen();
+    let largest = eigen.eigenvalues.max();
+    let mut solution = DVector::zeros(k);
+    for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+        if *value > 1e-10 * largest {
+            solution += vector * (vector.dot(&moments) / value);
+        }
+    }
+    DVector::from_fn(k, |j, _| solution[j] / sizes[j])
+}
+
+/// The rows of an evidence that a fit may see.
+fn subset(evidence: &Evidence, kept: &[usize]) -> Evidence {
+    let mut part = Evidence {
+        quantities: Vec::new(),
+        time_s: kept.iter().map(|row| evidence.time_s[*row]).collect(),
+        stated_sd: kept.iter().map(|row| evidence.stated_sd[*row]).collect(),
+        block: Vec::new(),
+        leg: Vec::new(),
+        residual: DVector::zeros(0),
+        baseline: DMatrix::zeros(0, 0),
+        candidates: Vec::new(),
+        covariates: Vec::new(),
+    };
+    let mut start = 0;
+    for quantity in &evidence.quantities {
+        let n = kept.iter().filter(|row| quantity.rows.contains(row)).count();
+        part.quantities.push(super::evidence::Quantity { rows: start..start + n, ..quantity.clone() });
+        start += n;
+    }
+    part
+}
+
+/// Root mean square of these rows.
+pub fn rms(values: &DVector<f64>, rows: std::ops::Range<usize>) -> f64 {
+    let n = rows.len().max(1) as f64;
+    (rows.map(|row| values[row] * values[row]).sum::<f64>() / n).sqrt()
+}
+
+/// 95 % interval of the reduction of the root mean square \[%\], by resampling whole blocks.
+pub fn reduction_interval(
+    evidence: &Evidence,
+    rows: std::ops::Range<usize>,
+    before: &DVector<f64>,
+    after: &DVector<f64>,
+) -> [f64; 2] {
+    let mut blocks: Vec<(usize, f64, f64)> = Vec::new();
+    for row in rows {
+        let block = evidence.block[row];
+        let (b, a) = (before[row] * before[row], after[row] * after[row]);
+        match blocks.iter_mut().find(|(known, _, _)| *known == block) {
+            Some((_, sum_b, sum_a)) => (*sum_b, *sum_a) = (*sum_b + b, *sum_a + a),
+            None => blocks.push((block, b, a)),
+        }
+    }
+    if blocks.is_empty() {
+        return [0.0, 0.0];
+    }
+    // The same data must give the same interval.
+    let mut rng = StdRng::seed_from_u64(0x6c1d_e901);
+    let mut reductions: Vec<f64> = (0..RESAMPLES)
+        .map(|_| {
+            let (mut sum_b, mut sum_a) = (0.0, 0.0);
+            for _ in 0..blocks.len() {
+                let (_, b, a) = blocks[rng.random_range(0..blocks.len())];
+                (sum_b, sum_a) = (sum_b + b, sum_a + a);
+            }
+            reduction_percent(sum_b.sqrt(), sum_a.sqrt())
+        })
+        .collect();
+    reductions.sort_by(f64::total_cmp);
+    [reductions[RESAMPLES * 25 / 1000], reductions[RESAMPLES * 975 / 1000]]
+}
+
+/// Reduction from one error to another \[%\].
+pub fn reduction_percent(before: f64, after: f64) -> f64 {
+    if before > 0.0 { 100.0 * (1.0 - after / before) } else { 0.0 }
+}

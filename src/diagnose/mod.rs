@@ -1,0 +1,24 @@
+//! Diagnosis: what the model gets wrong, why, the extension, the gain. One engine for the tank and the sea.
+//!
+//! - [`evidence`]: what the engine is given: residuals and sensitivities at a point, by a [`Problem`].
+//! - [`noise`]: what is left when the model is right, so that correlated residuals count for as little as they tell.
+//! - [`score`], [`search`]: what each set of mechanisms explains, and which set is worth its cost.
+//! - [`smooth`]: curves without a name that run in the same race; where one wins, no mechanism is named.
+//! - [`holdout`]: the gain on data that no fit saw.
+//! - [`engine`]: the four answers in their order.
+
+pub mod engine;
+pub mod evidence;
+pub mod findings;
+pub mod holdout;
+pub mod noise;
+pub mod score;
+pub mod search;
+pub mod smooth;
+
+pub use engine::diagnose;
+pub use evidence::{Candidate, Covariate, Evidence, Point, Problem, Quantity};
+pub use findings::{Cause, Diagnosis, Gain, Rejected, Unexplained, Verdict, Wrong};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,149 @@
+//! How much each set of candidates explains beyond the baseline, by generalised least squares.
+//!
+//! With rows whitened and the baseline projected out, all that any set's fit needs is the small matrix of products of
+//! the candidates' columns with each other and with the residuals. So every set of candidates can be tried.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::evidence::Evidence;
+use super::noise::{self, Noise, Series};
+
+/// A column whose part outside the baseline is smaller than this, relative to the whole, is seen as baseline alone.
+const UNSEEN: f64 = 1e-4;
+
+/// Products of whitened columns outside the baseline.
+#[derive(Debug, Clone)]
+pub struct Score {
+    gram: DMatrix<f64>,
+    moments: DVector<f64>,
+    /// Size of each column before projection, by which it was divided.
+    sizes: Vec<f64>,
+    /// Share of each column that the baseline cannot imitate.
+    seen: Vec<f64>,
+    /// Sum of squares that the baseline leaves.
+    pub left: f64,
+    /// Rows less baseline parameters.
+    pub freedom: usize,
+    /// Independent numbers to which the rows amount.
+    pub effective_rows: f64,
+}
+
+/// A set's fit: how much it explains, its values and their covariance.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// Fall of the sum of squares, in units of the noise.
+    pub gain: f64,
+    /// Step of each parameter from the point of linearisation.
+    pub step: DVector<f64>,
+    /// Covariance of the steps, the baseline's uncertainty in it.
+    pub covariance: DMatrix<f64>,
+}
+
+/// Whitens every column of each quantity by its noise.
+pub fn whiten(evidence: &Evidence, noises: &[Noise], columns: &mut DMatrix<f64>) {
+    for (quantity, noise) in evidence.quantities.iter().zip(noises) {
+        let rows = quantity.rows.clone();
+        let series = Series { time_s: &evidence.time_s[rows.clone()], stated_sd: &evidence.stated_sd[rows.clone()] };
+        let mut part = columns.rows(rows.start, rows.len()).into_owned();
+        noise::whiten(series, noise, &mut part);
+        columns.rows_mut(rows.start, rows.len()).copy_from(&part);
+    }
+}
+
+impl Score {
+    /// The products for these columns, side by side in the order in which sets will name them.
+    pub fn new(evidence: &Evidence, noises: &[Noise], baseline: &DMatrix<f64>, columns: &DMatrix<f64>) -> Score {
+        let n = evidence.residual.len();
+        let (nb, nc) = (baseline.ncols(), columns.ncols());
+        let mut all = DMatrix::zeros(n, nb + nc + 2);
+        all.columns_mut(0, nb).copy_from(baseline);
+        all.columns_mut(nb, nc).copy_from(columns);
+        all.column_mut(nb + nc).copy_from(&evidence.residual);
+        all.column_mut(nb + nc + 1).fill(1.0);
+        whiten(evidence, noises, &mut all);
+
+        let ones = all.column(nb + nc + 1).norm_squared();
+        let variance: f64 = evidence
+            .quantities
+            .iter()
+            .zip(noises)
+            .flat_map(|(quantity, noise)| quantity.rows.clone().map(|row| noise.sd(evidence.stated_sd[row]).powi(2)))
+            .sum::<f64>()
+            / n as f64;
+
+        let q = orthonormal(all.columns(0, nb).into_owned());
+        let mut rest = all.columns(nb, nc + 1).into_owned();
+        let sizes: Vec<f64> = (0..nc).map(|j| rest.column(j).norm().max(f64::MIN_POSITIVE)).collect();
+        for (j, size) in sizes.iter().enumerate() {
+            rest.column_mut(j).scale_mut(size.recip());
+        }
+        // Twice is enough to lose what rounding leaves of the baseline.
+        for _ in 0..2 {
+            let inside = q.transpose() * &rest;
+            rest -= &q * inside;
+        }
+        let seen = (0..nc).map(|j| rest.column(j).norm()).collect();
+        let candidates = rest.columns(0, nc);
+        Score {
+            gram: candidates.transpose() * candidates,
+            moments: candidates.transpose() * rest.column(nc),
+            sizes,
+            seen,
+            left: rest.column(nc).norm_squared(),
+            freedom: n - q.ncols(),
+            effective_rows: (ones * variance).clamp(2.0, n as f64),
+        }
+    }
+
+    /// Whether a column shows at all beside the baseline.
+    pub fn is_seen(&self, column: usize) -> bool {
+        self.seen[column] > UNSEEN
+    }
+
+    /// The fit of these columns together; directions that the data do not see take no part.
+    pub fn fit(&self, set: &[usize]) -> Fit {
+        let k = set.len();
+        let gram = DMatrix::from_fn(k, k, |i, j| self.gram[(set[i], set[j])]);
+        let moments = DVector::from_fn(k, |i, _| self.moments[set[i]]);
+        let eigen = gram.symmetric_eigen();
+        let mut covariance = DMatrix::zeros(k, k);
+        for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+            if *value > UNSEEN * UNSEEN {
+                covariance += vector * vector.transpose() / *value;
+            }
+        }
+        let step = &covariance * &moments;
+        let gain = step.dot(&moments);
+        let scale = |i: usize| self.sizes[set[i]].recip();
+        Fit {
+            gain,
+            step: DVector::from_fn(k, |i, _| step[i] * scale(i)),
+            covariance: DMatrix::from_fn(k, k, |i, j| covariance[(i, j)] * scale(i) * scale(j)),
+        }
+    }
+}
+
+/// An orthonormal basis of the space of these columns, without the directions that add nothing.
+pub fn orthonormal(mut columns: DMatrix<f64>) -> DMatrix<f64> {
+    for mut column in columns.column_iter_mut() {
+        let size = column.norm();
+        if size > 0.0 {
+            column.unscale_mut(size);
+        }
+    }
+    let mut kept: Vec<DVector<f64>> = Vec::new();
+    for column in columns.column_iter() {
+        let mut rest = column.into_owned();
+        for _ in 0..2 {
+            for direction in &kept {
+                let inside = direction.dot(&rest);
+                rest.axpy(-inside, direction, 1.0);
+            }
+        }
+        let size = rest.norm();
+        if size > 1e-9 {
+            kept.push(rest / size);
+        }
+    }
+    DMatrix::from_fn(columns.nrows(), kept.len(), |row, column| kept[column][row])
+}

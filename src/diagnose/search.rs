@@ -1,0 +1,151 @@
+//! Which candidates, if any: every set is weighed by what it explains and what it costs.
+//!
+//! The cost is the extended Bayesian criterion (Chen and Chen 2008): `df ln n_eff + 2 ln M` for each member chosen among
+//! M, `n_eff` the number of independent rows. Curves in the covariates run in the same race: where a curve that nobody
+//! can name beats every mechanism, no mechanism is named.
+
+use std::ops::Range;
+
+use super::score::Score;
+
+/// Something that runs in the race.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Runner {
+    /// Its columns in the score.
+    pub columns: Range<usize>,
+    /// Runners of one family exclude each other: versions of one mechanism.
+    pub family: usize,
+    /// Whether it is a curve without a name.
+    pub is_curve: bool,
+}
+
+/// A set of runners with its criterion: smaller is better, 0 is the baseline alone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Choice {
+    /// The members, by index.
+    pub members: Vec<usize>,
+    /// Cost less gain.
+    pub criterion: f64,
+}
+
+/// Largest number of mechanisms that are named together.
+const MAX_MEMBERS: usize = 4;
+
+/// How many sets are kept to be grown further.
+const BEAM: usize = 12;
+
+/// The race over one score.
+#[derive(Debug, Clone)]
+pub struct Race<'a> {
+    score: &'a Score,
+    runners: &'a [Runner],
+    n_families: usize,
+    n_curves: usize,
+}
+
+impl<'a> Race<'a> {
+    /// A race of these runners.
+    pub fn new(score: &'a Score, runners: &'a [Runner]) -> Self {
+        let mut families: Vec<usize> = runners.iter().filter(|r| !r.is_curve).map(|r| r.family).collect();
+        families.sort_unstable();
+        families.dedup();
+        let n_curves = runners.iter().filter(|r| r.is_curve).count();
+        Race { score, runners, n_families: families.len().max(1), n_curves: n_curves.max(1) }
+    }
+
+    /// The columns of a set.
+    pub fn columns(&self, members: &[usize]) -> Vec<usize> {
+        members.iter().flat_map(|member| self.runners[*member].columns.clone()).collect()
+    }
+
+    /// Cost less gain of a set.
+    pub fn criterion(&self, members: &[usize]) -> f64 {
+        let columns = self.columns(members);
+        let gain = if columns.is_empty() { 0.0 } else { self.score.fit(&columns).gain };
+        members.iter().map(|member| self.cost(*member)).sum::<f64>() - gain
+    }
+
+    fn cost(&self, member: usize) -> f64 {
+        let runner = &self.runners[member];
+        let among = if runner.is_curve { self.n_curves } else { self.n_families };
+        let versions = self.runners.iter().filter(|r| r.family == runner.family).count();
+        runner.columns.len() as f64 * self.score.effective_rows.ln()
+            + 2.0 * (among as f64).ln()
+            + 2.0 * (versions as f64).ln()
+    }
+
+    /// The best set of mechanisms alone: all singles and pairs, larger sets grown from the best ones.
+    pub fn best_mechanisms(&self) -> Choice {
+        let named: Vec<usize> = (0..self.runners.len()).filter(|i| !self.runners[*i].is_curve).collect();
+        self.grow(vec![Choice { members: Vec::new(), criterion: 0.0 }], &named, MAX_MEMBERS)
+    }
+
+    /// The best set with one curve in it.
+    pub fn best_with_curve(&self) -> Option<Choice> {
+        let named: Vec<usize> = (0..self.runners.len()).filter(|i| !self.runners[*i].is_curve).collect();
+        let curves = (0..self.runners.len())
+            .filter(|i| self.runners[*i].is_curve)
+            .map(|curve| Choice { members: vec![curve], criterion: self.criterion(&[curve]) });
+        let mut starts: Vec<Choice> = curves.collect();
+        starts.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        starts.truncate(BEAM);
+        (!starts.is_empty()).then(|| self.grow(starts, &named, 3))
+    }
+
+    /// The members that could stand in one member's place with a criterion at most `margin` worse, best first.
+    pub fn stand_ins(&self, members: &[usize], place: usize, margin: f64) -> Vec<usize> {
+        let here = self.criterion(members);
+        let others = (0..self.runners.len()).filter(|i| {
+            let family = self.runners[*i].family;
+            !self.runners[*i].is_curve && members.iter().all(|member| self.runners[*member].family != family)
+        });
+        let mut found: Vec<(f64, usize)> = others
+            .filter_map(|other| {
+                let mut set = members.to_vec();
+                set[place] = other;
+                let criterion = self.criterion(&set);
+                (criterion < here + margin).then_some((criterion, other))
+            })
+            .collect();
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        found.into_iter().map(|(_, other)| other).collect()
+    }
+
+    fn grow(&self, starts: Vec<Choice>, named: &[usize], max_members: usize) -> Choice {
+        let mut best = starts
+            .iter()
+            .min_by(|a, b| a.criterion.total_cmp(&b.criterion))
+            .cloned()
+            .unwrap_or(Choice { members: Vec::new(), criterion: 0.0 });
+        let mut level = starts;
+        for size in 1..=max_members {
+            let mut next: Vec<Choice> = Vec::new();
+            for choice in &level {
+                for other in named {
+                    let family = self.runners[*other].family;
+                    if choice.members.iter().any(|member| self.runners[*member].family == family) {
+                        continue;
+                    }
+                    let mut members = choice.members.clone();
+                    members.push(*other);
+                    members.sort_unstable();
+                    if next.iter().any(|known| known.members == members) {
+                        continue;
+                    }
+                    let criterion = self.criterion(&members);
+                    next.push(Choice { members, criterion });
+                }
+            }
+            next.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+            if let Some(first) = next.first().filter(|first| first.criterion < best.criterion) {
+                best = first.clone();
+            }
+            // All singles go on to all pairs; from there the best go on.
+            if size > 1 {
+                next.truncate(BEAM);
+            }
+            level = next;
+        }
+        best
+    }
+}

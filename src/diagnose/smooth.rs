@@ -1,0 +1,115 @@
+//! Flexible curves in a covariate: what something without a name could look like.
+//!
+//! A natural cubic spline with knots at quantiles, or a short Fourier series where the covariate is an angle. A spline is
+//! centred: its level belongs to the model. A wave is not: what goes as the sine of a heading has its zero where the
+//! sine has it, whatever headings happened to be steered.
+
+use nalgebra::DMatrix;
+
+/// Bends of a spline.
+const KNOTS: usize = 6;
+
+/// Harmonics of an angle.
+const HARMONICS: usize = 2;
+
+/// How a covariate runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Along a line.
+    Line,
+    /// Round a circle, in radians.
+    Angle,
+}
+
+/// The columns of the curve, of unit mean square; fewer where the covariate takes few values, none where
+/// it does not vary.
+pub fn basis(kind: Kind, values: &[f64]) -> DMatrix<f64> {
+    let columns = match kind {
+        Kind::Angle => (1..=HARMONICS)
+            .flat_map(|k| {
+                let multiple = k as f64;
+                [
+                    values.iter().map(|v| (multiple * v).sin()).collect::<Vec<_>>(),
+                    values.iter().map(|v| (multiple * v).cos()).collect(),
+                ]
+            })
+            .collect(),
+        Kind::Line => spline(values),
+    };
+    let kept: Vec<Vec<f64>> =
+        columns.into_iter().filter_map(|column| standardised(column, kind == Kind::Line)).collect();
+    DMatrix::from_fn(values.len(), kept.len(), |row, column| kept[column][row])
+}
+
+/// Natural cubic spline by truncated powers (Hastie, Tibshirani, Friedman 2009, eq. 5.4), on the unit interval.
+fn spline(values: &[f64]) -> Vec<Vec<f64>> {
+    let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    let (Some(low), Some(high)) = (sorted.first().copied(), sorted.last().copied()) else {
+        return Vec::new();
+    };
+    if high <= low {
+        return Vec::new();
+    }
+    let unit = |v: f64| (v - low) / (high - low);
+    let mut knots: Vec<f64> =
+        (0..KNOTS).map(|i| unit(sorted[(sorted.len() - 1) * (2 * i + 1) / (2 * KNOTS)])).collect();
+    knots.dedup_by(|a, b| *a - *b < 1e-3);
+    let mut columns = vec![values.iter().map(|v| unit(*v)).collect::<Vec<_>>()];
+    if knots.len() < 3 {
+        return columns;
+    }
+    let last = knots[knots.len() - 1];
+    let cube = |x: f64| x.max(0.0).powi(3);
+    let d = |x: f64, knot: f64| (cube(x - knot) - cube(x - last)) / (last - knot);
+    let before_last = knots[knots.len() - 2];
+    for knot in &knots[..knots.len() - 2] {
+        columns.push(values.iter().map(|v| d(unit(*v), *knot) - d(unit(*v), before_last)).collect());
+    }
+    columns
+}
+
+fn standardised(mut column: Vec<f64>, centred: bool) -> Option<Vec<f64>> {
+    let n = column.len() as f64;
+    let mean = column.iter().sum::<f64>() / n;
+    let spread = (column.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
+    if !(spread > 1e-12) {
+        return None;
+    }
+    if centred {
+        column.iter_mut().for_each(|v| *v -= mean);
+    }
+    let size = (column.iter().map(|v| v * v).sum::<f64>() / n).sqrt();
+    column.iter_mut().for_each(|v| *v /= size);
+    Some(column)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::DVector;
+
+    fn left_over(kind: Kind, f: impl Fn(f64) -> f64, values: &[f64]) -> f64 {
+        let columns = basis(kind, values);
+        let y = DVector::from_iterator(values.len(), values.iter().map(|v| f(*v)));
+        let y = if kind == Kind::Line { y.add_scalar(-y.mean()) } else { y };
+        let solution = columns.clone().svd(true, true).solve(&y, 1e-10).unwrap();
+        (&y - columns * solution).norm() / y.norm()
+    }
+
+    #[test]
+    fn lines_bends_and_waves_are_followed() {
+        let values: Vec<f64> = (0..500).map(|i| 3.0 + i as f64 * 0.01).collect();
+        assert!(left_over(Kind::Line, |v| 2.0 * v, &values) < 1e-9);
+        assert!(left_over(Kind::Line, |v| (v - 5.0).powi(2), &values) < 0.06);
+        assert!(left_over(Kind::Line, |v| (v * 1.3).sin(), &values) < 0.1);
+        assert!(left_over(Kind::Angle, |v| (v + 0.7).sin(), &values) < 1e-9);
+        assert!(left_over(Kind::Line, |v| (v * 40.0).sin(), &values) > 0.9, "but not noise");
+    }
+
+    #[test]
+    fn what_does_not_vary_has_no_curve() {
+        assert_eq!(basis(Kind::Line, &[2.0; 10]).ncols(), 0);
+        assert_eq!(basis(Kind::Line, &[0.0, 1.0, 0.0, 1.0]).ncols(), 1);
+    }
+}
