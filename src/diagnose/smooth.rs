@@ -73,7 +73,7 @@ fn standardised(mut column: Vec<f64>, centred: bool) -> Option<Vec<f64>> {
     let n = column.len() as f64;
     let mean = column.iter().sum::<f64>() / n;
     let spread = (column.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
-    if !(spread > 1e-12) {
+    if spread.is_nan() || spread <= 1e-12 {
         return None;
     }
     if centred {

@@ -141,13 +141,6 @@ fn an_effect_without_a_name_stays_without_one() {
     let (mut wrong, mut told) = (0, 0);
     for seed in 400..430 {
         let (found, _) = diagnose(&Toy::new(seed, |i, toy| 1.5 * toy.leg[i] * toy.covariates[2].values[i].sin()));
-        if !found.causes.is_empty() {
-            eprintln!(
-                "DBG {seed} {:?} {:?}",
-                found.causes.iter().map(|c| (&c.cause, c.delta_bic, c.p_value)).collect::<Vec<_>>(),
-                found.unexplained
-            );
-        }
         wrong += usize::from(!found.causes.is_empty());
         told += usize::from(found.unexplained.is_some_and(|u| u.depends_on == ["heading"]));
     }
