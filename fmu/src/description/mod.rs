@@ -3,6 +3,7 @@
 
 mod fmi2;
 mod fmi3;
+mod page;
 pub mod structure;
 mod terminals;
 mod xml;
@@ -39,6 +40,7 @@ pub fn files() -> Vec<(PathBuf, String)> {
         ("fmi2/modelDescription.xml".into(), fmi2::model_description(&vehicle)),
         ("fmi3/modelDescription.xml".into(), fmi3::model_description(&vehicle)),
         ("fmi3/terminalsAndIcons/terminalsAndIcons.xml".into(), terminals::terminals_and_icons()),
+        ("documentation/index.html".into(), page::documentation(&vehicle)),
     ]
 }
 
