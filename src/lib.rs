@@ -24,6 +24,9 @@ pub mod hull_tests;
 pub mod input;
 pub mod mechanisms;
 pub mod number;
+pub mod output;
+#[cfg(feature = "report")]
+pub mod report;
 pub mod simulate;
 pub mod vehicle;
 pub mod water;

@@ -1,0 +1,279 @@
+//! Output files: written whole or not at all, and never over something that this program did not write.
+//!
+//! A file appears under its name only when it is complete: it is written beside its place and renamed. A run that is
+//! killed leaves the old file, or none. What may be replaced without being asked for (`--force`):
+//! - in an [`OutputFolder`], files that the program wrote there and nobody has changed since;
+//! - single files, as [`Replace`] says.
+
+use crate::input::{InputError, Place, printable};
+use std::collections::HashSet;
+use std::fs::{self, File};
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::{Component, Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+/// What a single output file may replace.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Replace {
+    /// Nothing: the file must be new. For what people edit afterwards, as vehicle files.
+    Never,
+    /// A file that carries this program's mark, the word `glidepolar` or `tank-reduce` within its first or last 4 KiB:
+    /// results that nobody edits, as JSON with its `schema` and FMUs with their archive comment.
+    Own,
+    /// Anything: the user said `--force`.
+    Any,
+}
+
+/// Writes a file whole or not at all. A device or pipe (`/dev/stdout`) is written to as it is; a symbolic link is
+/// followed; missing folders are made.
+pub fn write_whole(path: impl AsRef<Path>, bytes: &[u8], replace: Replace) -> Result<(), InputError> {
+    let path = path.as_ref();
+    let failed = |e: io::Error| InputError::io(path, &e);
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    match fs::metadata(&target) {
+        Ok(existing) if existing.is_dir() => {
+            let problem = InputError::new(Place::file(path), "is a folder, and a file was to be written");
+            return Err(problem.help("give the name of a file in it"));
+        }
+        Ok(existing) if !existing.is_file() => {
+            return File::options().write(true).open(&target).and_then(|mut f| f.write_all(bytes)).map_err(failed);
+        }
+        Ok(_) if replace == Replace::Never || (replace == Replace::Own && !has_mark(&target).map_err(failed)?) => {
+            return Err(refused(path, "exists already"));
+        }
+        _ => {}
+    }
+    place(&target, bytes).map_err(failed)
+}
+
+/// A folder for results. It remembers what it wrote in a small file, `.glidepolar`, so that a second run may replace the
+/// results of the first one but nothing else.
+#[derive(Debug)]
+pub struct OutputFolder {
+    root: PathBuf,
+    force: bool,
+    /// Checksums of everything written here, by the name relative to the folder.
+    written: HashSet<(String, u64, u32)>,
+}
+
+const RECORD: &str = ".glidepolar";
+const PARTIAL: (&str, &str) = (".glidepolar-", ".partial");
+
+impl OutputFolder {
+    /// Opens a folder, making it where it does not exist; with `force`, every file in it may be replaced.
+    pub fn open(path: impl AsRef<Path>, force: bool) -> Result<Self, InputError> {
+        let root = path.as_ref().to_owned();
+        let failed = |e: io::Error| {
+            let error = InputError::io(&root, &e);
+            if root.is_file() { error.help("a folder is needed here, and this is a file") } else { error }
+        };
+        fs::create_dir_all(&root).map_err(failed)?;
+        let written = match fs::read(root.join(RECORD)) {
+            Ok(record) => String::from_utf8_lossy(&record).lines().filter_map(entry).collect(),
+            Err(_) => HashSet::new(),
+        };
+        sweep(&root);
+        Ok(OutputFolder { root, force, written })
+    }
+
+    /// The folder itself.
+    pub fn path(&self) -> &Path {
+        &self.root
+    }
+
+    /// Writes a file of the folder whole or not at all. `name` is relative and stays inside, `figures/lift.svg`.
+    pub fn write(&self, name: impl AsRef<Path>, bytes: &[u8]) -> Result<(), InputError> {
+        let name = name.as_ref();
+        let path = self.root.join(name);
+        let failed = |e: io::Error| InputError::io(&path, &e);
+        let inside = name.components().all(|c| matches!(c, Component::Normal(_)));
+        let Some(text) = name.to_str().filter(|n| inside && !n.is_empty() && !n.contains(['\n', '\r'])) else {
+            let problem = format!("'{}' is not the name of a file in this folder", printable(&name.to_string_lossy()));
+            return Err(InputError::new(Place::file(&self.root), problem));
+        };
+        if !self.force && fs::symlink_metadata(&path).is_ok() && !self.is_own(text, &path).map_err(failed)? {
+            return Err(refused(&path, "was not written by this program, or was changed since"));
+        }
+        // The record comes first: killed in between, a run leaves a record without its file, which does no harm.
+        self.record(text, bytes).map_err(|e| InputError::io(self.root.join(RECORD), &e))?;
+        place(&path, bytes).map_err(failed)
+    }
+
+    fn is_own(&self, name: &str, path: &Path) -> io::Result<bool> {
+        if !fs::symlink_metadata(path)?.is_file() {
+            return Ok(false);
+        }
+        let (length, sum) = sum_of(path)?;
+        Ok(self.written.contains(&(name.to_owned(), length, sum)))
+    }
+
+    fn record(&self, name: &str, bytes: &[u8]) -> io::Result<()> {
+        let entry = (name.to_owned(), bytes.len() as u64, crc32fast::hash(bytes));
+        if self.written.contains(&entry) {
+            return Ok(());
+        }
+        let line = format!("{:08x} {} {}\n", entry.2, entry.1, entry.0);
+        // One short write in append mode, so that several threads do not mix their lines.
+        File::options().append(true).create(true).open(self.root.join(RECORD))?.write_all(line.as_bytes())
+    }
+}
+
+fn refused(path: &Path, why: &str) -> InputError {
+    InputError::new(Place::file(path), why).help("choose another name, move it away, or replace it with --force")
+}
+
+/// Writes beside the target and renames.
+fn place(target: &Path, bytes: &[u8]) -> io::Result<()> {
+    let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    fs::create_dir_all(folder)?;
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(PARTIAL.0).suffix(PARTIAL.1);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // What any new file gets; the user's mask takes its share.
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    let mut partial = builder.tempfile_in(folder)?;
+    partial.write_all(bytes)?;
+    partial.flush()?;
+    partial.persist(target).map_err(|e| e.error)?;
+    Ok(())
+}
+
+/// Removes what killed runs left behind: partial files that nobody has touched for an hour.
+fn sweep(folder: &Path) {
+    let stale = |entry: &fs::DirEntry| {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let modified = entry.metadata().and_then(|m| m.modified()).unwrap_or(SystemTime::now());
+        let age = SystemTime::now().duration_since(modified).unwrap_or_default();
+        name.starts_with(PARTIAL.0) && name.ends_with(PARTIAL.1) && age > Duration::from_secs(3600)
+    };
+    for folder in [folder.to_owned(), folder.join("figures")] {
+        let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+        for entry in entries.filter(stale) {
+            // Not being able to tidy up is no reason to stop.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+fn entry(line: &str) -> Option<(String, u64, u32)> {
+    let (sum, rest) = line.split_once(' ')?;
+    let (length, name) = rest.split_once(' ')?;
+    Some((name.to_owned(), length.parse().ok()?, u32::from_str_radix(sum, 16).ok()?))
+}
+
+fn sum_of(path: &Path) -> io::Result<(u64, u32)> {
+    let (mut file, mut sum, mut length, mut buffer) = (File::open(path)?, crc32fast::Hasher::new(), 0, [0; 1 << 14]);
+    loop {
+        let n = file.read(&mut buffer)?;
+        if n == 0 {
+            return Ok((length, sum.finalize()));
+        }
+        sum.update(&buffer[..n]);
+        length += n as u64;
+    }
+}
+
+fn has_mark(path: &Path) -> io::Result<bool> {
+    const ENDS: u64 = 4096;
+    let mut file = File::open(path)?;
+    let length = file.metadata()?.len();
+    let mut ends = Vec::new();
+    Read::by_ref(&mut file).take(ENDS).read_to_end(&mut ends)?;
+    file.seek(SeekFrom::Start(length.saturating_sub(ENDS)))?;
+    file.take(ENDS).read_to_end(&mut ends)?;
+    Ok(["glidepolar", "tank-reduce"].iter().any(|mark| ends.windows(mark.len()).any(|w| w == mark.as_bytes())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_second_run_replaces_the_first_ones_results_and_nothing_else() {
+        let dir = tempfile::tempdir().unwrap();
+        let out = dir.path().join("out");
+        OutputFolder::open(&out, false).unwrap().write("figures/lift.svg", b"one").unwrap();
+        let second = OutputFolder::open(&out, false).unwrap();
+        second.write("figures/lift.svg", b"two").unwrap();
+        assert_eq!(fs::read(out.join("figures/lift.svg")).unwrap(), b"two");
+
+        fs::write(out.join("figures/lift.svg"), b"edited by hand").unwrap();
+        fs::write(out.join("notes.txt"), b"mine").unwrap();
+        let third = OutputFolder::open(&out, false).unwrap();
+        for name in ["figures/lift.svg", "notes.txt"] {
+            let refused = third.write(name, b"three").unwrap_err().to_string();
+            assert!(refused.contains("--force"), "{refused}");
+        }
+        assert_eq!(fs::read(out.join("notes.txt")).unwrap(), b"mine");
+        OutputFolder::open(&out, true).unwrap().write("notes.txt", b"three").unwrap();
+        assert_eq!(fs::read(out.join("notes.txt")).unwrap(), b"three");
+    }
+
+    #[test]
+    fn names_stay_inside_the_folder() {
+        let dir = tempfile::tempdir().unwrap();
+        let out = OutputFolder::open(dir.path().join("out"), true).unwrap();
+        for name in ["../escaped", "/tmp/escaped", "", ".", "a/../../escaped", "two\nlines"] {
+            assert!(out.write(name, b"x").is_err(), "{name:?}");
+        }
+        assert!(!dir.path().join("escaped").exists());
+    }
+
+    #[test]
+    fn single_files_are_replaced_as_told() {
+        let dir = tempfile::tempdir().unwrap();
+        let own = dir.path().join("own.json");
+        write_whole(&own, br#"{"schema": "glidepolar.identify/1"}"#, Replace::Never).unwrap();
+        assert!(write_whole(&own, b"x", Replace::Never).is_err());
+        write_whole(&own, b"foreign", Replace::Own).unwrap();
+        assert!(write_whole(&own, b"x", Replace::Own).is_err());
+        assert_eq!(fs::read(&own).unwrap(), b"foreign");
+        write_whole(&own, b"x", Replace::Any).unwrap();
+        assert_eq!(fs::read(&own).unwrap(), b"x");
+        assert!(write_whole(dir.path(), b"x", Replace::Any).unwrap_err().to_string().contains("folder"));
+    }
+
+    #[test]
+    fn nothing_is_left_beside_a_file_that_could_not_be_placed() {
+        let dir = tempfile::tempdir().unwrap();
+        let out = OutputFolder::open(dir.path(), true).unwrap();
+        fs::create_dir(dir.path().join("taken")).unwrap();
+        fs::write(dir.path().join("taken/inside"), b"").unwrap();
+        assert!(out.write("taken", b"x").is_err());
+        let names: Vec<_> = fs::read_dir(dir.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+        assert!(names.iter().all(|n| !n.to_string_lossy().ends_with(".partial")), "{names:?}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_device_is_written_to_and_a_link_is_followed() {
+        use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
+        write_whole("/dev/null", b"x", Replace::Never).unwrap();
+        assert!(fs::metadata("/dev/null").unwrap().file_type().is_char_device());
+
+        let dir = tempfile::tempdir().unwrap();
+        let (file, link) = (dir.path().join("file"), dir.path().join("link"));
+        fs::write(&file, b"old glidepolar").unwrap();
+        symlink(&file, &link).unwrap();
+        write_whole(&link, b"new", Replace::Own).unwrap();
+        assert_eq!(fs::read(&file).unwrap(), b"new");
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        let mode = |p: &Path| fs::metadata(p).unwrap().permissions().mode() & 0o777;
+        let plain = dir.path().join("plain");
+        fs::write(&plain, b"").unwrap();
+        assert_eq!(mode(&file), mode(&plain));
+    }
+
+    #[test]
+    fn a_torn_record_is_read_as_far_as_it_goes() {
+        let dir = tempfile::tempdir().unwrap();
+        OutputFolder::open(dir.path(), false).unwrap().write("a.csv", b"1").unwrap();
+        let mut record = File::options().append(true).open(dir.path().join(RECORD)).unwrap();
+        record.write_all(b"deadbeef 12").unwrap();
+        OutputFolder::open(dir.path(), false).unwrap().write("a.csv", b"2").unwrap();
+    }
+}
