@@ -1,10 +1,11 @@
 //! Model Exchange: time and states come from the importer's integrator, rates and event indicators go back. The
 //! handling of events is shared with Co-Simulation.
 
-use glidepolar::dynamics::{N_STATES, STATE_NOMINALS, State};
+use glidepolar::dynamics::{N_STATES, STATE_NOMINALS, State, Stop};
 
 use super::Instance;
 use super::refusal::{Outcome, Refusal};
+use crate::model::glider::DiscreteState;
 
 /// What an event brought.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,10 +66,36 @@ impl Instance {
         self.core.unsettled = false;
         let after = self.core.glider.discrete;
         if before != after && self.log.wants_events() {
-            self.log.event(&format!("event at {} s: {after:?}", self.time_s()));
+            self.log.event(&format!("event at {} s: {}", self.time_s(), news(before, after)));
         }
         EventOutcome { states_changed, next_time_event_s: self.core.glider.next_time_event_s() }
     }
+}
+
+/// What an event changed, in words.
+fn news(before: DiscreteState, after: DiscreteState) -> String {
+    let stop = |stop| match stop {
+        Stop::Free => "free",
+        Stop::AtMin => "at its minimum",
+        Stop::AtMax => "at its maximum",
+    };
+    let mut news = Vec::new();
+    if before.at_surface != after.at_surface {
+        news.push(if after.at_surface { "at the surface".to_owned() } else { "left the surface".to_owned() });
+    }
+    if before.on_seabed != after.on_seabed {
+        news.push(if after.on_seabed { "on the seabed".to_owned() } else { "left the seabed".to_owned() });
+    }
+    if before.modes.ballast != after.modes.ballast {
+        news.push(format!("ballast {}", stop(after.modes.ballast)));
+    }
+    if before.modes.moving_mass != after.modes.moving_mass {
+        news.push(format!("moving mass {}", stop(after.modes.moving_mass)));
+    }
+    if before.drag_has_stepped != after.drag_has_stepped {
+        news.push("the step of the drag lies behind".to_owned());
+    }
+    news.join(", ")
 }
 
 fn n_states(states: &[f64]) -> Outcome<[f64; N_STATES]> {

@@ -16,9 +16,14 @@ use crate::model::{Causality, Kind, Slot};
 /// Highest derivative of an input that can be given.
 pub const MAX_INPUT_ORDER: usize = 3;
 
-/// Right-hand sides that one communication step may cost: about ten seconds of work. A step that needs more has a
-/// parameter without physical meaning, or should be asked for in pieces.
-const MAX_EVALUATIONS: u64 = 40_000_000;
+/// Right-hand sides that one communication step may cost: a glider needs about 10 a second; one with a parameter that
+/// has no physical meaning may need millions, and an importer that waits for it seems to hang.
+fn most_evaluations(size_s: f64) -> u64 {
+    const EVALUATIONS: f64 = 200_000.0;
+    const EVALUATIONS_PER_S: f64 = 200.0;
+    const MOST: f64 = 40e6;
+    (EVALUATIONS + EVALUATIONS_PER_S * size_s).min(MOST) as u64
+}
 
 /// Events at one place after which the step is given up.
 const MAX_EVENTS_AT_ONCE: usize = 100;
@@ -84,7 +89,7 @@ pub struct Step {
     pub target_s: f64,
     begun_s: f64,
     inputs: Inputs<f64>,
-    evaluations: u64,
+    evaluations_left: u64,
 }
 
 impl Instance {
@@ -92,16 +97,16 @@ impl Instance {
     pub fn begin_step(&mut self, current_s: f64, size_s: f64) -> Outcome<Step> {
         let time = self.time_s();
         if !(size_s > 0.0 && size_s.is_finite()) {
-            return Err(Refusal::error(format!("the step size is {size_s} s, expected a number above zero")));
+            return Err(Refusal::error(format!("the step size is {size_s:?} s, expected a number above zero")));
         }
         if !current_s.is_finite() || (current_s - time).abs() > 1e-9 * time.abs().max(1.0) {
             return Err(Refusal::error(format!(
-                "the communication point is {current_s} s, but the instance stands at {time} s; to go back, restore a saved state"
+                "the communication point is {current_s:?} s, but the instance stands at {time} s; to go back, restore a saved state"
             )));
         }
         let target_s = current_s + size_s;
         if target_s <= time {
-            return Err(Refusal::error(format!("a step of {size_s} s does not move the time {time} s")));
+            return Err(Refusal::error(format!("the step of {size_s:?} s does not move the time {time} s")));
         }
         if let Some(stop) = self.core.stop_time_s
             && target_s > stop + 1e-9 * stop.abs().max(1.0)
@@ -111,7 +116,12 @@ impl Instance {
         if self.core.unsettled {
             self.handle_event();
         }
-        Ok(Step { target_s, begun_s: time, inputs: self.core.glider.values.inputs, evaluations: 0 })
+        Ok(Step {
+            target_s,
+            begun_s: time,
+            inputs: self.core.glider.values.inputs,
+            evaluations_left: most_evaluations(size_s),
+        })
     }
 
     /// Everything as it is, to go back to when a step fails.
@@ -161,15 +171,15 @@ impl Instance {
             slopes: &core.slopes,
             inputs: &step.inputs,
             begun_s: step.begun_s,
-            evaluations: Cell::new(step.evaluations),
+            evaluations_left: Cell::new(step.evaluations_left),
         };
         let mut integrator = Integrator::new(core.tolerance).with_step_s(core.integrator_step_s);
         let advance = integrator.advance(&moving, &mut time, &mut state, end_s);
-        step.evaluations = moving.evaluations.get();
+        step.evaluations_left = moving.evaluations_left.get();
         let inputs = moving.inputs_at(time);
         let advance = match advance {
             Ok(advance) => advance,
-            Err(_) if step.evaluations > MAX_EVALUATIONS => {
+            Err(_) if step.evaluations_left == 0 => {
                 return Err(Refusal::discard(format!(
                     "the step to {} s needs too many internal steps; ask for it in smaller steps, or check the parameters for values without physical meaning",
                     step.target_s
@@ -282,7 +292,7 @@ struct Moving<'a> {
     slopes: &'a InputSlopes,
     inputs: &'a Inputs<f64>,
     begun_s: f64,
-    evaluations: Cell<u64>,
+    evaluations_left: Cell<u64>,
 }
 
 impl Moving<'_> {
@@ -293,12 +303,12 @@ impl Moving<'_> {
 
 impl System for Moving<'_> {
     fn derivative(&self, time_s: f64, state: &State<f64>) -> State<f64> {
-        let evaluations = self.evaluations.get() + 1;
-        self.evaluations.set(evaluations);
-        if evaluations > MAX_EVALUATIONS {
+        let left = self.evaluations_left.get();
+        if left == 0 {
             // The integrator refuses what is not a number: the way out of a step without end.
             return state.map(|_| f64::NAN);
         }
+        self.evaluations_left.set(left - 1);
         derivative(&self.active, self.actuation, self.modes, time_s, state, &self.inputs_at(time_s))
     }
 
