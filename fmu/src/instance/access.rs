@@ -151,12 +151,12 @@ pub fn kind_name(kind: Kind) -> &'static str {
 fn check_value(variable: &Variable, value: f64) -> Outcome {
     let name = &variable.name;
     if !value.is_finite() {
-        return Err(Refusal::error(format!("{name} = {value}: expected a finite number")));
+        return Err(Refusal::error(format!("{name} = {value:?}: expected a finite number")));
     }
     match variable.bounds {
         Some((min, max)) if !(min..=max).contains(&value) => {
             let unit = variable.unit.map_or("", |unit| unit.name);
-            Err(Refusal::error(format!("{name} = {value} {unit} lies outside its bounds, {min} to {max}")))
+            Err(Refusal::error(format!("{name} = {value:?} {unit} lies outside its bounds, {min:?} to {max:?}")))
         }
         _ => Ok(()),
     }

@@ -1,0 +1,191 @@
+//! Model Exchange, driven by a small importer of the test's own: the same trajectory as Co-Simulation, events included.
+
+mod support;
+
+use glidepolar_fmu::fmi3::*;
+use support::*;
+
+const N: usize = 12;
+
+struct Importer {
+    glider: Glider3,
+    time: f64,
+    next_time_event: Option<f64>,
+    events: Vec<f64>,
+}
+
+impl Importer {
+    fn new(starts: &[(&str, f64)], actuation: i32) -> Self {
+        let glider = Glider3::model_exchange();
+        glider.set_actuation(actuation);
+        glider.set(starts);
+        glider.begin(None);
+        let mut importer = Importer { glider, time: 0.0, next_time_event: None, events: Vec::new() };
+        importer.update();
+        importer
+    }
+
+    fn update(&mut self) {
+        let (mut need, mut terminate, mut nominals, mut values, mut defined, mut next) = (1, 1, 1, 1, 1, 0.0);
+        // SAFETY: a live instance and places of its own.
+        unsafe {
+            while need != 0 {
+                self.glider.ok(fmi3UpdateDiscreteStates(
+                    self.glider.instance,
+                    &mut need,
+                    &mut terminate,
+                    &mut nominals,
+                    &mut values,
+                    &mut defined,
+                    &mut next,
+                ));
+            }
+            self.next_time_event = (defined != 0).then_some(next);
+            self.glider.ok(fmi3EnterContinuousTimeMode(self.glider.instance));
+        }
+    }
+
+    fn event(&mut self) {
+        self.events.push(self.time);
+        // SAFETY: a live instance.
+        self.glider.ok(unsafe { fmi3EnterEventMode(self.glider.instance) });
+        self.update();
+    }
+
+    fn states(&self) -> [f64; N] {
+        let mut x = [f64::NAN; N];
+        // SAFETY: a live instance and room for all.
+        self.glider.ok(unsafe { fmi3GetContinuousStates(self.glider.instance, x.as_mut_ptr(), N) });
+        x
+    }
+
+    fn rates(&self, time: f64, x: &[f64; N]) -> [f64; N] {
+        let mut rates = [f64::NAN; N];
+        // SAFETY: as above.
+        unsafe {
+            self.glider.ok(fmi3SetTime(self.glider.instance, time));
+            self.glider.ok(fmi3SetContinuousStates(self.glider.instance, x.as_ptr(), N));
+            self.glider.ok(fmi3GetContinuousStateDerivatives(self.glider.instance, rates.as_mut_ptr(), N));
+        }
+        rates
+    }
+
+    fn indicators(&self, time: f64, x: &[f64; N]) -> [f64; 6] {
+        self.rates(time, x);
+        let mut z = [f64::NAN; 6];
+        // SAFETY: as above.
+        self.glider.ok(unsafe { fmi3GetEventIndicators(self.glider.instance, z.as_mut_ptr(), 6) });
+        z
+    }
+
+    /// One step of the classical Runge-Kutta method.
+    fn stepped(&self, x: &[f64; N], h: f64) -> [f64; N] {
+        let at = |k: &[f64; N], h: f64| std::array::from_fn(|i| x[i] + h * k[i]);
+        let k1 = self.rates(self.time, x);
+        let k2 = self.rates(self.time + h / 2.0, &at(&k1, h / 2.0));
+        let k3 = self.rates(self.time + h / 2.0, &at(&k2, h / 2.0));
+        let k4 = self.rates(self.time + h, &at(&k3, h));
+        std::array::from_fn(|i| x[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
+    }
+
+    /// Integrates to `end` with events found by bisection on the step size.
+    fn run(&mut self, end: f64, step: f64) {
+        while self.time < end - 1e-9 {
+            let x = self.states();
+            let z = self.indicators(self.time, &x);
+            let limit = self.next_time_event.map_or(end, |event| event.min(end));
+            let mut h = step.min(limit - self.time);
+            let changes = |importer: &Self, h: f64| {
+                let after = importer.indicators(importer.time + h, &importer.stepped(&x, h));
+                z.iter().zip(after).any(|(a, b)| (*a > 0.0) != (b > 0.0))
+            };
+            let state_event = changes(self, h);
+            if state_event {
+                let (mut low, mut high) = (0.0, h);
+                while high - low > 1e-10 {
+                    let middle = 0.5 * (low + high);
+                    if changes(self, middle) { high = middle } else { low = middle }
+                }
+                h = high;
+            }
+            let after = self.stepped(&x, h);
+            self.time += h;
+            self.rates(self.time, &after);
+            let (mut enter, mut terminate) = (9, 9);
+            // SAFETY: as above.
+            unsafe {
+                let instance = self.glider.instance;
+                self.glider.ok(fmi3CompletedIntegratorStep(instance, 1, &mut enter, &mut terminate));
+            }
+            assert_eq!((enter, terminate), (0, 0));
+            if state_event || self.next_time_event.is_some_and(|event| self.time >= event - 1e-9) {
+                self.event();
+            }
+        }
+    }
+}
+
+fn co_simulated(starts: &[(&str, f64)], actuation: i32, end: f64) -> Glider3 {
+    let glider = Glider3::co_simulation(Options::default());
+    glider.set_actuation(actuation);
+    glider.set(starts);
+    glider.begin(Some(1e-10));
+    assert_eq!(glider.step(0.0, end).status, OK);
+    glider
+}
+
+fn same(importer: &Importer, co_simulation: &Glider3, tolerance: f64) {
+    for ((name, found), expected) in STATES.iter().zip(importer.states()).zip(co_simulation.states()) {
+        let scale = expected.abs().max(0.1);
+        assert!((found - expected).abs() < tolerance * scale, "{name}: {found} against {expected}");
+    }
+}
+
+#[test]
+fn a_turn_is_the_same_as_in_co_simulation() {
+    let starts = [("ballast_command_m3", 1e-4), ("moving_mass_command_m", -0.02)];
+    let mut importer = Importer::new(&starts, 0);
+    importer.run(60.0, 0.02);
+    same(&importer, &co_simulated(&starts, 0, 60.0), 1e-6);
+    assert!(importer.events.is_empty(), "{:?}", importer.events);
+}
+
+#[test]
+fn the_jump_of_drag_is_a_time_event() {
+    let starts = [("drag_step", 0.5), ("step_time_s", 10.25)];
+    let mut importer = Importer::new(&starts, 0);
+    assert_eq!(importer.next_time_event, Some(10.25));
+    importer.run(30.0, 0.02);
+    assert_eq!(importer.events.len(), 1);
+    assert!((importer.events[0] - 10.25).abs() < 1e-9);
+    assert_eq!(importer.next_time_event, None);
+    same(&importer, &co_simulated(&starts, 0, 30.0), 1e-7);
+}
+
+#[test]
+fn the_moving_mass_runs_into_its_stop_at_an_event_and_hands_over_its_momentum() {
+    let starts = [("moving_mass_max_m", 0.05), ("u1_N", 1.0)];
+    let mut importer = Importer::new(&starts, 2);
+    importer.run(1.0, 0.002);
+    assert_eq!(importer.events.len(), 1, "{:?}", importer.events);
+    assert_eq!(importer.glider.integer("moving_mass_stop"), 1);
+    let co_simulation = co_simulated(&starts, 2, 1.0);
+    assert_eq!(co_simulation.integer("moving_mass_stop"), 1);
+    same(&importer, &co_simulation, 1e-6);
+}
+
+#[test]
+fn nominals_are_positive_and_counts_are_right() {
+    let glider = Glider3::model_exchange();
+    let (mut states, mut events) = (0, 0);
+    let mut nominals = [0.0; N];
+    // SAFETY: a live instance.
+    unsafe {
+        glider.ok(fmi3GetNumberOfContinuousStates(glider.instance, &mut states));
+        glider.ok(fmi3GetNumberOfEventIndicators(glider.instance, &mut events));
+        glider.ok(fmi3GetNominalsOfContinuousStates(glider.instance, nominals.as_mut_ptr(), N));
+        assert_eq!(fmi3GetNominalsOfContinuousStates(glider.instance, nominals.as_mut_ptr(), N - 1), ERROR);
+    }
+    assert_eq!((states, events), (N, 6));
+    assert!(nominals.iter().all(|nominal| *nominal > 0.0));
+}
