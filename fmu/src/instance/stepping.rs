@@ -16,12 +16,15 @@ use crate::model::{Causality, Kind, Slot};
 /// Highest derivative of an input that can be given.
 pub const MAX_INPUT_ORDER: usize = 3;
 
+/// Longest communication step \[s\], a hundred days: whoever asks for more has lost a number.
+const LONGEST_STEP_S: f64 = 1e7;
+
 /// Right-hand sides that one communication step may cost: a glider needs about 10 a second; one with a parameter that
 /// has no physical meaning may need millions, and an importer that waits for it seems to hang.
 fn most_evaluations(size_s: f64) -> u64 {
     const EVALUATIONS: f64 = 200_000.0;
     const EVALUATIONS_PER_S: f64 = 200.0;
-    const MOST: f64 = 40e6;
+    const MOST: f64 = 120e6;
     (EVALUATIONS + EVALUATIONS_PER_S * size_s).min(MOST) as u64
 }
 
@@ -96,8 +99,10 @@ impl Instance {
     /// Checks a communication step and begins it.
     pub fn begin_step(&mut self, current_s: f64, size_s: f64) -> Outcome<Step> {
         let time = self.time_s();
-        if !(size_s > 0.0 && size_s.is_finite()) {
-            return Err(Refusal::error(format!("the step size is {size_s:?} s, expected a number above zero")));
+        if !(size_s > 0.0 && size_s <= LONGEST_STEP_S) {
+            return Err(Refusal::error(format!(
+                "the step size is {size_s:?} s, expected a number above zero and not above {LONGEST_STEP_S:?}"
+            )));
         }
         if !current_s.is_finite() || (current_s - time).abs() > 1e-9 * time.abs().max(1.0) {
             return Err(Refusal::error(format!(
