@@ -98,14 +98,26 @@ fn suboff() -> Section {
         "Fits over ±18 degrees, leave-one-out. Intervals are 95 %.",
         ["Coefficient", "Form", "First term", "95 % interval", "Leave-one-out rms"],
     )
-    .row(["C_L".into(), "a α".into(), Cell::estimate(1.543, 0.061), Cell::interval((1.42, 1.67)), 0.0703.into()])
-    .row(["C_L".into(), "x + x|x|".into(), Cell::estimate(0.128, 0.013), Cell::interval((0.101, 0.155)), 0.0067.into()])
     .row([
-        "C_D".into(),
+        "CL".into(),
+        "a α".into(),
+        Cell::estimate(1.543, 0.061),
+        Cell::interval((1.42, 1.67)),
+        Cell::number(0.0703, 3),
+    ])
+    .row([
+        "CL".into(),
+        "x + x|x|".into(),
+        Cell::estimate(0.128, 0.013),
+        Cell::interval((0.101, 0.155)),
+        Cell::number(0.0067, 3),
+    ])
+    .row([
+        "CD".into(),
         "b + c α²".into(),
         Cell::estimate(0.0879, 0.0021),
         Cell::interval((0.0835, 0.0923)),
-        0.00882.into(),
+        Cell::number(0.00882, 3),
     ]);
     Section::new("Hull tests")
         .text("Points are measured; lines are fits of the published table.")

@@ -9,11 +9,13 @@ use super::thin::{Frame, Pixel, markers, polylines};
 use super::ticks::{Scale, extent};
 use std::collections::BTreeSet;
 
-const WIDTH: f64 = 680.0;
+const WIDTH: f64 = 600.0;
 const TICK_SIZE: f64 = 12.0;
 const LABEL_SIZE: f64 = 13.0;
 const TICK: f64 = 5.0;
 const MOST_MARKERS: usize = 4000;
+/// From so many points on, a layer is a cloud rather than single measurements.
+const CLOUD: usize = 300;
 
 impl Figure {
     /// The figure as an SVG document: text as text, deterministic, no reference to anything outside.
@@ -91,10 +93,11 @@ impl<'a> Layout<'a> {
 
         let points = all().any(|l| matches!(l.shape, Shape::Points { .. }));
         let room = if points { 0.04 } else { 0.0 };
-        let x = Scale::new(&figure.x, extent(all().flat_map(xs)), room, ((WIDTH - left) / 85.0) as usize);
-        let last = x.ticks.last().map_or(0.0, |(_, text)| width(text, TICK_SIZE, false) / 2.0);
+        let x = Scale::new(&figure.x, extent(all().flat_map(xs)), room, ((WIDTH - left) / 66.0) as usize);
+        let share = (WIDTH - 12.0 - left) / x.ticks.len().max(1) as f64;
+        let upward = !figure.x.names.is_empty() && widest([&x]) + 8.0 > share;
+        let last = x.ticks.last().filter(|_| !upward).map_or(0.0, |(_, text)| width(text, TICK_SIZE, false) / 2.0);
         let right = WIDTH - (last + 2.0).clamp(12.0, 60.0);
-        let upward = !figure.x.names.is_empty() && widest([&x]) + 8.0 > (right - left) / x.ticks.len().max(1) as f64;
 
         let mut shown = BTreeSet::new();
         let mut top = 8.0 + if figure.title.is_some() { 24.0 } else { 0.0 };
@@ -158,9 +161,16 @@ impl<'a> Layout<'a> {
         for layer in panel.layers.iter().filter(|l| matches!(l.shape, Shape::Band { .. })) {
             brush.layer(layer);
         }
-        let above = |l: &&Layer| !matches!(l.shape, Shape::Band { .. } | Shape::ShadedX { .. });
-        for layer in panel.layers.iter().filter(above) {
-            brush.layer(layer);
+        // Clouds lie below lines, single points above them.
+        let depth = |l: &Layer| match &l.shape {
+            Shape::ShadedX { .. } | Shape::Band { .. } => 0,
+            Shape::Points { xs, .. } if xs.len() >= CLOUD => 1,
+            Shape::AtX(_) | Shape::AtY(_) => 2,
+            Shape::Line { .. } => 3,
+            Shape::Points { .. } => 4,
+        };
+        for level in 1..=4 {
+            panel.layers.iter().filter(|l| depth(l) == level).for_each(|l| brush.layer(l));
         }
         if !panel.layers.iter().any(|l| ys(l).iter().any(|y| y.is_finite())) {
             let note = Lettering { size: 12.0, colour: FAINT, bold: false, align: Align::Centre };
@@ -251,7 +261,8 @@ impl Brush<'_, '_> {
     fn layer(&self, layer: &Layer) {
         let style = self.styles.get(layer);
         let pen = Pen { colour: style.colour, width: 1.8, alpha: 1.0 };
-        let thin = Pen { width: 1.1, ..pen };
+        // An unnamed line is a mere reference, and drawn finer.
+        let thin = Pen { width: if layer.label.is_some() { 1.3 } else { 0.8 }, ..pen };
         let f = self.frame;
         match &layer.shape {
             Shape::Points { xs, ys, y_interval, x_interval } => {
@@ -307,8 +318,8 @@ impl Brush<'_, '_> {
         let chosen = markers(&places, MOST_MARKERS);
         let (size, alpha) = match all.len() {
             0..60 => (3.6, 1.0),
-            60..300 => (2.9, 0.9),
-            300..1500 => (2.1, 0.75),
+            60..CLOUD => (2.9, 0.9),
+            CLOUD..1500 => (2.1, 0.75),
             _ => (1.5, 0.6),
         };
         let bar = Pen { width: 1.1, ..pen };
@@ -348,15 +359,15 @@ fn height_of(panel: &Panel, count: usize) -> f64 {
         return (24.0 * panel.y.names.len() as f64 + 16.0).clamp(70.0, 1200.0);
     }
     match count {
-        0 | 1 => 300.0,
-        2 => 190.0,
-        _ => 145.0,
+        0 | 1 => 280.0,
+        2 => 180.0,
+        _ => 140.0,
     }
 }
 
 fn y_scale(panel: &Panel, height: f64) -> Scale {
     let data = extent(panel.layers.iter().flat_map(ys));
-    let mut scale = Scale::new(&panel.y, data, 0.06, (height / 42.0) as usize);
+    let mut scale = Scale::new(&panel.y, data, 0.06, (height / 32.0) as usize);
     if !panel.y.names.is_empty() {
         // Read from the top, as a list is.
         scale.reversed = !scale.reversed;

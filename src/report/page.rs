@@ -244,7 +244,12 @@ fn block(block: &Block, count: &mut Count) -> Value {
             let width = table.columns.len();
             let numeric: Vec<bool> =
                 (0..width).map(|i| table.rows.iter().filter_map(|r| r.get(i)).any(|c| c.is_number())).collect();
-            let cell = |i: usize, text: String| context! { text => visible(&text), number => numeric[i] };
+            let cell = |i: usize, text: String| {
+                // Short words stay on one line, so that a narrow screen scrolls the table instead of breaking them up.
+                let class =
+                    [if numeric[i] { "number" } else { "" }, if text.chars().count() <= 24 { "short" } else { "" }];
+                context! { text => visible(&text), class => class.join(" ").trim() }
+            };
             let columns: Vec<Value> = table.columns.iter().enumerate().map(|(i, c)| cell(i, c.clone())).collect();
             let row = |r: &Vec<Cell>| -> Vec<Value> {
                 (0..width).map(|i| cell(i, r.get(i).map(ToString::to_string).unwrap_or_default())).collect()

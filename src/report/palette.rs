@@ -10,7 +10,7 @@ pub(super) const FAINT: RGBColor = RGBColor(0x59, 0x59, 0x59);
 /// Grid lines.
 pub(super) const GRID: RGBColor = RGBColor(0xE3, 0xE3, 0xE3);
 /// Shaded strips.
-pub(super) const SHADE: RGBColor = RGBColor(0xEC, 0xEF, 0xF3);
+pub(super) const SHADE: RGBColor = RGBColor(0xE8, 0xEC, 0xF1);
 /// Behind everything, and around markers where they overlap.
 pub(super) const PAPER: RGBColor = RGBColor(0xFF, 0xFF, 0xFF);
 

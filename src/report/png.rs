@@ -6,8 +6,8 @@ use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{self, fontdb};
 use std::sync::{Arc, OnceLock};
 
-/// Pixels in the file for one of the figure: 680 wide become 1700, 250 dots per inch in a column of 6.8 inches.
-const SCALE: f32 = 2.5;
+/// Pixels in the file for one of the figure: 600 wide become 1800, 300 dots per inch in a column of 6 inches.
+const SCALE: f32 = 3.0;
 
 impl Figure {
     /// The figure as a PNG file.

@@ -71,10 +71,10 @@ fn a_png_has_ink_where_text_stands() {
     let png = everything().png();
     assert_eq!(&png[..8], b"\x89PNG\r\n\x1a\n");
     let pixels = resvg::tiny_skia::Pixmap::decode_png(&png).unwrap();
-    assert_eq!(pixels.width(), 1700);
+    assert_eq!(pixels.width(), 1800);
     let bottom = pixels.height() - 60..pixels.height() - 10;
     let dark =
-        bottom.flat_map(|y| (0..1700).map(move |x| (x, y))).filter(|&(x, y)| pixels.pixel(x, y).unwrap().red() < 128);
+        bottom.flat_map(|y| (0..1800).map(move |x| (x, y))).filter(|&(x, y)| pixels.pixel(x, y).unwrap().red() < 128);
     assert!(dark.count() > 500);
 }
 

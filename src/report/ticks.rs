@@ -40,7 +40,7 @@ impl Scale {
     }
 
     fn with_numbers(self, unit: &str, most: usize) -> Scale {
-        let step = nice_step((self.to - self.from) / most.max(2) as f64, unit);
+        let step = nice_step(self.from, self.to, most.max(3), unit);
         let largest = self.from.abs().max(self.to.abs());
         // Numbers that share more digits than a label can hold are shown from an offset.
         let offset =
@@ -87,22 +87,23 @@ fn widened((low, high): (f64, f64), room: f64) -> (f64, f64) {
     (low - width * room, high + width * room)
 }
 
-/// The next round step at or above: 1, 2, 5 times a power of ten, but halves and quarters of a turn for angles and
-/// hours and days for time.
-fn nice_step(least: f64, unit: &str) -> f64 {
+/// The finest round step with at most so many ticks: 1, 2, 5 times a power of ten, but parts of a turn for angles and
+/// of a day or an hour for time.
+fn nice_step(from: f64, to: f64, most: usize, unit: &str) -> f64 {
     let special: &[f64] = match unit {
         "deg" => &[10.0, 15.0, 30.0, 45.0, 90.0, 180.0],
         "h" => &[1.0, 2.0, 3.0, 6.0, 12.0, 24.0, 48.0],
         "s" | "min" => &[10.0, 15.0, 30.0, 60.0, 120.0, 300.0, 600.0],
         _ => &[],
     };
-    let above_smallest = special.first().is_some_and(|s| least > s / 2.0);
-    if let Some(step) = special.iter().copied().find(|s| above_smallest && *s >= least) {
-        return step;
-    }
-    let power = 10f64.powi(exponent_of(least));
-    let factor = [1.0, 2.0, 5.0, 10.0].into_iter().find(|f| f * power >= least * (1.0 - 1e-9)).unwrap_or(10.0);
-    factor * power
+    let fits = |step: &f64| (to / step + 1e-6).floor() - (from / step - 1e-6).ceil() < most as f64;
+    let finest = (to - from) / (most + 1) as f64;
+    let power = 10f64.powi(exponent_of(finest));
+    let decimal = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0].map(|f| f * power).into_iter().find(|s| *s >= finest && fits(s));
+    let decimal = decimal.unwrap_or(100.0 * power);
+    // Both kinds hold 10, below which they agree.
+    let first = special.first().copied().unwrap_or(f64::INFINITY);
+    special.iter().copied().find(|s| decimal >= first && *s >= finest && fits(s)).unwrap_or(decimal)
 }
 
 fn is_whole(x: f64) -> bool {
@@ -141,7 +142,7 @@ mod tests {
     fn ticks_are_round_and_inside() {
         assert_eq!(labels("", -0.62, 0.63).0, ["−0.5", "0.0", "0.5"]);
         assert_eq!(labels("deg", -20.0, 20.0).0, ["−20", "−10", "0", "10", "20"]);
-        assert_eq!(labels("deg", 0.0, 90.0).0, ["0", "15", "30", "45", "60", "75", "90"]);
+        assert_eq!(labels("deg", 0.0, 90.0).0, ["0", "30", "60", "90"]);
         assert_eq!(labels("h", 0.0, 38.0).0, ["0", "12", "24", "36"]);
         assert_eq!(
             labels("", 0.0, 0.0025),
