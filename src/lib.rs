@@ -24,6 +24,7 @@ pub mod hull_tests;
 pub mod input;
 pub mod mechanisms;
 pub mod number;
+#[cfg(feature = "report")]
 pub mod output;
 #[cfg(feature = "report")]
 pub mod report;

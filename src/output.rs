@@ -6,6 +6,7 @@
 //! - single files, as [`Replace`] says.
 
 use crate::input::{InputError, Place, printable};
+use glidepolar_archive::PARTIAL;
 use std::collections::HashSet;
 use std::fs::{self, File};
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -17,8 +18,8 @@ use std::time::{Duration, SystemTime};
 pub enum Replace {
     /// Nothing: the file must be new. For what people edit afterwards, as vehicle files.
     Never,
-    /// A file that carries this program's mark, the word `glidepolar` or `tank-reduce` within its first or last 4 KiB:
-    /// results that nobody edits, as JSON with its `schema` and FMUs with their archive comment.
+    /// A file that is this program's by its looks: with the word `glidepolar` or `tank-reduce` within its first or last
+    /// 4 KiB, as JSON has it in its `schema`, or a table with the very columns of the new one.
     Own,
     /// Anything: the user said `--force`.
     Any,
@@ -38,7 +39,9 @@ pub fn write_whole(path: impl AsRef<Path>, bytes: &[u8], replace: Replace) -> Re
         Ok(existing) if !existing.is_file() => {
             return File::options().write(true).open(&target).and_then(|mut f| f.write_all(bytes)).map_err(failed);
         }
-        Ok(_) if replace == Replace::Never || (replace == Replace::Own && !has_mark(&target).map_err(failed)?) => {
+        Ok(_)
+            if replace == Replace::Never || (replace == Replace::Own && !is_own(&target, bytes).map_err(failed)?) =>
+        {
             return Err(refused(path, "exists already"));
         }
         _ => {}
@@ -57,7 +60,6 @@ pub struct OutputFolder {
 }
 
 const RECORD: &str = ".glidepolar";
-const PARTIAL: (&str, &str) = (".glidepolar-", ".partial");
 
 impl OutputFolder {
     /// Opens a folder, making it where it does not exist; with `force`, every file in it may be replaced.
@@ -91,7 +93,7 @@ impl OutputFolder {
             let problem = format!("'{}' is not the name of a file in this folder", printable(&name.to_string_lossy()));
             return Err(InputError::new(Place::file(&self.root), problem));
         };
-        if !self.force && fs::symlink_metadata(&path).is_ok() && !self.is_own(text, &path).map_err(failed)? {
+        if !self.force && fs::symlink_metadata(&path).is_ok() && !self.wrote(text, &path).map_err(failed)? {
             return Err(refused(&path, "was not written by this program, or was changed since"));
         }
         // The record comes first: killed in between, a run leaves a record without its file, which does no harm.
@@ -99,7 +101,7 @@ impl OutputFolder {
         place(&path, bytes).map_err(failed)
     }
 
-    fn is_own(&self, name: &str, path: &Path) -> io::Result<bool> {
+    fn wrote(&self, name: &str, path: &Path) -> io::Result<bool> {
         if !fs::symlink_metadata(path)?.is_file() {
             return Ok(false);
         }
@@ -124,21 +126,7 @@ fn refused(path: &Path, why: &str) -> InputError {
 
 /// Writes beside the target and renames.
 fn place(target: &Path, bytes: &[u8]) -> io::Result<()> {
-    let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    fs::create_dir_all(folder)?;
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(PARTIAL.0).suffix(PARTIAL.1);
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // What any new file gets; the user's mask takes its share.
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    let mut partial = builder.tempfile_in(folder)?;
-    partial.write_all(bytes)?;
-    partial.flush()?;
-    partial.persist(target).map_err(|e| e.error)?;
-    Ok(())
+    glidepolar_archive::write_whole(target, |file| file.write_all(bytes))
 }
 
 /// Removes what killed runs left behind: partial files that nobody has touched for an hour.
@@ -177,15 +165,25 @@ fn sum_of(path: &Path) -> io::Result<(u64, u32)> {
     }
 }
 
-fn has_mark(path: &Path) -> io::Result<bool> {
+/// Whether a file looks like one of this program's, or is a table of the same columns as the new content.
+fn is_own(path: &Path, new: &[u8]) -> io::Result<bool> {
     const ENDS: u64 = 4096;
     let mut file = File::open(path)?;
     let length = file.metadata()?.len();
-    let mut ends = Vec::new();
-    Read::by_ref(&mut file).take(ENDS).read_to_end(&mut ends)?;
+    let (mut head, mut tail) = (Vec::new(), Vec::new());
+    Read::by_ref(&mut file).take(ENDS).read_to_end(&mut head)?;
     file.seek(SeekFrom::Start(length.saturating_sub(ENDS)))?;
-    file.take(ENDS).read_to_end(&mut ends)?;
-    Ok(["glidepolar", "tank-reduce"].iter().any(|mark| ends.windows(mark.len()).any(|w| w == mark.as_bytes())))
+    file.take(ENDS).read_to_end(&mut tail)?;
+    let marked = |end: &[u8], mark: &str| end.windows(mark.len()).any(|w| w == mark.as_bytes());
+    let has_mark = ["glidepolar", "tank-reduce"].iter().any(|mark| marked(&head, mark) || marked(&tail, mark));
+    let columns = columns(&head);
+    Ok(has_mark || columns.is_some() && columns == self::columns(new))
+}
+
+/// The first line, where it is that of a table.
+fn columns(content: &[u8]) -> Option<&[u8]> {
+    let line = content.split(|b| *b == b'\n').next()?;
+    (line.len() < content.len() && line.contains(&b',')).then_some(line.trim_ascii_end())
 }
 
 #[cfg(test)]
@@ -234,6 +232,12 @@ mod tests {
         assert_eq!(fs::read(&own).unwrap(), b"foreign");
         write_whole(&own, b"x", Replace::Any).unwrap();
         assert_eq!(fs::read(&own).unwrap(), b"x");
+
+        let table = dir.path().join("history.csv");
+        write_whole(&table, b"time_s,depth_m\n0,1\n", Replace::Own).unwrap();
+        write_whole(&table, b"time_s,depth_m\n0,2\n", Replace::Own).unwrap();
+        fs::write(&table, b"time_s,pressure_dbar\n0,1\n").unwrap();
+        assert!(write_whole(&table, b"time_s,depth_m\n0,2\n", Replace::Own).is_err());
         assert!(write_whole(dir.path(), b"x", Replace::Any).unwrap_err().to_string().contains("folder"));
     }
 
@@ -245,7 +249,7 @@ mod tests {
         fs::write(dir.path().join("taken/inside"), b"").unwrap();
         assert!(out.write("taken", b"x").is_err());
         let names: Vec<_> = fs::read_dir(dir.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
-        assert!(names.iter().all(|n| !n.to_string_lossy().ends_with(".partial")), "{names:?}");
+        assert!(names.iter().all(|n| !n.to_string_lossy().ends_with(PARTIAL.1)), "{names:?}");
     }
 
     #[cfg(unix)]

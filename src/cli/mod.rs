@@ -5,18 +5,18 @@
 //! Standard output carries results, standard error messages. The library does the work; a command reads arguments,
 //! calls it and shows what came back.
 
-pub mod files;
 pub mod glide;
 pub mod simulate;
 pub mod vehicles;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
 use crate::glide::GlideError;
 use crate::input::InputError;
+use crate::output::{OutputFolder, Replace, write_whole};
 use crate::vehicle::MissingKeys;
 
 /// An underwater glider from the towing tank to the sea and back.
@@ -45,6 +45,9 @@ pub struct Output {
     /// Print no table
     #[arg(long, short, help_heading = "Output")]
     pub quiet: bool,
+    /// Replace files, too, that this program did not write
+    #[arg(long, help_heading = "Output")]
+    pub force: bool,
 }
 
 impl Output {
@@ -67,7 +70,24 @@ impl Output {
             use std::io::Write;
             return std::io::stdout().write_all(text.as_bytes()).map_err(|error| CliError::Failed(error.to_string()));
         }
-        Ok(files::write_whole(path, text.as_bytes())?)
+        self.write(path, text.as_bytes())
+    }
+
+    /// Writes a file that the user named, whole or not at all; an earlier result is replaced, anything else only with
+    /// `--force`.
+    ///
+    /// # Errors
+    /// Where the file cannot be written or may not be replaced.
+    pub fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), CliError> {
+        Ok(write_whole(path, bytes, if self.force { Replace::Any } else { Replace::Own })?)
+    }
+
+    /// Opens a folder for results, in which only earlier results are replaced, or anything with `--force`.
+    ///
+    /// # Errors
+    /// Where the folder cannot be made.
+    pub fn folder(&self, path: &Path) -> Result<OutputFolder, CliError> {
+        Ok(OutputFolder::open(path, self.force)?)
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::{CliError, Output, files};
+use super::{CliError, Output};
 use crate::dynamics::Actuation;
 use crate::input::InputError;
 use crate::simulate::{COLUMNS, Row, Schedule, Settings, fly};
@@ -84,7 +84,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     })
     .map_err(|error| CliError::Failed(error.to_string()))?;
     if let (Some(path), Some(table)) = (&arguments.csv, table) {
-        files::write_whole(path, table.as_bytes())?;
+        arguments.output.write(path, table.as_bytes())?;
     }
     if arguments.output.shows_tables() {
         summary.print();

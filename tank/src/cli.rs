@@ -1,9 +1,9 @@
 //! The command line `tank-reduce`: arguments in, files and a short table out. The library does the work.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-use glidepolar::cli::{CliError, Output, files};
+use glidepolar::cli::{CliError, Output};
 
 use crate::demo_cli;
 use glidepolar_tank::{output, reduce_points};
@@ -93,13 +93,12 @@ impl Reduce {
     }
 
     fn write(&self, results: &glidepolar_tank::Results) -> Result<(), CliError> {
-        std::fs::create_dir_all(&self.out).map_err(|error| glidepolar::input::InputError::io(&self.out, &error))?;
+        let folder = self.output.folder(&self.out)?;
         let mut json =
             serde_json::to_string_pretty(&results.reduction()).map_err(|error| CliError::Failed(error.to_string()))?;
         json.push('\n');
-        let write = |name: &str, bytes: &[u8]| files::write_whole(&Path::new(&self.out).join(name), bytes);
-        write("fits.json", json.as_bytes())?;
-        write("coefficients.csv", &output::coefficients_csv(results))?;
+        folder.write("fits.json", json.as_bytes())?;
+        folder.write("coefficients.csv", &output::coefficients_csv(results))?;
         Ok(())
     }
 }
