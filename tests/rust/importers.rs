@@ -1,0 +1,138 @@
+//! Other people's Rust crates fly the FMU, through all of its interfaces, and must arrive where the command line does.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use glidepolar_tests::{Built, Trajectory, skip};
+
+const STOP_S: &str = "2208";
+/// Every output that moves on this mission. The energy is that of the buoyancy engine, spent in the one turn.
+const OUTPUTS: [&str; 10] = [
+    "depth_m",
+    "x_m",
+    "pitch_rad",
+    "glide_angle_rad",
+    "speed_m_s",
+    "vertical_velocity_m_s",
+    "v1_m_s",
+    "net_mass_kg",
+    "moving_mass_position_m",
+    "lift_N",
+];
+
+#[test]
+fn fmi_rs_flies_co_simulation() {
+    for fmu in [Built::Fmu2, Built::Fmu3] {
+        fly_and_compare(fmu, "fly-with-fmi-rs", &["--interface=cs", "--output-interval=8"], 1e-6);
+    }
+}
+
+#[test]
+fn fmi_rs_flies_co_simulation_with_events_and_early_returns() {
+    let options = ["--interface=cs", "--output-interval=8", "--event-mode", "--early-return"];
+    fly_and_compare(Built::Fmu3, "fly-with-fmi-rs", &options, 1e-6);
+}
+
+#[test]
+fn fmi_rs_flies_model_exchange() {
+    for fmu in [Built::Fmu2, Built::Fmu3] {
+        fly_and_compare(fmu, "fly-with-fmi-rs", &["--interface=me", "--output-interval=8"], 1e-6);
+    }
+}
+
+#[test]
+fn the_fmi_crate_flies_co_simulation() {
+    for fmu in [Built::Fmu2, Built::Fmu3] {
+        fly_and_compare(fmu, "fly-with-fmi-sim", &["--interface=cs", "--output-interval=8"], 1e-6);
+    }
+}
+
+/// Its own solver is the forward Euler method: the trajectory is followed, not met.
+#[test]
+fn the_fmi_crate_flies_model_exchange_coarsely() {
+    for fmu in [Built::Fmu2, Built::Fmu3] {
+        fly_and_compare(fmu, "fly-with-fmi-sim", &["--interface=me", "--output-interval=0.0625"], 1e-2);
+    }
+}
+
+/// A state that one process saves is loaded by another, which flies on as if nothing had happened.
+#[test]
+fn fmi_rs_saves_the_state_and_flies_on_in_another_process() {
+    for fmu in [Built::Fmu2, Built::Fmu3] {
+        let Some(flight) = Flight::prepare(fmu, "fly-with-fmi-rs") else { return };
+        let state = flight.file("state.bin");
+        let state = state.to_str().unwrap();
+        let whole = flight.fly("whole.csv", &["--output-interval=8", "--stop-time=1600"]);
+        flight.fly("first.csv", &["--output-interval=8", "--stop-time=800", "--save-state", state]);
+        let second = ["--output-interval=8", "--start-time=800", "--stop-time=1600", "--load-state", state];
+        let second = flight.fly("second.csv", &second);
+        let split = whole.time_s.iter().position(|time| *time == 800.0).expect("a row at 800 s");
+        for name in OUTPUTS {
+            // Bit for bit, not merely close.
+            assert_eq!(second.column(name), &whole.column(name)[split..], "{fmu:?}, {name}");
+        }
+    }
+}
+
+fn fly_and_compare(fmu: Built, importer: &str, options: &[&str], tolerance: f64) {
+    let Some(flight) = Flight::prepare(fmu, importer) else { return };
+    let mut options = options.to_vec();
+    options.extend(["--stop-time", STOP_S]);
+    let flown = flight.fly("flown.csv", &options);
+    let reference = flight.reference();
+    for name in OUTPUTS {
+        let deviation = flown.deviation(&reference, name);
+        assert!(deviation <= tolerance, "{importer}, {fmu:?}, {options:?}: {name} deviates by {deviation:e}");
+    }
+}
+
+/// A folder for the files of one flight.
+struct Flight {
+    fmu: PathBuf,
+    importer: PathBuf,
+    glidepolar: PathBuf,
+    folder: tempfile::TempDir,
+}
+
+impl Flight {
+    fn prepare(fmu: Built, importer: &str) -> Option<Self> {
+        let program = Built::Importers.path()?.join(format!("{importer}{}", std::env::consts::EXE_SUFFIX));
+        if !program.exists() {
+            skip(&format!("{importer} is not built; it needs libclang (apt-get install libclang-dev)"));
+            return None;
+        }
+        let folder = tempfile::tempdir().unwrap();
+        Some(Self { fmu: fmu.path()?, importer: program, glidepolar: Built::Glidepolar.path()?, folder })
+    }
+
+    fn file(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Flies the sawtooth with the importer.
+    fn fly(&self, output: &str, options: &[&str]) -> Trajectory {
+        let output = self.file(output);
+        let mut command = Command::new(&self.importer);
+        command.arg(&self.fmu).arg(&output).args(options).arg("--tolerance=1e-10").arg("--input").arg(mission());
+        run(&mut command);
+        Trajectory::read(&output)
+    }
+
+    /// The same by the command line, tightly.
+    fn reference(&self) -> Trajectory {
+        let output = self.file("reference.csv");
+        let mut command = Command::new(&self.glidepolar);
+        command.args(["simulate", "slocum-graver", "--stop", STOP_S, "--interval", "8", "--tolerance", "1e-12"]);
+        run(command.args(["--quiet", "--inputs"]).arg(mission()).arg("--csv").arg(&output));
+        Trajectory::read(&output)
+    }
+}
+
+fn mission() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("missions/sawtooth.csv")
+}
+
+fn run(command: &mut Command) {
+    let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    assert!(output.status.success(), "{command:?}: {}\n{}", output.status, String::from_utf8_lossy(&output.stderr));
+}
