@@ -13,7 +13,7 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    /// Reads a file.
+    /// Reads a file. True is 1 and false is 0.
     ///
     /// # Panics
     /// Where it is no such table; the message says where.
@@ -25,8 +25,12 @@ impl Trajectory {
         for (row, record) in reader.records().enumerate() {
             let record = record.unwrap_or_else(|error| panic!("{}: {error}", path.display()));
             for ((cell, column), name) in record.iter().zip(&mut values).zip(&names) {
-                let number =
-                    cell.trim().parse().unwrap_or_else(|_| panic!("{}, row {row}, {name}: {cell}", path.display()));
+                let number = match cell.trim() {
+                    "true" => Ok(1.0),
+                    "false" => Ok(0.0),
+                    cell => cell.parse(),
+                };
+                let number = number.unwrap_or_else(|_| panic!("{}, row {row}, {name}: {cell}", path.display()));
                 column.push(number);
             }
         }

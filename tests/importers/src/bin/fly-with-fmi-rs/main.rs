@@ -19,7 +19,7 @@ struct Arguments {
     #[command(flatten)]
     flight: Flight,
     /// Step of the Runge-Kutta method in Model Exchange, s
-    #[arg(long, default_value_t = 0.05)]
+    #[arg(long, default_value_t = 0.01)]
     step: f64,
     /// Let the FMU call back during the steps of FMI 3.0 Co-Simulation
     #[arg(long)]
@@ -60,7 +60,8 @@ macro_rules! flies {
                 start_time: flight.start_time,
                 stop_time: flight.stop_time,
                 logging_on: true,
-                set_stop_time: true,
+                // An FMU may refuse to go beyond it, also when it goes on from a saved state.
+                set_stop_time: $arguments.save_state.is_none(),
                 output_interval: flight.output_interval,
                 log_time_scale: false,
                 tolerance: flight.tolerance,

@@ -4,6 +4,10 @@
 use fmi_rs::sim::SimulationError;
 use fmi_rs::sim::solver::{Dae, Ode, Solver, SolverFactory};
 
+/// Derivatives at the end of a step are taken this much earlier, s: there `fmi-rs` sets the inputs as they are after a
+/// jump, which belongs to the next step.
+const BEFORE_JUMP_S: f64 = 1e-6;
+
 /// How narrowly an event is located, relative to the step.
 const EVENT_WIDTH: f64 = 1e-10;
 
@@ -63,7 +67,8 @@ impl<O: Ode> RungeKutta<O> {
                     *stage += part * h * slope;
                 }
             }
-            self.ode.f(self.time + part * h, &self.stage, &mut self.slopes[index])?;
+            let time = (self.time + part * h).min(self.time + h - BEFORE_JUMP_S).max(self.time);
+            self.ode.f(time, &self.stage, &mut self.slopes[index])?;
         }
         let [k1, k2, k3, k4] = &self.slopes;
         for (index, trial) in self.trial.iter_mut().enumerate() {
