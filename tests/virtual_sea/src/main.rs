@@ -1,0 +1,90 @@
+//! `virtual-sea`: writes a glider's flight log with a hidden effect, its vehicle file, and the truth.
+
+use clap::{Parser, ValueEnum};
+use glidepolar_virtual_sea::vehicle::Hull;
+use glidepolar_virtual_sea::{Options, effects, generate, log};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Writes a glider's flight log with a hidden effect (log.csv), the vehicle file that its owner believes in
+/// (vehicle.toml), and apart from them the truth (truth.json).
+#[derive(Parser)]
+#[command(version)]
+struct Arguments {
+    /// Everything that is drawn follows from it
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// What to hide: NAME[=SIZE],... or `none`; sizes are drawn from the seed where absent
+    #[arg(long, default_value = "none", value_name = "NAME[=SIZE],...")]
+    effect: String,
+    /// Whether the log has a measured speed through the water
+    #[arg(long, default_value = "yes")]
+    speed: YesNo,
+    /// Kind of glider; drawn among the Slocums where absent
+    #[arg(long)]
+    hull: Option<HullName>,
+    /// Duration of the log, hours
+    #[arg(long, default_value_t = 12.0, value_parser = hours)]
+    hours: f64,
+    /// Dives to aim for
+    #[arg(long, default_value_t = 14, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    dives: u32,
+    /// Folder for the files
+    #[arg(long, required_unless_present = "list")]
+    out: Option<PathBuf>,
+    /// Print the table of effects as Markdown and stop
+    #[arg(long)]
+    list: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum YesNo {
+    Yes,
+    No,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum HullName {
+    Slocum200,
+    SlocumDeep,
+    Seaglider,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    if arguments.list {
+        print!("{}", effects::markdown());
+        return ExitCode::SUCCESS;
+    }
+    match run(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("virtual-sea: {message}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run(arguments: &Arguments) -> Result<(), String> {
+    let options = Options {
+        effects: effects::parse_requests(&arguments.effect).map_err(|error| error.to_string())?,
+        speed: matches!(arguments.speed, YesNo::Yes),
+        hours: arguments.hours,
+        dives: arguments.dives,
+        hull: arguments.hull.map(|name| match name {
+            HullName::Slocum200 => Hull::Slocum200,
+            HullName::SlocumDeep => Hull::SlocumDeep,
+            HullName::Seaglider => Hull::Seaglider,
+        }),
+        ..Options::seeded(arguments.seed)
+    };
+    let folder = arguments.out.as_deref().ok_or("--out DIR is missing")?;
+    log::write(&generate(&options), folder).map_err(|error| error.to_string())
+}
+
+fn hours(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(hours) if hours > 0.0 && hours <= 1000.0 => Ok(hours),
+        _ => Err("a number of hours above 0, at most 1000".to_owned()),
+    }
+}
