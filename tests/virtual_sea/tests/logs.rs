@@ -127,7 +127,7 @@ fn measurement_noise_is_what_the_truth_says() {
     let log = &sea.log;
     let rms = |errors: &mut dyn Iterator<Item = f64>| {
         let (sum, count) = errors.filter(|e| e.is_finite()).fold((0.0, 0.0), |(s, n), e| (s + e * e, n + 1.0));
-        (sum / count as f64).sqrt()
+        (sum / f64::max(count, 1.0)).sqrt()
     };
     let truth = |row: usize| &flight[(log.time_s[row] * 4.0).round() as usize];
     let pressure = rms(&mut (0..log.len()).map(|i| log.pressure_dbar[i] - truth(i).pressure_pa * 1e-4));
