@@ -37,6 +37,9 @@ const MAX_REJECTIONS: usize = 100;
 /// Width to which an event is located \[s\].
 const EVENT_WIDTH_S: f64 = 1e-9;
 
+/// How far past the place of the dense output an event is looked for at most \[s\].
+const LANDING_S: f64 = 1e-2;
+
 /// What moves: the equations, closed over parameters, modes and inputs.
 pub trait System {
     /// Rates of change of the state.
@@ -182,7 +185,7 @@ impl Integrator {
             let changed = sign_changes(&before, &after);
             if changed.contains(&true) {
                 let (event_s, event) = locate(stretch, &mut method, (*time, reached_s), &before);
-                return self.land(stretch, time, state, step_s, (event_s, event)).map(Some);
+                return self.land(stretch, (time, state, step_s), (event_s, event, &before), target);
             }
             (*time, *state, before) = (reached_s, reached, after);
             // A step that was cut to end on the target says nothing against the one before it.
@@ -192,19 +195,35 @@ impl Integrator {
     }
 
     /// Goes to the event by steps of its own, so that the state there has the order of the method, not of the dense
-    /// output that found it.
+    /// output that found it. The two differ by the tolerance, and a slow crossing may not have happened yet where the
+    /// dense output has it: then a little further, or the same event would be found again without end.
     fn land<S: System>(
         &self,
         stretch: &Stretch<'_, S>,
-        time: &mut f64,
-        state: &mut State<f64>,
-        step_s: &mut f64,
-        (event_s, changed): (f64, [bool; N_EVENTS]),
-    ) -> Result<Advance, IntegrationError> {
-        let mut method = self.method(stretch, *time, state, (event_s - *time).min(*step_s))?;
-        let mut rejected = 0;
-        while event_s - method.t() > 1e-12 * event_s.abs().max(1.0) {
+        (time, state, step_s): (&mut f64, &mut State<f64>, &mut f64),
+        (mut event_s, changed, before): (f64, [bool; N_EVENTS], &[f64; N_EVENTS]),
+        target: f64,
+    ) -> Result<Option<Advance>, IntegrationError> {
+        let first_step_s = (event_s - *time).min(*step_s).max(EVENT_WIDTH_S);
+        let mut method = self.method(stretch, *time, state, first_step_s)?;
+        let (mut rejected, mut further_s) = (0, EVENT_WIDTH_S);
+        loop {
             let remaining = event_s - method.t();
+            if remaining <= 4.0 * f64::EPSILON * event_s.abs() {
+                let landed = stretch.state(method.y());
+                let crossed = sign_changes(before, &stretch.system.event_indicators(event_s, &landed));
+                let is_behind = crossed.contains(&true);
+                if is_behind || further_s > LANDING_S || event_s >= target {
+                    (*time, *state) = (event_s, landed);
+                    *step_s = step_s.min(FIRST_STEP_S);
+                    // Not yet there at the target: the next advance will find it.
+                    let is_left = !is_behind && event_s >= target;
+                    return Ok((!is_left).then_some(Advance::Event(if is_behind { crossed } else { changed })));
+                }
+                event_s = (event_s + further_s).min(target);
+                further_s *= 2.0;
+                continue;
+            }
             if method.h() >= remaining * (1.0 - 1e-10) {
                 method.set_h(remaining);
             }
@@ -213,9 +232,6 @@ impl Integrator {
             }
             rejected = if matches!(method.status(), Status::RejectedStep) { rejected + 1 } else { 0 };
         }
-        (*time, *state) = (event_s, stretch.state(method.y()));
-        *step_s = step_s.min(FIRST_STEP_S);
-        Ok(Advance::Event(changed))
     }
 
     fn method<S: System>(
@@ -310,4 +326,37 @@ fn locate<S: System>(
 
 fn sign_changes(before: &[f64; N_EVENTS], after: &[f64; N_EVENTS]) -> [bool; N_EVENTS] {
     std::array::from_fn(|i| (before[i] >= 0.0) != (after[i] >= 0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Drifts so slowly, so late, that nanoseconds do not move it across.
+    struct Drift;
+
+    impl System for Drift {
+        fn derivative(&self, _: f64, _: &State<f64>) -> State<f64> {
+            State { depth_m: 1e-7, ..State::from_array([0.0; N_STATES]) }
+        }
+
+        fn event_indicators(&self, _: f64, state: &State<f64>) -> [f64; N_EVENTS] {
+            std::array::from_fn(|i| if i == 0 { 0.8e-7 - state.depth_m } else { 1.0 })
+        }
+
+        fn next_jump_s(&self, _: f64) -> Option<f64> {
+            None
+        }
+    }
+
+    #[test]
+    fn a_slow_crossing_late_in_a_voyage_is_one_event_and_the_state_stands_behind_it() {
+        let (mut time, mut state, mut integrator) = (1e6, State::from_array([0.0; N_STATES]), Integrator::new(1e-8));
+        let advance = integrator.advance(&Drift, &mut time, &mut state, 1e6 + 5.0).unwrap();
+        assert!(matches!(advance, Advance::Event(which) if which[0]), "{advance:?}");
+        assert!(Drift.event_indicators(time, &state)[0] < 0.0 && (time - 1e6 - 0.8).abs() < 0.02, "{time}");
+        let advance = integrator.advance(&Drift, &mut time, &mut state, 1e6 + 5.0).unwrap();
+        assert_eq!((advance, time), (Advance::Reached, 1e6 + 5.0));
+        assert!((state.depth_m - 5e-7).abs() < 1e-13, "{}", state.depth_m);
+    }
 }
