@@ -1,5 +1,7 @@
 //! What every reader of files says when it cannot go on: where, what was found, what was expected, what to do.
 
+pub mod toml;
+
 use std::fmt;
 use std::path::{Path, PathBuf};
 

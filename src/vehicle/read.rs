@@ -1,32 +1,22 @@
 //! From the text of a vehicle file to a [`Vehicle`], every complaint with its line and column.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
 use std::path::Path;
 
-use toml_edit::{Document, Item, TableLike};
+use toml_edit::{Item, TableLike};
 
 use super::Vehicle;
 use super::keys::{self, KEYS, Need, Sections};
 use crate::dynamics::{PARAMETERS, parameter_index};
+use crate::input::toml::{Bounds, TomlText};
 use crate::input::{InputError, Place, nearest, printable};
 use crate::mechanisms;
 
-/// No vehicle file is longer; a larger one is something else \[bytes\].
-const MAX_BYTES: usize = 1 << 20;
-
 pub(super) fn read(text: &str, origin: &Path) -> Result<Vehicle, InputError> {
-    if text.len() > MAX_BYTES {
-        let problem = format!("{} bytes are too many for a vehicle file (at most {MAX_BYTES})", text.len());
-        return Err(InputError::new(Place::file(origin), problem));
-    }
-    let document = Document::parse(text).map_err(|error| {
-        let place = error.span().map_or(Place::file(origin), |span| Place::offset(origin, text, span.start));
-        InputError::new(place, format!("not valid TOML: {}", printable(error.message())))
-            .help("a vehicle file has [sections] of lines `name = number`")
-    })?;
+    let toml = TomlText::new(text, origin);
+    let document = toml.parse("vehicle file")?;
     let mut reader = Reader {
-        text,
+        toml,
         origin,
         sections: Sections::default(),
         mechanisms: BTreeMap::new(),
@@ -36,9 +26,9 @@ pub(super) fn read(text: &str, origin: &Path) -> Result<Vehicle, InputError> {
     let mut source = None;
     for (key, item) in document.as_table().iter() {
         match key {
-            "name" => name = Some(reader.string(key, item)?),
-            "source" => source = Some(reader.string(key, item)?),
-            "schema" => _ = reader.string(key, item)?,
+            "name" => name = Some(toml.string(key, item)?),
+            "source" => source = Some(toml.string(key, item)?),
+            "schema" => _ = toml.string(key, item)?,
             _ => reader.section(key, item)?,
         }
     }
@@ -79,7 +69,7 @@ pub(super) fn is_number_key(path: &str) -> bool {
 }
 
 struct Reader<'a> {
-    text: &'a str,
+    toml: TomlText<'a>,
     origin: &'a Path,
     sections: Sections,
     mechanisms: BTreeMap<&'static str, f64>,
@@ -90,10 +80,10 @@ impl Reader<'_> {
     fn section(&mut self, path: &str, item: &Item) -> Result<(), InputError> {
         let known = KEYS.iter().any(|key| key.path.starts_with(&format!("{path}.")));
         if !known && path != "mechanisms" && path != "uncertainty" {
-            return Err(unknown_key(path, self.place(item.span())));
+            return Err(unknown_key(path, self.toml.place(item.span())));
         }
         let Some(table) = item.as_table_like() else {
-            return Err(self.wrong_kind(path, item, "a section"));
+            return Err(self.toml.wrong_kind(path, item, "a section"));
         };
         self.entries(path, table)
     }
@@ -101,7 +91,7 @@ impl Reader<'_> {
     fn entries(&mut self, section: &str, table: &dyn TableLike) -> Result<(), InputError> {
         for (name, item) in table.iter() {
             let path = format!("{section}.{name}");
-            let place = self.place(table.key(name).and_then(toml_edit::Key::span).or_else(|| item.span()));
+            let place = self.toml.place_of_key(table, name);
             let nested = item.as_table_like();
             match (section, nested) {
                 ("mechanisms", _) => {
@@ -131,7 +121,7 @@ impl Reader<'_> {
     fn nested_uncertainty(&mut self, prefix: &str, table: &dyn TableLike) -> Result<(), InputError> {
         for (name, item) in table.iter() {
             let path = format!("{prefix}.{name}");
-            let place = self.place(table.key(name).and_then(toml_edit::Key::span));
+            let place = self.toml.place_of_key(table, name);
             match item.as_table_like() {
                 Some(deeper) if path.matches('.').count() < 3 => self.nested_uncertainty(&path, deeper)?,
                 _ => self.one_uncertainty(&path, item, place)?,
@@ -150,30 +140,8 @@ impl Reader<'_> {
     }
 
     fn number(&self, path: &str, item: &Item, min: f64, max: f64) -> Result<f64, InputError> {
-        let value = item.as_float().or_else(|| item.as_integer().map(|i| i as f64));
-        let Some(value) = value else {
-            return Err(self.wrong_kind(path, item, "a number"));
-        };
-        // NaN lies in no range.
-        if !(min..=max).contains(&value) {
-            let unit = keys::key(path).map(|key| key.unit).unwrap_or("");
-            let range = if min == f64::MIN_POSITIVE {
-                "above zero".to_owned()
-            } else if min == 0.0 && max == f64::MAX {
-                "not below zero".to_owned()
-            } else if max == f64::MAX {
-                "finite".to_owned()
-            } else {
-                format!("between {min} and {max}")
-            };
-            let problem = format!("`{path}` is {value}, expected a number {range} [{unit}]");
-            return Err(InputError::new(self.place(item.span()), problem));
-        }
-        Ok(value)
-    }
-
-    fn string(&self, path: &str, item: &Item) -> Result<String, InputError> {
-        item.as_str().map(str::to_owned).ok_or_else(|| self.wrong_kind(path, item, "a text in quotes"))
+        let unit = keys::key(path).map_or("", |key| key.unit);
+        self.toml.number(path, item, Bounds { min, max, unit })
     }
 
     fn complain_of_missing(&mut self) -> Result<(), InputError> {
@@ -190,19 +158,6 @@ impl Reader<'_> {
         }
         Ok(())
     }
-
-    fn wrong_kind(&self, path: &str, item: &Item, expected: &str) -> InputError {
-        let problem = format!("`{}` is {} {}, expected {expected}", printable(path), article(item), item.type_name());
-        InputError::new(self.place(item.span()), problem)
-    }
-
-    fn place(&self, span: Option<Range<usize>>) -> Place {
-        span.map_or(Place::file(self.origin), |span| Place::offset(self.origin, self.text, span.start))
-    }
-}
-
-fn article(item: &Item) -> &'static str {
-    if item.type_name().starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" }
 }
 
 fn section_of(path: &str) -> &str {
