@@ -6,6 +6,7 @@
 //! calls it and shows what came back.
 
 pub mod glide;
+mod mission;
 pub mod simulate;
 pub mod vehicles;
 
@@ -17,6 +18,7 @@ use clap::{Args, Parser, Subcommand};
 use crate::glide::GlideError;
 use crate::input::InputError;
 use crate::output::{OutputFolder, Replace, write_whole};
+use crate::simulate::mission::MissionError;
 use crate::vehicle::MissingKeys;
 
 /// An underwater glider from the towing tank to the sea and back.
@@ -53,7 +55,7 @@ pub struct Output {
 impl Output {
     /// Whether tables belong on standard output.
     pub fn shows_tables(&self) -> bool {
-        !self.quiet && !self.json.as_ref().is_some_and(|path| path.as_os_str() == "-")
+        !self.quiet && self.json.as_ref().is_none_or(|path| path.as_os_str() != "-")
     }
 
     /// Writes the result as JSON where it was asked for.
@@ -106,6 +108,9 @@ pub enum CliError {
     /// No such glide: exit code 1.
     #[error(transparent)]
     Glide(#[from] GlideError),
+    /// A mission that cannot be flown: exit code 1.
+    #[error(transparent)]
+    Mission(#[from] MissionError),
     /// Anything else: exit code 1.
     #[error("{0}")]
     Failed(String),
@@ -116,7 +121,7 @@ impl CliError {
         match self {
             CliError::Input(_) | CliError::MissingKeys(_) | CliError::Usage(_) => ExitCode::from(2),
             CliError::Glide(GlideError::OutOfRange { .. }) => ExitCode::from(2),
-            CliError::Glide(_) | CliError::Failed(_) => ExitCode::FAILURE,
+            CliError::Glide(_) | CliError::Mission(_) | CliError::Failed(_) => ExitCode::FAILURE,
         }
     }
 }

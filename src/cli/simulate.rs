@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
+use super::mission::{self, Frame, MissionArguments};
 use super::{CliError, Output};
 use crate::dynamics::Actuation;
 use crate::input::InputError;
@@ -14,25 +15,37 @@ use crate::vehicle::Vehicle;
 /// More rows than this are a slip of the keyboard.
 const MAX_ROWS: f64 = 1e8;
 
+/// End of a time history where nothing else is said [s].
+const STOP_S: f64 = 1000.0;
+
+/// Time between two rows where nothing else is said [s].
+const INTERVAL_S: f64 = 1.0;
+
 /// Time histories: the glider flown through given inputs, as the FMU flies
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     glidepolar simulate slocum-graver --stop 1000 --csv history.csv\n  \
-    glidepolar simulate my-glider.toml --inputs commands.csv --stop 3600 --interval 10 --csv history.csv\n\n\
-    Without inputs the glider goes on in its steady glide. The table of inputs has a column `time` and columns named\n\
+    glidepolar simulate my-glider.toml --inputs commands.csv --stop 3600 --interval 10 --csv history.csv\n  \
+    glidepolar simulate slocum-049 --mission missions/rising-seabed.toml --legs legs.csv\n  \
+    glidepolar simulate --mission-keys\n\n\
+    A mission says how deep, at which pitch and with how much ballast, when to surface, and what seabed and water the\n\
+    glider meets. Without mission and inputs the glider goes on in its steady glide. The table of inputs has a column `time` and columns named\n\
     as the FMU's inputs; FMPy takes the same file (`fmpy simulate ... --input-file`).")]
 pub struct Arguments {
     /// Vehicle file or name of a built-in vehicle
-    vehicle: String,
+    #[arg(required_unless_present = "mission_keys")]
+    vehicle: Option<String>,
+    #[command(flatten)]
+    mission: MissionArguments,
     /// Inputs against time (CSV)
     #[arg(long, value_name = "FILE")]
     inputs: Option<PathBuf>,
-    /// End of the time history [s]
-    #[arg(long, value_name = "S", default_value_t = 1000.0)]
-    stop: f64,
-    /// Time between two rows [s]
-    #[arg(long, value_name = "S", default_value_t = 1.0)]
-    interval: f64,
+    /// End of the time history [s]; default 1000, of a mission its own
+    #[arg(long, value_name = "S")]
+    stop: Option<f64>,
+    /// Time between two rows [s]; default 1, of a mission 10
+    #[arg(long, value_name = "S")]
+    interval: Option<f64>,
     /// Relative tolerance of the integration
     #[arg(long, default_value_t = crate::dynamics::integrate::DEFAULT_TOLERANCE)]
     tolerance: f64,
@@ -64,8 +77,23 @@ impl From<Who> for Actuation {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
-    let parameters = Vehicle::load(&arguments.vehicle)?.parameters()?;
+    if arguments.mission.mission_keys {
+        mission::print_keys();
+        return Ok(());
+    }
     let settings = settings(arguments)?;
+    let name = arguments.vehicle.as_deref().unwrap_or_default();
+    if let Some(file) = &arguments.mission.mission {
+        let frame = Frame {
+            stop_s: arguments.stop,
+            interval_s: arguments.interval,
+            tolerance: settings.tolerance,
+            csv: arguments.csv.as_deref(),
+            output: &arguments.output,
+        };
+        return mission::run(name, file, &arguments.mission, &frame);
+    }
+    let parameters = Vehicle::load(name)?.parameters()?;
     let schedule = match &arguments.inputs {
         None => Schedule::default(),
         Some(path) => {
@@ -93,25 +121,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
 }
 
 fn settings(arguments: &Arguments) -> Result<Settings, CliError> {
-    for (name, value) in
-        [("--stop", arguments.stop), ("--interval", arguments.interval), ("--tolerance", arguments.tolerance)]
-    {
+    let stop_s = arguments.stop.unwrap_or(STOP_S);
+    let interval_s = arguments.interval.unwrap_or(INTERVAL_S);
+    for (name, value) in [("--stop", stop_s), ("--interval", interval_s), ("--tolerance", arguments.tolerance)] {
         if !(value > 0.0 && value.is_finite()) {
             return Err(CliError::Usage(format!("{name} {value}: expected a number above zero")));
         }
     }
-    if arguments.stop / arguments.interval > MAX_ROWS {
-        return Err(CliError::Usage(format!(
-            "--stop {} with --interval {} makes too many rows",
-            arguments.stop, arguments.interval
-        )));
+    if stop_s / interval_s > MAX_ROWS {
+        return Err(CliError::Usage(format!("--stop {stop_s} with --interval {interval_s} makes too many rows")));
     }
-    Ok(Settings {
-        actuation: arguments.actuation.into(),
-        stop_s: arguments.stop,
-        interval_s: arguments.interval,
-        tolerance: arguments.tolerance,
-    })
+    Ok(Settings { actuation: arguments.actuation.into(), stop_s, interval_s, tolerance: arguments.tolerance })
 }
 
 fn push(table: &mut String, row: &Row) {

@@ -3,6 +3,7 @@
 //! The equations, the integrator and the names of the columns are those of the FMU. Knows no files but the table of
 //! inputs that [`schedule`] reads.
 
+pub mod mission;
 pub mod schedule;
 
 use crate::dynamics::{Actuation, Glider, IntegrationError, Integrator, Parameters, State};
