@@ -46,6 +46,6 @@ mod ticks;
 mod tests;
 
 pub use figure::{Axis, Dash, Figure, Layer, Panel, Shape};
-pub use number::{estimate, interval, significant};
+pub use number::{estimate, interval, significant, with_interval};
 pub use page::{Block, InputFile, Report, Section};
 pub use table::{Cell, Table};

@@ -25,23 +25,28 @@ pub fn estimate(value: f64, standard_error: f64) -> String {
 
 /// `low to high`, both to the place that shows the width in two digits: `1.50 to 1.59`.
 pub fn interval(low: f64, high: f64) -> String {
-    if !(low.is_finite() && high.is_finite()) {
-        let end = |x: f64| if x.is_finite() { significant(x, 3) } else { "unbounded".to_owned() };
-        return format!("{} to {}", end(low), end(high));
+    let [low, high] = to_shared_place([low, high], high - low);
+    format!("{low} to {high}")
+}
+
+/// `value (low to high)`, all to the place that shows the width in two digits: `1.54 (1.42 to 1.67)`.
+pub fn with_interval(value: f64, low: f64, high: f64) -> String {
+    let [value, low, high] = to_shared_place([value, low, high], high - low);
+    format!("{value} ({low} to {high})")
+}
+
+fn to_shared_place<const N: usize>(values: [f64; N], width: f64) -> [String; N] {
+    let bounded = width.is_finite() && width != 0.0 && values.iter().all(|v| v.is_finite());
+    if !bounded {
+        return values.map(|v| if v.is_infinite() { "unbounded".to_owned() } else { significant(v, 4) });
     }
-    let width = (high - low).abs();
-    if width == 0.0 {
-        return format!("{0} to {0}", significant(low, 4));
-    }
-    let largest = low.abs().max(high.abs());
+    let largest = values.iter().fold(0.0, |l: f64, v| l.max(v.abs()));
     let place = place_of_second_digit(width);
     if readable(largest) && place >= -7 {
         let decimals = (-place).max(0) as usize;
-        let show = |x: f64| unsigned_zero(format!("{:.decimals$}", round_to(x, place)));
-        return format!("{} to {}", show(low), show(high));
+        return values.map(|v| unsigned_zero(format!("{:.decimals$}", round_to(v, place))));
     }
-    let digits = (exponent_of(largest) - place + 1).clamp(2, 12) as usize;
-    format!("{} to {}", significant(low, digits), significant(high, digits))
+    values.map(|v| significant(v, (exponent_of(v) - place + 1).clamp(2, 12) as usize))
 }
 
 /// A number to so many significant digits, without a needless exponent: `0.001234`, `5.68e-10`, `12350`.
@@ -117,7 +122,9 @@ mod tests {
         assert_eq!(interval(1.5012, 1.5934), "1.501 to 1.593");
         assert_eq!(interval(-0.4, 12.0), "0 to 12");
         assert_eq!(interval(5.1e-10, 6.2e-10), "5.1e-10 to 6.2e-10");
-        assert_eq!(interval(f64::NEG_INFINITY, 2.0), "unbounded to 2.00");
+        assert_eq!(interval(f64::NEG_INFINITY, 2.0), "unbounded to 2.000");
+        assert_eq!(with_interval(1.5432, 1.42, 1.668), "1.54 (1.42 to 1.67)");
+        assert_eq!(with_interval(5.68e-10, 5.1e-10, 6.2e-10), "5.7e-10 (5.1e-10 to 6.2e-10)");
         assert_eq!(interval(3.0, 3.0), "3.000 to 3.000");
     }
 

@@ -1,6 +1,7 @@
 //! Tables as data: a cell keeps its numbers, and is shown with as many digits as its uncertainty supports.
 
-use super::number::{estimate, interval, significant};
+use super::number::{estimate, interval, significant, with_interval};
+use crate::estimate::Estimate;
 
 /// A table of a report.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,6 +34,15 @@ pub enum Cell {
         value: f64,
         /// Its standard error, in the same unit.
         standard_error: f64,
+    },
+    /// A value and its interval, `1.54 (1.42 to 1.67)`; the column heading or the caption says which level.
+    WithInterval {
+        /// The value, in the column's unit.
+        value: f64,
+        /// Lower end, in the same unit.
+        low: f64,
+        /// Upper end, in the same unit.
+        high: f64,
     },
     /// An interval, `1.50 to 1.59`; the column heading or the caption says which level.
     Interval {
@@ -91,6 +101,7 @@ impl std::fmt::Display for Cell {
             Cell::Count(n) => write!(f, "{n}"),
             Cell::Number { value, digits } => f.write_str(&significant(*value, *digits)),
             Cell::Estimate { value, standard_error } => f.write_str(&estimate(*value, *standard_error)),
+            Cell::WithInterval { value, low, high } => f.write_str(&with_interval(*value, *low, *high)),
             Cell::Interval { low, high } => f.write_str(&interval(*low, *high)),
         }
     }
@@ -105,6 +116,13 @@ impl From<&str> for Cell {
 impl From<String> for Cell {
     fn from(text: String) -> Self {
         Cell::Text(text)
+    }
+}
+
+/// With its 95 % interval.
+impl From<&Estimate> for Cell {
+    fn from(q: &Estimate) -> Self {
+        Cell::WithInterval { value: q.value, low: q.ci95[0], high: q.ci95[1] }
     }
 }
 

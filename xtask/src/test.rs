@@ -77,6 +77,8 @@ impl Tested {
             "--package",
             "glidepolar-tank",
             "--bins",
+            "--example",
+            "report",
         ]))?;
         let program = |name: &str| workspace.target("debug").join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
         let fmus = fmu::run(workspace, &[])?;
@@ -87,6 +89,7 @@ impl Tested {
             programs: vec![
                 ("GLIDEPOLAR_COMMAND", program("glidepolar")),
                 ("GLIDEPOLAR_TANK_REDUCE", program("tank-reduce")),
+                ("GLIDEPOLAR_REPORT_EXAMPLE", program("examples/report")),
             ],
             fmus,
             python,

@@ -1,0 +1,220 @@
+"""Report pages in a real browser: they ask nothing of anyone, run nothing, fit a phone, and can be read in the dark.
+
+A page forbids scripts, so it is measured from outside: a wrapper holds it in a frame and writes what it finds into its
+own document, which the browser then prints.
+"""
+
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from conftest import path_from
+
+CHROMIUM = next(filter(None, map(shutil.which, ["chromium", "chromium-browser", "google-chrome", "chrome"])), None)
+WIDTHS = {"desktop": 1100, "phone": 390}
+SCHEMES = {"light": 1, "dark": 0}
+
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium: apt-get install chromium")
+
+
+@pytest.fixture(scope="session")
+def pages(tmp_path_factory) -> dict[str, Path]:
+    """Reports by name: the example with every kind of figure and table."""
+    folder = tmp_path_factory.mktemp("reports")
+    example = path_from("GLIDEPOLAR_REPORT_EXAMPLE")
+    subprocess.run([example, folder / "example"], check=True, capture_output=True)
+    return {"example": folder / "example" / "report.html"}
+
+
+@pytest.fixture(params=["example"])
+def page(request, pages) -> Path:
+    return pages[request.param]
+
+
+class Seen:
+    """What the browser did with a page."""
+
+    def __init__(self, output: str, console: list[str], requests: list[str]):
+        self.output = output
+        self.console = console
+        self.requests = requests
+
+
+def browse(page: Path, folder: Path, *flags: str, width: int = 1100, scheme: str = "light") -> Seen:
+    log = folder / "net.json"
+    done = subprocess.run(
+        [
+            CHROMIUM,
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--disable-quic",
+            "--no-first-run",
+            "--disable-background-networking",
+            "--disable-component-update",
+            "--disable-sync",
+            "--disable-extensions",
+            "--hide-scrollbars",
+            "--allow-file-access-from-files",
+            "--host-resolver-rules=MAP * ~NOTFOUND",
+            f"--blink-settings=preferredColorScheme={SCHEMES[scheme]}",
+            f"--user-data-dir={folder / 'profile'}",
+            f"--log-net-log={log}",
+            "--enable-logging=stderr",
+            f"--window-size={width},3000",
+            *flags,
+            page.as_uri(),
+        ],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=True,
+    )
+    console = [line for line in done.stderr.splitlines() if ":CONSOLE" in line]
+    return Seen(done.stdout, console, requests_of_pages(log))
+
+
+def requests_of_pages(log: Path) -> list[str]:
+    """Addresses that a page asked for. The browser's own requests have no origin and do not count."""
+    text = log.read_text(encoding="utf-8")
+    # The browser may stop before it has closed the list.
+    record = json.loads(text if text.rstrip().endswith("]}") or text.rstrip().endswith("}") else text.rstrip().rstrip(",") + "]}")
+    started = record["constants"]["logEventTypes"]["URL_REQUEST_START_JOB"]
+    starts = [event.get("params", {}) for event in record["events"] if event["type"] == started]
+    asked = [start["url"] for start in starts if start.get("url") and start.get("initiator") != "not an origin"]
+    return [url for url in asked if not url.startswith(("file:", "data:"))]
+
+
+MEASURE = """<!doctype html><meta charset="utf-8">
+<style>body { margin: 0 } iframe { border: 0; width: %(width)dpx; height: 3000px }</style>
+<iframe src="%(page)s"></iframe><pre id="found"></pre>
+<script>
+const frame = document.querySelector("iframe");
+frame.addEventListener("load", () => {
+  const page = frame.contentDocument, look = frame.contentWindow.getComputedStyle;
+  page.querySelectorAll("details").forEach(folded => folded.open = true);
+  const rgb = text => text.match(/[\\d.]+/g).map(Number);
+  const light = colour => {
+    const [r, g, b] = rgb(colour).map(v => v / 255).map(v => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+  };
+  const contrast = (a, b) => (Math.max(light(a), light(b)) + 0.05) / (Math.min(light(a), light(b)) + 0.05);
+  const paper = element => {
+    for (let e = element; e; e = e.parentElement) {
+      const colour = look(e).backgroundColor;
+      if ((rgb(colour)[3] ?? 1) > 0) return colour;
+    }
+    return "rgb(255, 255, 255)";
+  };
+  const box = e => { const r = e.getBoundingClientRect(); return [r.left, r.top, r.right, r.bottom]; };
+  const figures = [...page.querySelectorAll("svg")].map(svg => ({
+    box: box(svg),
+    background: look(svg.querySelector("rect")).fill,
+    texts: [...svg.querySelectorAll("text")].map(t => ({ text: t.textContent.trim(), box: box(t), fill: look(t).fill })),
+    strokes: [...new Set([...svg.querySelectorAll("polyline, line")].map(l => look(l).stroke))],
+  }));
+  figures.forEach(f => {
+    f.texts.forEach(t => t.contrast = contrast(t.fill, f.background));
+    f.strokes = f.strokes.map(s => ({ stroke: s, contrast: contrast(s, f.background) }));
+  });
+  const words = [...page.querySelectorAll("h1, h2, p, li, td, th, figcaption, code, a, summary")];
+  const faint = words.map(w => ({ text: w.textContent.trim().slice(0, 40), contrast: contrast(look(w).color, paper(w)) }));
+  document.getElementById("found").textContent = JSON.stringify({
+    width: page.documentElement.scrollWidth,
+    height: page.documentElement.scrollHeight,
+    background: look(page.body).backgroundColor,
+    figures, faint: faint.filter(w => w.text && w.contrast < 4.5),
+  });
+});
+</script>"""
+
+
+def measure(page: Path, folder: Path, width: int, scheme: str) -> dict:
+    wrapper = folder / "wrapper.html"
+    wrapper.write_text(MEASURE % {"width": width, "page": page.as_uri()}, encoding="utf-8")
+    seen = browse(wrapper, folder, "--dump-dom", "--virtual-time-budget=10000", width=max(width, 600), scheme=scheme)
+    found = re.search(r'<pre id="found">(.*?)</pre>', seen.output, re.DOTALL)
+    assert found and found[1], f"the page could not be measured: {seen.console}"
+    text = found[1].replace("&lt;", "<").replace("&gt;", ">").replace("&nbsp;", "\u00a0").replace("&amp;", "&")
+    return json.loads(text)
+
+
+def test_the_browser_reports_what_a_bad_page_does(tmp_path):
+    """The checks below can fail: a page with a foreign image, style and a broken script is seen through."""
+    bad = tmp_path / "bad.html"
+    bad.write_text(
+        '<!doctype html><style>@import url("http://styles.invalid/a.css");</style>'
+        '<img src="http://images.invalid/a.png"><script>undefinedFunction()</script>',
+        encoding="utf-8",
+    )
+    seen = browse(bad, tmp_path, "--dump-dom")
+    assert {"http://styles.invalid/a.css", "http://images.invalid/a.png"} <= set(seen.requests)
+    assert any("undefinedFunction" in line for line in seen.console)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize("width", WIDTHS)
+def test_a_page_asks_nothing_and_runs_nothing(page, tmp_path, width, scheme):
+    picture = tmp_path / f"{page.parent.name}-{width}-{scheme}.png"
+    seen = browse(page, tmp_path, f"--screenshot={picture}", width=WIDTHS[width], scheme=scheme)
+    assert seen.requests == []
+    assert seen.console == []
+    assert picture.stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize("width", WIDTHS)
+def test_a_page_fits_and_can_be_read(page, tmp_path, width, scheme):
+    found = measure(page, tmp_path, WIDTHS[width], scheme)
+    assert found["width"] <= WIDTHS[width], "the page scrolls sideways"
+    dark = all(int(v) < 60 for v in re.findall(r"\d+", found["background"])[:3])
+    assert dark == (scheme == "dark")
+    assert found["faint"] == []
+    assert len(found["figures"]) == page.read_text(encoding="utf-8").count("<svg")
+    for figure in found["figures"]:
+        for text in figure["texts"]:
+            assert text["contrast"] >= 4.5, text
+        # Only grid lines are meant to be faint.
+        assert sum(stroke["contrast"] < 2.0 for stroke in figure["strokes"]) <= 1, figure["strokes"]
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_no_text_in_a_figure_is_cut_off_or_covered_by_another(page, tmp_path, width):
+    """With the fonts of this machine, which are not those that the layout was measured with."""
+    for number, figure in enumerate(measure(page, tmp_path, WIDTHS[width], "light")["figures"], start=1):
+        left, top, right, bottom = figure["box"]
+        assert right - left > 200 and bottom - top > 60, f"figure {number} is too small"
+        assert figure["texts"], f"figure {number} has no text"
+        assert list(cut_or_covered(figure)) == [], f"figure {number}"
+
+
+def test_cut_and_covered_text_is_noticed(tmp_path):
+    bad = tmp_path / "bad.html"
+    bad.write_text(
+        '<!doctype html><svg width="300" height="100"><rect fill="white"/><text x="10" y="20">one</text>'
+        '<text x="12" y="22">two</text><text x="290" y="80">cut off</text><text x="100" y="80">free</text></svg>',
+        encoding="utf-8",
+    )
+    (figure,) = measure(bad, tmp_path, 390, "light")["figures"]
+    assert list(cut_or_covered(figure)) == ["two on one", "cut off is cut"]
+
+
+def cut_or_covered(figure: dict):
+    """Says which texts leave the figure or lie on one another."""
+    left, top, right, bottom = figure["box"]
+    texts = [text for text in figure["texts"] if text["text"]]
+    for i, one in enumerate(texts):
+        a, b, c, d = one["box"]
+        if a < left - 1 or b < top - 1 or c > right + 1 or d > bottom + 1:
+            yield f"{one['text']} is cut"
+        for other in texts[:i]:
+            # Boxes are those of lines, with room around the letters: a fifth either way may overlap.
+            wide = min(c, other["box"][2]) - max(a, other["box"][0])
+            high = min(d, other["box"][3]) - max(b, other["box"][1])
+            height = min(d - b, other["box"][3] - other["box"][1])
+            width = min(c - a, other["box"][2] - other["box"][0])
+            if wide > 0.2 * width and high > 0.2 * height:
+                yield f"{one['text']} on {other['text']}"
