@@ -1,6 +1,11 @@
 //! Fresh and sea water of towing tanks: density and viscosity against temperature.
 //!
-//! The in-situ density of the sea, against temperature, salinity and pressure, belongs to the flight logs.
+//! [`WaterColumn`] holds measured water against depth. The in-situ density of the sea, against temperature, salinity and
+//! pressure, belongs to the flight logs.
+
+pub mod column;
+
+pub use column::{WaterAt, WaterColumn};
 
 /// Salinity of standard sea water \[g/kg\] (ITTC 7.5-02-01-03).
 pub const STANDARD_SALINITY_G_KG: f64 = 35.165_04;
