@@ -1,9 +1,11 @@
 //! `glidepolar glide`: the forward process, one glide or the whole polar.
 
+use std::path::PathBuf;
+
 use clap::Args;
 use serde::Serialize;
 
-use super::{CliError, Output};
+use super::{CliError, Output, glide_page, vehicle_input};
 use crate::dynamics::{Parameters, Surroundings};
 use crate::glide::{Attitude, GlideError, SteadyGlide, at_path, at_pitch, shallowest};
 use crate::vehicle::Vehicle;
@@ -14,6 +16,7 @@ use crate::vehicle::Vehicle;
     glidepolar glide rogue --glide-angle-deg -30 --speed-m-s 0.30\n  \
     glidepolar glide slocum-049 --net-mass-kg 0.25 --pitch-deg -26\n  \
     glidepolar glide my-glider.toml --net-mass-kg 0.25        every pitch at this net mass: the polar\n  \
+    glidepolar glide slocum-049 --out polar                   the polar as a page with figures\n  \
     glidepolar glide slocum-graver --json -")]
 pub struct Arguments {
     /// Vehicle file or name of a built-in vehicle
@@ -36,6 +39,9 @@ pub struct Arguments {
     /// Depth, for hulls that yield [m]
     #[arg(long, value_name = "Z", default_value_t = 0.0)]
     depth_m: f64,
+    /// Write report.html and its figures to DIR
+    #[arg(long, value_name = "DIR", help_heading = "Output")]
+    out: Option<PathBuf>,
     #[command(flatten)]
     output: Output,
 }
@@ -56,6 +62,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let report = Report::new(&vehicle, &parameters, &water, &glides);
     if arguments.output.shows_tables() {
         report.print();
+    }
+    if let Some(out) = &arguments.out {
+        let page = glide_page::page(&vehicle, &parameters, &water, &glides);
+        page.input(vehicle_input(&arguments.vehicle)?).write(&arguments.output.folder(out)?)?;
     }
     arguments.output.write_json(&report)
 }
@@ -83,7 +93,10 @@ fn usual_net_mass_kg(parameters: &Parameters<f64>, water: &Surroundings<f64>) ->
     0.5 * parameters.net_mass_kg(parameters.ballast_min_m3, water)
 }
 
-/// Every whole degree of pitch at which this net mass glides.
+/// Beyond the angles at which hulls are towed the laws of lift and drag say nothing: a polar ends here \[deg\].
+pub(super) const WIDEST_ANGLE_OF_ATTACK_DEG: f64 = 20.0;
+
+/// Every whole degree of pitch at which this net mass glides within the laws of lift and drag.
 fn polar(
     parameters: &Parameters<f64>,
     water: &Surroundings<f64>,
@@ -93,7 +106,8 @@ fn polar(
     let glide = |degrees: i32| {
         at_pitch(parameters, water, Attitude { pitch_rad: nose * f64::from(degrees).to_radians(), net_mass_kg })
     };
-    let glides: Vec<_> = (1..=70).filter_map(|degrees| glide(degrees).ok()).collect();
+    let within = |g: &SteadyGlide<f64>| g.angle_of_attack_rad.to_degrees().abs() <= WIDEST_ANGLE_OF_ATTACK_DEG;
+    let glides: Vec<_> = (1..=70).filter_map(|degrees| glide(degrees).ok()).filter(within).collect();
     if glides.is_empty() { glide(45).map(|glide| vec![glide]) } else { Ok(glides) }
 }
 

@@ -6,6 +6,7 @@
 //! calls it and shows what came back.
 
 pub mod glide;
+mod glide_page;
 mod mission;
 pub mod simulate;
 pub mod vehicles;
@@ -18,6 +19,7 @@ use clap::{Args, Parser, Subcommand};
 use crate::glide::GlideError;
 use crate::input::InputError;
 use crate::output::{OutputFolder, Replace, write_whole};
+use crate::report::InputFile;
 use crate::simulate::mission::MissionError;
 use crate::vehicle::MissingKeys;
 
@@ -90,6 +92,17 @@ impl Output {
     /// Where the folder cannot be made.
     pub fn folder(&self, path: &Path) -> Result<OutputFolder, CliError> {
         Ok(OutputFolder::open(path, self.force)?)
+    }
+}
+
+/// A vehicle as a report lists it among what was read.
+///
+/// # Errors
+/// Where the vehicle file cannot be read.
+pub fn vehicle_input(name_or_file: &str) -> Result<InputFile, CliError> {
+    match crate::vehicle::builtin::text(name_or_file) {
+        Some(text) => Ok(InputFile::of(format!("built-in vehicle {name_or_file}"), text.as_bytes())),
+        None => Ok(InputFile::read(name_or_file)?),
     }
 }
 

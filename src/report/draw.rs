@@ -367,7 +367,7 @@ fn height_of(panel: &Panel, count: usize) -> f64 {
 
 fn y_scale(panel: &Panel, height: f64) -> Scale {
     let data = extent(panel.layers.iter().flat_map(ys));
-    let mut scale = Scale::new(&panel.y, data, 0.06, (height / 32.0) as usize);
+    let mut scale = Scale::new(&panel.y, data, 0.06, ((height / 28.0) as usize).min(8));
     if !panel.y.names.is_empty() {
         // Read from the top, as a list is.
         scale.reversed = !scale.reversed;

@@ -93,7 +93,8 @@ fn round_to(value: f64, place: i32) -> f64 {
     (value / unit).round() * unit
 }
 
-fn unsigned_zero(text: String) -> String {
+/// Without the sign of a zero.
+pub(super) fn unsigned_zero(text: String) -> String {
     match text.strip_prefix('-') {
         Some(rest) if rest.chars().all(|c| matches!(c, '0' | '.')) => rest.to_owned(),
         _ => text,

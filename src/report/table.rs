@@ -1,6 +1,6 @@
 //! Tables as data: a cell keeps its numbers, and is shown with as many digits as its uncertainty supports.
 
-use super::number::{estimate, interval, significant, with_interval};
+use super::number::{estimate, interval, significant, unsigned_zero, with_interval};
 use crate::estimate::Estimate;
 
 /// A table of a report.
@@ -27,6 +27,13 @@ pub enum Cell {
         value: f64,
         /// Significant digits to show.
         digits: usize,
+    },
+    /// A number with so many decimals, where a column's numbers are to stand point under point.
+    Fixed {
+        /// The value, in the column's unit.
+        value: f64,
+        /// Decimals to show.
+        decimals: usize,
     },
     /// A value and its standard error, `1.543 ± 0.021`.
     Estimate {
@@ -88,6 +95,11 @@ impl Cell {
         Cell::Number { value, digits }
     }
 
+    /// A number with so many decimals.
+    pub fn fixed(value: f64, decimals: usize) -> Self {
+        Cell::Fixed { value, decimals }
+    }
+
     /// Whether the cell is set flush right, as numbers are.
     pub(super) fn is_number(&self) -> bool {
         !matches!(self, Cell::Text(_))
@@ -100,6 +112,8 @@ impl std::fmt::Display for Cell {
             Cell::Text(text) => f.write_str(text),
             Cell::Count(n) => write!(f, "{n}"),
             Cell::Number { value, digits } => f.write_str(&significant(*value, *digits)),
+            Cell::Fixed { value, .. } if !value.is_finite() => f.write_str("-"),
+            Cell::Fixed { value, decimals } => f.write_str(&unsigned_zero(format!("{value:.decimals$}"))),
             Cell::Estimate { value, standard_error } => f.write_str(&estimate(*value, *standard_error)),
             Cell::WithInterval { value, low, high } => f.write_str(&with_interval(*value, *low, *high)),
             Cell::Interval { low, high } => f.write_str(&interval(*low, *high)),

@@ -20,18 +20,20 @@ SCHEMES = {"light": 1, "dark": 0}
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium: apt-get install chromium")
 
 
-@pytest.fixture(scope="session")
-def pages(tmp_path_factory) -> dict[str, Path]:
-    """Reports by name: the example with every kind of figure and table."""
-    folder = tmp_path_factory.mktemp("reports")
-    example = path_from("GLIDEPOLAR_REPORT_EXAMPLE")
-    subprocess.run([example, folder / "example"], check=True, capture_output=True)
-    return {"example": folder / "example" / "report.html"}
+# Commands that write a report, by the name of the report; each gets its folder as the last argument.
+REPORTS = {
+    "example": ("GLIDEPOLAR_REPORT_EXAMPLE",),
+    "glide": ("GLIDEPOLAR_COMMAND", "glide", "slocum-049", "--quiet", "--out"),
+}
 
 
-@pytest.fixture(params=["example"])
-def page(request, pages) -> Path:
-    return pages[request.param]
+@pytest.fixture(scope="session", params=REPORTS)
+def page(request, tmp_path_factory) -> Path:
+    """Each report in turn."""
+    program, *arguments = REPORTS[request.param]
+    folder = tmp_path_factory.mktemp("reports") / request.param
+    subprocess.run([path_from(program), *arguments, folder], check=True, capture_output=True)
+    return folder / "report.html"
 
 
 class Seen:
