@@ -26,6 +26,7 @@ pub mod mechanisms;
 pub mod number;
 #[cfg(feature = "report")]
 pub mod output;
+pub mod plan;
 #[cfg(feature = "report")]
 pub mod report;
 pub mod simulate;

@@ -8,6 +8,8 @@
 pub mod glide;
 mod glide_page;
 mod mission;
+pub mod plan;
+mod plan_tables;
 pub mod simulate;
 pub mod vehicles;
 
@@ -36,6 +38,7 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Glide(glide::Arguments),
+    Plan(plan::Arguments),
     Simulate(simulate::Arguments),
     Vehicles(vehicles::Arguments),
 }
@@ -154,6 +157,7 @@ pub fn main() -> ExitCode {
 fn run(cli: Cli) -> Result<(), CliError> {
     match cli.command {
         Command::Glide(arguments) => glide::run(&arguments),
+        Command::Plan(arguments) => plan::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Vehicles(arguments) => vehicles::run(&arguments),
     }

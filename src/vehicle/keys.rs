@@ -154,6 +154,7 @@ sections! {
         pump_J_per_cc: Assume(0.0), "J/cm3", 0.0, "Energy to pump out a volume at the surface";
         pump_J_per_dbar_cc: Assume(0.0), "J/(dbar.cm3)", 0.0, "Energy to pump out a volume per pressure; 0.01 is the ideal pump";
         pitch_move_J: Assume(0.0), "J", 0.0, "Energy of one move of the moving mass";
+        surfacing_J: Assume(0.0), "J", 0.0, "Energy of one surfacing beyond the hotel power: fix and call";
         rudder_W: Assume(0.0), "W", 0.0, "Mean power of steering";
     }
 }

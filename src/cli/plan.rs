@@ -1,0 +1,291 @@
+//! `glidepolar plan`: energy, dives, days and distance on one battery; and its constants from battery counters.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+
+use super::plan_tables::{read_dives, read_strokes};
+use super::{CliError, Output};
+use crate::estimate::Estimate;
+use crate::plan::calibrate::{DiveFit, PumpFit, fit_dives, fit_pump};
+use crate::plan::{Ask, Dive, Outlook, PlanError, Sensor, outlook};
+use crate::simulate::mission::LegOrder;
+use crate::vehicle::Vehicle;
+
+/// Plans: energy per dive, dives, days, distance, what is left, and what one more sensor costs
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    glidepolar plan seaglider --battery-Wh 2700 --depth-m 1000 --pitch-deg 20\n  \
+    glidepolar plan my-glider.toml --battery-Ah 120 --battery-V 15 --depth-m 180 --days 21 --dives-per-surfacing 7\n  \
+    glidepolar plan my-glider.toml --depth-m 180 --sensor-W 0.5 --sensor-drag-m2 0.0015      with and without\n  \
+    glidepolar plan seaglider --moves motor_moves.csv --dives dives.csv --write calibrated.toml\n\n\
+    Distances are through the water: currents come on top. Intervals (95 %) hold the [uncertainty] of the vehicle file\n\
+    and the model error. --moves and --dives calibrate pump, hotel and surfacing from battery counters: tables with the\n\
+    columns dive, depth_m, vbd_ad_start, vbd_ad_end, vbd_secs, vbd_A, vbd_V and dive, duration_s, VBD_CNV_cc_per_count,\n\
+    ah24_cum_Ah, ah24_min_V, ah10_cum_Ah, ah10_min_V, as Seaglider's dive files have them.")]
+pub struct Arguments {
+    /// Vehicle file or name of a built-in vehicle
+    vehicle: String,
+    /// Charge of the battery; needs a voltage [A.h]
+    #[arg(long = "battery-Ah", value_name = "Q", conflicts_with = "battery_wh")]
+    battery_ah: Option<f64>,
+    /// Energy of the battery; default: the vehicle's [W.h]
+    #[arg(long = "battery-Wh", value_name = "E")]
+    battery_wh: Option<f64>,
+    /// Voltage of the battery; default: the vehicle's [V]
+    #[arg(long = "battery-V", value_name = "U")]
+    battery_v: Option<f64>,
+    /// Depth of the dives [m]
+    #[arg(long, value_name = "Z", required_unless_present = "moves")]
+    depth_m: Option<f64>,
+    /// End of the voyage; default: when the battery is empty [d]
+    #[arg(long, value_name = "N")]
+    days: Option<f64>,
+    /// Pitch of both legs, down and up [deg]
+    #[arg(long, value_name = "T", default_value_t = 25.0)]
+    pitch_deg: f64,
+    /// Ballast volume on descents; default: the smallest [cm3]
+    #[arg(long, value_name = "V", allow_negative_numbers = true)]
+    ballast_down_cc: Option<f64>,
+    /// Ballast volume on ascents; default: the largest [cm3]
+    #[arg(long, value_name = "V", allow_negative_numbers = true)]
+    ballast_up_cc: Option<f64>,
+    /// Ballast volume at the surface; default: as on ascents [cm3]
+    #[arg(long, value_name = "V", allow_negative_numbers = true)]
+    surface_ballast_cc: Option<f64>,
+    /// Dives from one surfacing to the next
+    #[arg(long, value_name = "N", default_value_t = 1.0)]
+    dives_per_surfacing: f64,
+    /// Stay at the surface [min]
+    #[arg(long, value_name = "T", default_value_t = 10.0)]
+    stay_min: f64,
+    /// Moves of the moving mass in one dive
+    #[arg(long, value_name = "N", default_value_t = 4.0)]
+    pitch_moves: f64,
+    /// Water density at the surface; default: the vehicle's reference [kg/m3]
+    #[arg(long, value_name = "RHO")]
+    density: Option<f64>,
+    /// Standard error that the energy account itself makes, per cent of a dive's energy
+    #[arg(long, value_name = "P", default_value_t = 5.0)]
+    model_error_percent: f64,
+    /// One more sensor: its power [W]
+    #[arg(long = "sensor-W", value_name = "W", default_value_t = 0.0)]
+    sensor_w: f64,
+    /// One more sensor: its drag area, drag coefficient times area [m2]
+    #[arg(long, value_name = "A", default_value_t = 0.0)]
+    sensor_drag_m2: f64,
+    /// Calibrate: strokes of the pump (CSV)
+    #[arg(long, value_name = "FILE", requires = "dives")]
+    moves: Option<PathBuf>,
+    /// Calibrate: battery counters dive by dive (CSV)
+    #[arg(long, value_name = "FILE", requires = "moves")]
+    dives: Option<PathBuf>,
+    /// Calibrate: write the vehicle with its new constants to FILE
+    #[arg(long, value_name = "FILE", requires = "moves")]
+    write: Option<PathBuf>,
+    #[command(flatten)]
+    output: Output,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    let mut vehicle = Vehicle::load(&arguments.vehicle)?;
+    let calibration = calibrate(arguments, &mut vehicle)?;
+    let plan = match arguments.depth_m {
+        None => None,
+        Some(depth_m) => Some(plan(arguments, &vehicle, depth_m)?),
+    };
+    let report = Report { schema: "glidepolar.plan/1", vehicle: vehicle.name.clone(), calibration, plan };
+    if arguments.output.shows_tables() {
+        report.print();
+    }
+    arguments.output.write_json(&report)
+}
+
+fn calibrate(arguments: &Arguments, vehicle: &mut Vehicle) -> Result<Option<Calibration>, CliError> {
+    let (Some(moves), Some(dives)) = (&arguments.moves, &arguments.dives) else {
+        return Ok(None);
+    };
+    let table = read_dives(dives)?;
+    let strokes = read_strokes(moves, table.cc_per_count)?;
+    let failed = |error: crate::plan::calibrate::CalibrationError| CliError::Failed(error.to_string());
+    let pump = fit_pump(&strokes).map_err(failed)?;
+    let dives = fit_dives(&strokes, &table.dives).map_err(failed)?;
+    let factor = dives.pump_factor.value;
+    for (path, estimate, factor) in [
+        ("energy.pump_J_per_dbar_cc", &pump.pump_J_per_dbar_cc, factor),
+        ("energy.pump_J_per_cc", &pump.pump_J_per_cc, factor),
+        ("energy.hotel_W", &dives.hotel_W, 1.0),
+        ("energy.surfacing_J", &dives.surfacing_J, 1.0),
+    ] {
+        vehicle.set(path, estimate.value * factor)?;
+        vehicle.set(&format!("uncertainty.{path}"), estimate.se * factor)?;
+    }
+    if let Some(path) = &arguments.write {
+        arguments.output.write(path, vehicle.to_toml().as_bytes())?;
+    }
+    Ok(Some(Calibration { pump, dives }))
+}
+
+fn plan(arguments: &Arguments, vehicle: &Vehicle, depth_m: f64) -> Result<Plan, CliError> {
+    let a = arguments;
+    let above_zero = [
+        ("--depth-m", depth_m),
+        ("--pitch-deg", a.pitch_deg),
+        ("--dives-per-surfacing", a.dives_per_surfacing),
+        ("--days", a.days.unwrap_or(1.0)),
+    ];
+    if let Some((name, value)) = above_zero.iter().find(|(_, value)| !(*value > 0.0 && value.is_finite())) {
+        return Err(CliError::Usage(format!("{name} {value}: expected a number above zero")));
+    }
+    let not_below = [
+        ("--sensor-W", a.sensor_w),
+        ("--sensor-drag-m2", a.sensor_drag_m2),
+        ("--stay-min", a.stay_min),
+        ("--pitch-moves", a.pitch_moves),
+        ("--model-error-percent", a.model_error_percent),
+    ];
+    if let Some((name, value)) = not_below.iter().find(|(_, value)| !(*value >= 0.0 && value.is_finite())) {
+        return Err(CliError::Usage(format!("{name} {value}: expected a number not below zero")));
+    }
+    let battery_J = battery_J(a, vehicle)?;
+    let parameters = vehicle.parameters()?;
+    let down_m3 = a.ballast_down_cc.map_or(parameters.ballast_min_m3, |cc| cc * 1e-6);
+    let up_m3 = a.ballast_up_cc.map_or(parameters.ballast_max_m3, |cc| cc * 1e-6);
+    let pitch_rad = a.pitch_deg.to_radians();
+    let ask = Ask {
+        dive: Dive {
+            depth_m,
+            descent: LegOrder { pitch_rad: -pitch_rad, ballast_m3: down_m3 },
+            ascent: LegOrder { pitch_rad, ballast_m3: up_m3 },
+            surface_ballast_m3: a.surface_ballast_cc.map_or(up_m3, |cc| cc * 1e-6),
+            dives_per_surfacing: a.dives_per_surfacing.max(1.0),
+            stay_s: a.stay_min * 60.0,
+            surface_density_kg_m3: a.density.unwrap_or(parameters.reference_density_kg_m3),
+        },
+        battery_J,
+        pitch_moves: a.pitch_moves,
+        days: a.days,
+        model_error: a.model_error_percent / 100.0,
+        sensor: Sensor::default(),
+    };
+    let sensor = Sensor { drag_area_m2: a.sensor_drag_m2, power_W: a.sensor_w };
+    let with_sensor =
+        if sensor == Sensor::default() { None } else { Some(outlook(vehicle, &Ask { sensor, ..ask.clone() })?) };
+    let without = outlook(vehicle, &ask)?;
+    let sensor_costs_days = with_sensor.as_ref().map(|with| without.days.value - with.days.value);
+    Ok(Plan { battery_Wh: battery_J / 3600.0, outlook: without, with_sensor, sensor_costs_days })
+}
+
+fn battery_J(a: &Arguments, vehicle: &Vehicle) -> Result<f64, CliError> {
+    let volts = a.battery_v.or_else(|| vehicle.get("energy.battery_V"));
+    let watt_hours = match (a.battery_ah, volts) {
+        (Some(_), None) => {
+            let problem = "--battery-Ah needs the voltage: add --battery-V or `energy.battery_V` in the vehicle file";
+            return Err(CliError::Usage(problem.to_owned()));
+        }
+        (Some(charge), Some(volts)) => Some(charge * volts),
+        (None, _) => a.battery_wh.or_else(|| vehicle.get("energy.battery_Wh")),
+    };
+    watt_hours.filter(|energy| *energy > 0.0 && energy.is_finite()).map(|energy| energy * 3600.0).ok_or_else(|| {
+        CliError::Usage(
+            "no battery: add --battery-Wh, --battery-Ah or `energy.battery_Wh` in the vehicle file".to_owned(),
+        )
+    })
+}
+
+impl From<PlanError> for CliError {
+    fn from(error: PlanError) -> Self {
+        match error {
+            PlanError::MissingKeys(error) => error.into(),
+            PlanError::Glide(_) | PlanError::NoConsumption => CliError::Failed(error.to_string()),
+        }
+    }
+}
+
+/// The result as JSON gives it.
+#[derive(Debug, Serialize)]
+struct Report {
+    schema: &'static str,
+    vehicle: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    calibration: Option<Calibration>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    plan: Option<Plan>,
+}
+
+#[derive(Debug, Serialize)]
+struct Calibration {
+    pump: PumpFit,
+    dives: DiveFit,
+}
+
+#[derive(Debug, Serialize)]
+struct Plan {
+    battery_Wh: f64,
+    #[serde(flatten)]
+    outlook: Outlook,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    with_sensor: Option<Outlook>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sensor_costs_days: Option<f64>,
+}
+
+impl Report {
+    fn print(&self) {
+        if let Some(Calibration { pump, dives }) = &self.calibration {
+            println!("{}: {} strokes of the pump, {} dives", self.vehicle, pump.strokes, dives.dives);
+            line("pump, per pressure", &pump.pump_J_per_dbar_cc, 5);
+            line("pump, per volume", &pump.pump_J_per_cc, 2);
+            println!(
+                "  {:<24} {:>10.1} % of the mean stroke; efficiency {:.0} %",
+                "residual of a stroke",
+                100.0 * pump.relative_rms,
+                100.0 * pump.efficiency
+            );
+            line("battery over pump", &dives.pump_factor, 3);
+            line("hotel", &dives.hotel_W, 3);
+            line("each dive besides", &dives.surfacing_J, 0);
+            println!(
+                "  {:<24} {:>10.1} % (the mean of the other dives: {:.1} %)",
+                "charge, dive left out",
+                100.0 * dives.charge_error_left_out,
+                100.0 * dives.charge_error_of_the_mean
+            );
+        }
+        if let Some(plan) = &self.plan {
+            println!("{}, {:.0} Wh (values with 95 % intervals)", self.vehicle, plan.battery_Wh);
+            let Outlook { dive_duration_h, dive_distance_km, dive_energy_kJ, .. } = &plan.outlook;
+            line("a dive lasts", dive_duration_h, 2);
+            line("takes the glider", dive_distance_km, 2);
+            line("and draws", dive_energy_kJ, 2);
+            println!(
+                "  {:<24} {:>10.2} kJ pump, {:.2} hotel, {:.2} steering, {:.2} surfacing",
+                "of which",
+                plan.outlook.dive_pump_kJ.value,
+                plan.outlook.dive_hotel_kJ.value,
+                plan.outlook.dive_steering_kJ.value,
+                plan.outlook.dive_surfacing_kJ.value
+            );
+            voyage(&plan.outlook);
+            if let (Some(with), Some(days)) = (&plan.with_sensor, plan.sensor_costs_days) {
+                println!("with the sensor ({days:+.1} days less)");
+                voyage(with);
+            }
+        }
+    }
+}
+
+fn voyage(outlook: &Outlook) {
+    line("days", &outlook.days, 1);
+    line("dives", &outlook.dives, 0);
+    line("pumpings", &outlook.pumpings, 0);
+    line("distance", &outlook.distance_km, 0);
+    line("battery left", &outlook.battery_left_percent, 0);
+}
+
+fn line(name: &str, estimate: &Estimate, decimals: usize) {
+    let [low, high] = estimate.ci95;
+    let unit = if estimate.unit == "1" { "" } else { &estimate.unit };
+    println!("  {name:<24} {:>10.decimals$} {unit} ({low:.decimals$} to {high:.decimals$})", estimate.value);
+}

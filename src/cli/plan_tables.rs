@@ -1,0 +1,104 @@
+//! The tables from which `plan` calibrates: strokes of the pump, and battery counters dive by dive.
+
+use std::path::Path;
+
+use csv::{ReaderBuilder, StringRecord};
+
+use crate::input::{InputError, Place, nearest, printable};
+use crate::plan::calibrate::{DiveCount, Stroke};
+
+/// Gauge pressure per depth of sea water, 1030 kg/m3 on the mean \[dbar/m\]; within 1 % down to 2000 m.
+const DBAR_PER_M: f64 = 1030.0 * 9.81 * 1e-4;
+
+/// Strokes smaller than this drown in the count of the potentiometer \[cm3\].
+const SMALLEST_STROKE_CC: f64 = 1.0;
+
+/// Counters dive by dive.
+pub(super) struct Dives {
+    /// What each dive drew.
+    pub dives: Vec<DiveCount>,
+    /// Volume of one count of the ballast potentiometer \[cm3\].
+    pub cc_per_count: f64,
+}
+
+/// Charge of a dive is the difference of the running counts to the dive before it: the first dive of an unbroken series
+/// gives none.
+pub(super) fn read_dives(file: &Path) -> Result<Dives, InputError> {
+    const COLUMNS: [&str; 7] =
+        ["dive", "duration_s", "VBD_CNV_cc_per_count", "ah24_cum_Ah", "ah24_min_V", "ah10_cum_Ah", "ah10_min_V"];
+    let mut dives: Vec<DiveCount> = Vec::new();
+    let mut before: Option<[f64; 7]> = None;
+    let mut cc_per_count = None;
+    for_each_row(file, COLUMNS, |row| {
+        let [dive, duration_s, count, ah24, v24, ah10, v10] = row;
+        cc_per_count.get_or_insert(count.abs());
+        if let Some([_, _, _, ah24_before, _, ah10_before, _]) = before.filter(|before| before[0] + 1.0 == dive) {
+            let (high, low) = (ah24 - ah24_before, ah10 - ah10_before);
+            dives.push(DiveCount {
+                dive: dive as u32,
+                duration_s,
+                charge_Ah: high + low,
+                energy_J: (high * v24 + low * v10) * 3600.0,
+            });
+        }
+        before = Some(row);
+    })?;
+    let cc_per_count = cc_per_count.ok_or_else(|| InputError::new(Place::file(file), "the table has no rows"))?;
+    Ok(Dives { dives, cc_per_count })
+}
+
+/// Rows in which the pump ran outward (`vbd_secs` above zero).
+pub(super) fn read_strokes(file: &Path, cc_per_count: f64) -> Result<Vec<Stroke>, InputError> {
+    const COLUMNS: [&str; 7] = ["dive", "depth_m", "vbd_ad_start", "vbd_ad_end", "vbd_secs", "vbd_A", "vbd_V"];
+    let mut strokes = Vec::new();
+    for_each_row(file, COLUMNS, |[dive, depth_m, start, end, seconds, ampere, volt]| {
+        let volume_cc = (start - end) * cc_per_count;
+        if seconds > 0.0 && volume_cc >= SMALLEST_STROKE_CC {
+            strokes.push(Stroke {
+                dive: dive as u32,
+                pressure_dbar: depth_m * DBAR_PER_M,
+                volume_cc,
+                energy_J: seconds * ampere * volt,
+            });
+        }
+    })?;
+    Ok(strokes)
+}
+
+fn for_each_row<const N: usize>(
+    file: &Path,
+    columns: [&str; N],
+    mut on_row: impl FnMut([f64; N]),
+) -> Result<(), InputError> {
+    let failed = |error: csv::Error| {
+        let line = error.position().map(|position| position.line() as usize);
+        let place = line.map_or(Place::file(file), |line| Place::line(file, line));
+        InputError::new(place, printable(&error.to_string())).help("a table has a header and a cell for each column")
+    };
+    let mut reader = ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_path(file).map_err(failed)?;
+    let header = reader.headers().map_err(failed)?.clone();
+    let mut places = [0; N];
+    for (place, name) in places.iter_mut().zip(columns) {
+        *place = header.iter().position(|column| column == name).ok_or_else(|| {
+            let error = InputError::new(Place::line(file, 1), format!("no column `{name}`"));
+            match nearest(name, header.iter()) {
+                Some(near) => error.help(format!("is it `{}`?", printable(near))),
+                None => error.help(format!("the columns needed are: {}", columns.join(", "))),
+            }
+        })?;
+    }
+    let mut record = StringRecord::new();
+    while reader.read_record(&mut record).map_err(failed)? {
+        let line = record.position().map_or(0, |position| position.line() as usize);
+        let mut row = [0.0; N];
+        for (value, &column) in row.iter_mut().zip(&places) {
+            let cell = record.get(column).unwrap_or("");
+            *value = cell.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| {
+                let place = Place::line(file, line).column(column + 1);
+                InputError::new(place, format!("`{}` is no finite number", printable(cell)))
+            })?;
+        }
+        on_row(row);
+    }
+    Ok(())
+}

@@ -1,0 +1,174 @@
+//! The plan with its intervals: every uncertain figure of the vehicle carried through, and the model's own error.
+//!
+//! Linear propagation: each figure with a standard error in the vehicle file moves the plan by half the difference
+//! between one standard error up and one down; independent figures add in squares. The model error is one more such
+//! figure, a factor on the energy of a dive.
+
+use super::{Consumers, Dive, PerDive, per_dive};
+use crate::dynamics::Parameters;
+use crate::estimate::Estimate;
+use crate::glide::GlideError;
+use crate::vehicle::{MissingKeys, Vehicle};
+
+/// What is asked of a plan.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ask {
+    /// The dive that is repeated.
+    pub dive: Dive,
+    /// Energy of the battery \[J\].
+    pub battery_J: f64,
+    /// Moves of the moving mass in one dive.
+    pub pitch_moves: f64,
+    /// End of the voyage \[d\]; none: when the battery is empty.
+    pub days: Option<f64>,
+    /// Relative standard error of the energy of a dive that the model itself makes.
+    pub model_error: f64,
+    /// A sensor added outside.
+    pub sensor: Sensor,
+}
+
+/// What an external sensor costs the glider.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Sensor {
+    /// Its drag area, drag coefficient times the area that it refers to \[m2\].
+    pub drag_area_m2: f64,
+    /// Its power \[W\].
+    pub power_W: f64,
+}
+
+/// The plan.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[allow(missing_docs, reason = "units and quantities stand in the names")]
+pub struct Outlook {
+    pub dive_duration_h: Estimate,
+    pub dive_distance_km: Estimate,
+    pub dive_pump_kJ: Estimate,
+    pub dive_hotel_kJ: Estimate,
+    pub dive_steering_kJ: Estimate,
+    pub dive_surfacing_kJ: Estimate,
+    pub dive_energy_kJ: Estimate,
+    pub days: Estimate,
+    pub dives: Estimate,
+    pub pumpings: Estimate,
+    /// Through the water: currents come on top.
+    pub distance_km: Estimate,
+    pub energy_Wh: Estimate,
+    pub battery_left_Wh: Estimate,
+    pub battery_left_percent: Estimate,
+}
+
+/// Why there is no plan.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PlanError {
+    /// The vehicle lacks what a plan needs.
+    #[error(transparent)]
+    MissingKeys(#[from] MissingKeys),
+    /// A leg cannot be flown.
+    #[error("{0}; change --pitch-deg or the ballast of the dive")]
+    Glide(#[from] GlideError),
+    /// Nothing draws on the battery.
+    #[error("nothing draws on the battery: set `energy.hotel_W` and the pump's figures in the vehicle file")]
+    NoConsumption,
+}
+
+const N: usize = 14;
+const UNITS: [&str; N] = ["h", "km", "kJ", "kJ", "kJ", "kJ", "kJ", "d", "1", "1", "km", "W.h", "W.h", "%"];
+
+/// The plan for a vehicle.
+///
+/// # Errors
+/// Where a leg cannot be flown, or nothing draws on the battery.
+pub fn outlook(vehicle: &Vehicle, ask: &Ask) -> Result<Outlook, PlanError> {
+    let centre = quantities(vehicle, ask, 1.0)?;
+    let mut variance = [0.0; N];
+    let mut add = |up: [f64; N], down: [f64; N]| {
+        for (variance, (up, down)) in variance.iter_mut().zip(up.into_iter().zip(down)) {
+            *variance += (0.5 * (up - down)).powi(2);
+        }
+    };
+    for (path, &se) in &vehicle.uncertainty {
+        let Some(value) = vehicle.get(path).filter(|_| se > 0.0) else {
+            continue;
+        };
+        let moved = |by: f64| {
+            let mut vehicle = vehicle.clone();
+            // A key with an uncertainty is a key; the value stays what it was where it is not.
+            let _ = vehicle.set(path, value + by);
+            quantities(&vehicle, ask, 1.0)
+        };
+        add(moved(se)?, moved(-se)?);
+    }
+    add(quantities(vehicle, ask, 1.0 + ask.model_error)?, quantities(vehicle, ask, 1.0 - ask.model_error)?);
+    let [d0, d1, d2, d3, d4, d5, d6, days, dives, pumpings, distance, energy, left, percent] =
+        std::array::from_fn(|i| Estimate::normal(centre[i], variance[i].sqrt(), UNITS[i]));
+    Ok(Outlook {
+        dive_duration_h: d0,
+        dive_distance_km: d1,
+        dive_pump_kJ: d2,
+        dive_hotel_kJ: d3,
+        dive_steering_kJ: d4,
+        dive_surfacing_kJ: d5,
+        dive_energy_kJ: d6,
+        days,
+        dives,
+        pumpings,
+        distance_km: distance,
+        energy_Wh: energy,
+        battery_left_Wh: left,
+        battery_left_percent: percent,
+    })
+}
+
+fn quantities(vehicle: &Vehicle, ask: &Ask, energy_factor: f64) -> Result<[f64; N], PlanError> {
+    let get = |path: &str| vehicle.get(path).unwrap_or(0.0);
+    let consumers = Consumers {
+        battery_J: ask.battery_J,
+        rudder_W: get("energy.rudder_W"),
+        pitch_move_J: get("energy.pitch_move_J"),
+        pitch_moves: ask.pitch_moves,
+        surfacing_J: get("energy.surfacing_J"),
+    };
+    let parameters = ask.sensor.carried_by(&vehicle.parameters()?);
+    let one: PerDive = per_dive(&parameters, &ask.dive, &consumers)?;
+    let energy_J = one.energy_J() * energy_factor;
+    if energy_J <= 0.0 {
+        return Err(PlanError::NoConsumption);
+    }
+    let until_empty = ask.battery_J / energy_J;
+    let dives = ask.days.map_or(until_empty, |days| (days * DAY_S / one.duration_s).min(until_empty));
+    let left_J = ask.battery_J - dives * energy_J;
+    Ok([
+        one.duration_s / HOUR_S,
+        one.distance_m / 1e3,
+        one.pump_J * energy_factor / 1e3,
+        one.hotel_J * energy_factor / 1e3,
+        one.steering_J * energy_factor / 1e3,
+        one.surfacing_J * energy_factor / 1e3,
+        energy_J / 1e3,
+        dives * one.duration_s / DAY_S,
+        dives,
+        dives * one.pumpings,
+        dives * one.distance_m / 1e3,
+        dives * energy_J / HOUR_S,
+        left_J / HOUR_S,
+        100.0 * left_J / ask.battery_J,
+    ])
+}
+
+const HOUR_S: f64 = 3600.0;
+const DAY_S: f64 = 86_400.0;
+
+impl Sensor {
+    /// The glider with this sensor on it: `b` grows by the drag area over the frontal area on both legs.
+    pub fn carried_by(&self, parameters: &Parameters<f64>) -> Parameters<f64> {
+        let p = parameters;
+        let more = self.drag_area_m2 / p.frontal_area_m2;
+        let ascent_b = p.b * p.ascent_b_ratio;
+        Parameters {
+            b: p.b + more,
+            ascent_b_ratio: if more == 0.0 { p.ascent_b_ratio } else { (ascent_b + more) / (p.b + more) },
+            hotel_W: p.hotel_W + self.power_W,
+            ..*p
+        }
+    }
+}
