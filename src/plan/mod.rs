@@ -5,8 +5,11 @@
 //! ```text
 //! E = k1 P dV + k2 dV  (each stroke of the pump)  +  (hotel + rudder) T  +  moves of the moving mass  +  surfacing
 //! ```
-//! During a stroke the net mass runs from one sign to the other; speed goes with its root, so the way along is 2/3 of
-//! that at full speed, and down and up cancel. Knows no files; [`calibrate`] finds the constants from battery counters.
+//! During a stroke at depth the net mass runs from one sign to the other; speed goes with its root, so the way along is
+//! 2/3 of that at full speed, and down and up cancel. At the surface the first half of the stroke is a wait. After each
+//! turn the glider starts from rest: against drag that grows with the square of speed it moves at `V tanh(t/tau)`,
+//! `tau = m1 V/D`, and loses `tau ln 2` on a glider at full speed. Knows no files; [`calibrate`] finds the constants from
+//! battery counters.
 
 pub mod calibrate;
 mod outlook;
@@ -96,9 +99,9 @@ pub fn per_dive(parameters: &Parameters<f64>, dive: &Dive, consumers: &Consumers
     let stroke = (dive.ascent.ballast_m3 - dive.descent.ballast_m3).max(0.0);
     let extra = (dive.surface_ballast_m3 - dive.ascent.ballast_m3).max(0.0);
     let surfacings = 1.0 / dive.dives_per_surfacing;
-    let turns = 2.0 - surfacings;
-    let turning_s = turns * stroke / p.ballast_rate_m3_s;
-    let surface_s = surfacings * dive.stay_s;
+    let stroke_s = stroke / p.ballast_rate_m3_s;
+    let turning_s = (2.0 - surfacings) * stroke_s;
+    let surface_s = surfacings * (dive.stay_s + 0.5 * (stroke + extra) / p.ballast_rate_m3_s);
     let mean_horizontal_m_s = (descent.way_m + ascent.way_m) / (descent.time_s + ascent.time_s);
     let under_way_s = descent.time_s + ascent.time_s + turning_s;
     let bottom_Pa = pressure_Pa(p, dive, dive.depth_m);
@@ -108,13 +111,16 @@ pub fn per_dive(parameters: &Parameters<f64>, dive: &Dive, consumers: &Consumers
         descent_s: descent.time_s,
         ascent_s: ascent.time_s,
         distance_m: descent.way_m + ascent.way_m + 2.0 / 3.0 * turning_s * mean_horizontal_m_s,
-        pumpings: f64::from(u8::from(stroke > 0.0)) + if extra > 0.0 { surfacings } else { 0.0 },
+        pumpings: f64::from(u8::from(stroke > 0.0)) + if extra > SMALLEST_STROKE_M3 { surfacings } else { 0.0 },
         pump_J: pump(stroke, bottom_Pa) + surfacings * pump(extra, 0.0),
         hotel_J: p.hotel_W * (under_way_s + surface_s),
         steering_J: consumers.rudder_W * under_way_s + consumers.pitch_moves * consumers.pitch_move_J,
         surfacing_J: surfacings * consumers.surfacing_J,
     })
 }
+
+/// Less is the rounding of two settings that are the same \[m3\].
+const SMALLEST_STROKE_M3: f64 = 1e-9;
 
 struct LegTotal {
     time_s: f64,
@@ -146,6 +152,10 @@ fn leg(p: &Parameters<f64>, dive: &Dive, order: LegOrder) -> Result<LegTotal, Gl
             / 3.0;
         total.time_s += weight / glide.vertical_velocity_m_s.abs();
         total.way_m += weight * glide.horizontal_velocity_m_s / glide.vertical_velocity_m_s.abs();
+        if i == 0 {
+            let inertia_kg = p.mass_kg() + p.added_mass_1_kg;
+            total.time_s += inertia_kg * glide.speed_m_s / glide.drag_N * std::f64::consts::LN_2;
+        }
     }
     Ok(total)
 }

@@ -36,13 +36,16 @@ fn energetic() -> Vehicle {
 
 #[test]
 fn a_rigid_glider_in_uniform_water_dives_as_its_steady_glide_says() {
-    // Shallow enough for the water's own compressibility to be nothing.
+    // Two dives, so that the start from rest, the same in both, drops out; shallow enough for the water's own
+    // compressibility to be next to nothing: 4.3e-6 per 10 m of 50 kg, 0.2 g of 220 g.
     let p = energetic().parameters().unwrap();
     let one = per_dive(&p, &dive(1.0), &consumers()).unwrap();
+    let two = per_dive(&p, &dive(2.0), &consumers()).unwrap();
+    let metre_s = two.descent_s - one.descent_s;
     let water = Surroundings { density_kg_m3: 1025.0, pressure_Pa: 0.0, temperature_C: 15.0, time_s: 0.0 };
     let net_mass_kg = p.net_mass_kg(-220e-6, &water);
     let glide = at_pitch(&p, &water, Attitude { pitch_rad: -25f64.to_radians(), net_mass_kg }).unwrap();
-    assert!((one.descent_s * glide.vertical_velocity_m_s - 1.0).abs() < 1e-4, "{}", one.descent_s);
+    assert!((metre_s * glide.vertical_velocity_m_s - 1.0).abs() < 2e-3, "{metre_s}");
     // 440 cc against 1 m of water: 0.02 J/(dbar cc) at 0.1005 dbar, and 2 J/cc.
     let expected = 440.0 * (0.02 * 1025.0 * 9.81 / 1e4 + 2.0);
     assert!((one.pump_J - expected).abs() < 1e-9 * expected, "{}", one.pump_J);
@@ -58,7 +61,7 @@ fn the_plan_agrees_with_the_mission_flown() {
         .collect();
     let text = format!(
         "name = \"x\"\n[voyage]\nduration_h = 24\n[dive]\nmax_depth_m = 180\n[glide]\npitch_down_deg = -25\n\
-         pitch_up_deg = 25\nballast_down_cc = -220\nballast_up_cc = 220\n[surfacing]\nstay_min = 10\n\
+         pitch_up_deg = 25\nballast_down_cc = -220\nballast_up_cc = 220\n[surfacing]\nstay_min = 10\n[control]\ndeadband_deg = 0.1\n\
          [water]\ndepth_m = [0, 60, 120, 180]\ndensity_kg_m3 = [{}]\n",
         density.join(", ")
     );
