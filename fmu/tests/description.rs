@@ -75,10 +75,10 @@ fn what_physics_says_depends_on_what_stands_in_the_structure() {
         of(&["current_x_m_s", "pitch_rad", "v1_m_s", "v3_m_s"])
     );
     assert_eq!(dependencies(&structure.outputs, "speed_m_s"), of(&["v1_m_s", "v3_m_s"]));
-    // Lift differs between descents and ascents, so pitch decides too; damping needs the pitch rate.
+    // Lift differs between descents and ascents, so pitch decides too; density may come from a column against depth.
     assert_eq!(
         dependencies(&structure.outputs, "lift_N"),
-        of(&["water_density_kg_m3", "pitch_rad", "v1_m_s", "v3_m_s"])
+        of(&["water_density_kg_m3", "depth_m", "pitch_rad", "v1_m_s", "v3_m_s"])
     );
     assert!(dependencies(&structure.derivatives, "der(v1_m_s)").contains(&reference("seabed_depth_m")));
     assert_eq!(

@@ -21,7 +21,7 @@ use crate::dynamics::{Parameters, Surroundings};
 
 pub use by_pitch::{Attitude, at_pitch};
 pub use closed_form::{PathLimits, at_path, shallowest};
-pub use start::{Start, start};
+pub use start::{Start, start, start_in};
 
 /// A steady glide: everything that stays constant along it.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,6 +2,7 @@
 
 use super::{SteadyGlide, at_path};
 use crate::dynamics::{Inputs, Parameters, State, Surroundings};
+use crate::water::WaterAt;
 
 /// Path angle of the glide down \[deg\]; steeper by [`STEEPER_DEG`] where the glider cannot fly that shallow or its
 /// ballast or moving mass does not reach.
@@ -28,7 +29,14 @@ pub struct Start {
 /// it; level and at rest where no such glide exists.
 pub fn start(parameters: &Parameters<f64>) -> Start {
     let p = parameters;
-    let mut inputs = Inputs::still_water(p.reference_density_kg_m3, p.reference_temperature_C);
+    start_in(p, |_| WaterAt { density_kg_m3: p.reference_density_kg_m3, temperature_C: p.reference_temperature_C })
+}
+
+/// The same start in water that is not that of the reference: `water` gives it at a depth \[m\].
+pub fn start_in(parameters: &Parameters<f64>, water: impl Fn(f64) -> WaterAt<f64>) -> Start {
+    let p = parameters;
+    let water = water(DEPTH_M);
+    let mut inputs = Inputs::still_water(water.density_kg_m3, water.temperature_C);
     let mut state = State {
         x_m: 0.0,
         depth_m: DEPTH_M,

@@ -2,9 +2,13 @@
 //! the declared structure cannot differ from the equations.
 
 use std::collections::BTreeSet;
+use std::path::Path;
+use std::sync::Arc;
 
 use glidepolar::dynamics::state::N_INPUTS;
 use glidepolar::dynamics::{Modes, N_STATES, PARAMETERS, Stop, parameter_index};
+
+use glidepolar::water::WaterColumn;
 
 use crate::model::glider::{Glider, actuation_of};
 use crate::model::table::reference_of;
@@ -71,6 +75,8 @@ impl Probe {
         let mut found: Vec<BTreeSet<u32>> = vec![BTreeSet::new(); wanted.len()];
         let parameter = |name| Slot::Parameter(parameter_index(name).expect("a parameter of the library"));
         let (drag_step, step_time) = (parameter("drag_step"), parameter("step_time_s"));
+        // Density and temperature.
+        let water = [Slot::Input(5), Slot::Input(6)];
         for glider in points() {
             for &known in &self.knowns {
                 let tangent = Tangent::along(&glider, self.starting, [(known, 1.0)]);
@@ -85,6 +91,7 @@ impl Probe {
                     let switches = [
                         (Slot::Actuation, depends_on_actuation(&glider, variable.slot)),
                         (step_time, found.contains(&reference_of(drag_step))),
+                        (Slot::WaterSource, water.iter().any(|input| found.contains(&reference_of(*input)))),
                     ];
                     found
                         .extend(switches.iter().filter(|(_, switches)| *switches).map(|(slot, _)| reference_of(*slot)));
@@ -101,7 +108,7 @@ impl Probe {
 
 fn depends_on_actuation(glider: &Glider, slot: Slot) -> bool {
     let value = |number| {
-        let mut glider = *glider;
+        let mut glider = glider.clone();
         glider.set_actuation(number);
         glider.read().real(slot)
     };
@@ -113,6 +120,8 @@ fn depends_on_actuation(glider: &Glider, slot: Slot) -> bool {
 fn points() -> Vec<Glider> {
     const DEPTHS_M: [f64; 3] = [37.3, -0.013, 119.7];
     const STOPS: [Stop; 3] = [Stop::Free, Stop::AtMin, Stop::AtMax];
+    let column = "depth_m,density_kg_m3,temperature_C\n0,1020,20\n30,1024,15\n60,1027,9\n200,1030,4\n";
+    let column = Arc::new(WaterColumn::parse(column, Path::new("column")).expect("a column of water"));
     let mut odd = OddNumbers(0x9e37_79b9_7f4a_7c15);
     let mut points = Vec::new();
     for depth in DEPTHS_M {
@@ -120,11 +129,17 @@ fn points() -> Vec<Glider> {
             for stop in STOPS {
                 for command in [1.0, 1e-3] {
                     let gliding = point(&mut odd, depth, actuation, stop, command);
-                    let mut turning = gliding;
+                    let mut turning = gliding.clone();
                     let state = &mut turning.values.state;
                     // Descents and ascents pass into each other at sink rates of millimetres per second.
                     state.pitch_rad = state.v3_m_s.atan2(state.v1_m_s) - 0.01;
+                    let in_column = [&gliding, &turning].map(|glider| Glider {
+                        column: Some(column.clone()),
+                        uses_column: true,
+                        ..glider.clone()
+                    });
                     points.extend([gliding, turning]);
+                    points.extend(in_column);
                 }
             }
         }

@@ -88,7 +88,7 @@ pub unsafe extern "C" fn fmi3DoStep(
                     Ok(())
                 }
                 Err(refusal) => {
-                    (*c).instance.roll_back(&before);
+                    (*c).instance.roll_back(before);
                     Err(refusal)
                 }
             }

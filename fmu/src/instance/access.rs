@@ -5,6 +5,7 @@ use std::ffi::CStr;
 use super::Instance;
 use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};
+use super::resources::COLUMN_FILE;
 use crate::model::glider::actuation_of;
 use crate::model::{Causality, Initial, Kind, Slot, Variability, Variable, variable, variables};
 
@@ -74,11 +75,17 @@ impl Instance {
             let variable = of_kind(reference, Kind::Integer)?;
             self.may_set(variable)?;
             check_value(variable, f64::from(value))?;
+            if variable.slot == Slot::WaterSource && value == 1 && self.core.glider.column.is_none() {
+                return Err(Refusal::error(format!(
+                    "water_source = 1, but there is no {COLUMN_FILE} in the resources; leave it 0 and set the inputs"
+                )));
+            }
         }
-        for &value in values.iter().take(references.len()) {
-            // The only integer that can be set.
-            if let Some(actuation) = actuation_of(value) {
-                self.core.glider.actuation = actuation;
+        for (&reference, &value) in references.iter().zip(values) {
+            match (variable(reference).map(|variable| variable.slot), actuation_of(value)) {
+                (Some(Slot::Actuation), Some(actuation)) => self.core.glider.actuation = actuation,
+                (Some(Slot::WaterSource), _) => self.core.glider.uses_column = value == 1,
+                _ => (),
             }
         }
         Ok(())

@@ -59,8 +59,8 @@ pub struct Instance {
     pub log: Log,
 }
 
-/// All that changes while a simulation runs: plain numbers, so that a copy is a saved state.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// All that changes while a simulation runs: a clone is a saved state.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Core {
     phase: Phase,
     glider: Glider,
@@ -78,7 +78,7 @@ impl Instance {
     pub fn new(interface: Interface, abilities: Abilities, vehicle: &Vehicle, log: Log) -> Self {
         let core = Core {
             phase: Phase::Instantiated,
-            glider: vehicle.glider,
+            glider: vehicle.glider.clone(),
             start_time_s: 0.0,
             stop_time_s: None,
             tolerance: DEFAULT_TOLERANCE,
@@ -87,7 +87,7 @@ impl Instance {
             unsettled: true,
         };
         let vehicle_name = CString::new(vehicle.name.replace('\0', " ")).unwrap_or_default();
-        Instance { interface, abilities, vehicle_name, at_start: core, core, saved: Vec::new(), log }
+        Instance { interface, abilities, vehicle_name, at_start: core.clone(), core, saved: Vec::new(), log }
     }
 
     /// Where it stands.
@@ -186,16 +186,16 @@ impl Instance {
 
     /// As after instantiation.
     pub fn reset(&mut self) {
-        self.core = self.at_start;
+        self.core = self.at_start.clone();
     }
 
     /// The glider as it is now: before the simulation begins, with what follows from the start values.
     pub(crate) fn now(&self) -> Glider {
-        if self.core.phase.is_starting() { self.started() } else { self.core.glider }
+        if self.core.phase.is_starting() { self.started() } else { self.core.glider.clone() }
     }
 
     fn started(&self) -> Glider {
-        let mut glider = self.core.glider;
+        let mut glider = self.core.glider.clone();
         glider.complete_start();
         glider.handle_event();
         glider

@@ -1,7 +1,9 @@
-//! The vehicle that travels in the archive: `resources/vehicle.toml`.
+//! What travels in the archive: the vehicle, `resources/vehicle.toml`, and a water column, `resources/water_column.csv`.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+
+use glidepolar::water::WaterColumn;
 
 use super::log::Log;
 use super::refusal::{Outcome, Refusal, Status};
@@ -10,6 +12,9 @@ use crate::model::vehicle::Vehicle;
 
 /// File in the resources folder that describes the vehicle.
 pub const VEHICLE_FILE: &str = "vehicle.toml";
+
+/// File in the resources folder that describes the water against depth.
+pub const COLUMN_FILE: &str = "water_column.csv";
 
 /// What a packed FMU with a vehicle of its own appends to the token, so that the library knows that its defaults are
 /// not what the model description says.
@@ -64,11 +69,24 @@ pub fn vehicle(folder: Option<&Path>, expected: bool) -> Result<(Vehicle, Option
     };
     let path = folder.join(VEHICLE_FILE);
     match std::fs::read_to_string(&path) {
-        Ok(text) => Vehicle::parse(&text, &path).map(|vehicle| (vehicle, None)),
+        Ok(text) => {
+            let column = water_column(folder)?;
+            Vehicle::parse(&text, &path).map(|vehicle| (vehicle.in_water(column), None))
+        }
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
             missing(format!("{} does not exist", path.display()))
         }
         Err(error) => missing(format!("{} cannot be read: {error}", path.display())),
+    }
+}
+
+/// The water column in this folder, if there is one.
+fn water_column(folder: &Path) -> Result<Option<WaterColumn>, String> {
+    let path = folder.join(COLUMN_FILE);
+    match std::fs::read_to_string(&path) {
+        Ok(text) => WaterColumn::parse(&text, &path).map(Some).map_err(|error| error.to_string()),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(format!("{} cannot be read: {error}", path.display())),
     }
 }
 

@@ -23,17 +23,17 @@ impl Instance {
     /// Saves the state. A handle of this instance is used again, zero makes a new one.
     pub fn save(&mut self, handle: Handle) -> Outcome<Handle> {
         if handle == 0 {
-            self.saved.push(Box::new(self.core));
+            self.saved.push(Box::new(self.core.clone()));
             return Ok(self.saved.last().map_or(0, |core| address(core)));
         }
         let place = self.place(handle)?;
-        *self.saved[place] = self.core;
+        *self.saved[place] = self.core.clone();
         Ok(handle)
     }
 
     /// Goes back to a saved state.
     pub fn restore(&mut self, handle: Handle) -> Outcome {
-        self.core = *self.saved[self.place(handle)?];
+        self.core = (*self.saved[self.place(handle)?]).clone();
         Ok(())
     }
 
@@ -47,7 +47,7 @@ impl Instance {
 
     /// A saved state as bytes.
     pub fn serialized(&self, handle: Handle) -> Outcome<Vec<u8>> {
-        let mut core = *self.saved[self.place(handle)?];
+        let mut core = (*self.saved[self.place(handle)?]).clone();
         let mut bytes = self.header();
         // Fields of a state that exists are all writable.
         let _ = fields(&mut core, &mut Writer(&mut bytes));
@@ -72,7 +72,7 @@ impl Instance {
         if !content.starts_with(&header) {
             return foreign("another version of this FMU wrote them, or an instance of the other interface");
         }
-        let mut core = self.at_start;
+        let mut core = self.at_start.clone();
         let mut reader = Reader(&content[header.len()..]);
         if fields(&mut core, &mut reader).is_none() || !reader.0.is_empty() {
             return foreign("the fields do not fit");
@@ -124,6 +124,7 @@ fn fields(core: &mut Core, codec: &mut impl Codec) -> Option<()> {
         &mut discrete.drag_has_stepped,
         &mut discrete.at_surface,
         &mut discrete.on_seabed,
+        &mut glider.uses_column,
         &mut core.slopes.any,
         &mut core.unsettled,
     ] {
@@ -138,7 +139,8 @@ fn fields(core: &mut Core, codec: &mut impl Codec) -> Option<()> {
     for number in [&mut core.start_time_s, &mut core.tolerance, &mut core.integrator_step_s] {
         *number = codec.real(*number)?;
     }
-    Some(())
+    // A state of an instance with a column cannot go on in one without.
+    (!core.glider.uses_column || core.glider.column.is_some()).then_some(())
 }
 
 /// Either writes what it is given and gives it back, or gives back what it reads.

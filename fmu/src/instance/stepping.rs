@@ -3,13 +3,14 @@
 use std::cell::Cell;
 
 use glidepolar::dynamics::integrate::System;
-use glidepolar::dynamics::limits::{N_EVENTS, event_indicators};
+use glidepolar::dynamics::limits::N_EVENTS;
 use glidepolar::dynamics::state::N_INPUTS;
-use glidepolar::dynamics::{Actuation, Advance, Inputs, Integrator, Modes, Parameters, State, derivative};
+use glidepolar::dynamics::{Advance, Inputs, Integrator, Parameters, State};
 
 use super::access::of_kind;
 use super::refusal::{Outcome, Refusal};
 use super::{Core, Instance};
+use crate::model::glider::Rules;
 use crate::model::tangent::Tangent;
 use crate::model::{Causality, Kind, Slot};
 
@@ -131,12 +132,12 @@ impl Instance {
 
     /// Everything as it is, to go back to when a step fails.
     pub fn checkpoint(&self) -> Core {
-        self.core
+        self.core.clone()
     }
 
     /// Back to where a failed step began.
-    pub fn roll_back(&mut self, checkpoint: &Core) {
-        self.core = *checkpoint;
+    pub fn roll_back(&mut self, checkpoint: Core) {
+        self.core = checkpoint;
     }
 
     /// A whole communication step; when it fails, everything is as before it.
@@ -151,7 +152,7 @@ impl Instance {
         };
         let result = steps();
         if result.is_err() {
-            self.roll_back(&before);
+            self.roll_back(before);
         }
         result
     }
@@ -169,10 +170,10 @@ impl Instance {
         let core = &mut self.core;
         let mut time = core.glider.values.time_s;
         let mut state = core.glider.values.state;
+        let rules = core.glider.rules();
         let moving = Moving {
-            active: core.glider.active_parameters(),
-            actuation: core.glider.actuation,
-            modes: core.glider.discrete.modes,
+            rules,
+            active: rules.parameters(&core.glider.values.parameters),
             slopes: &core.slopes,
             inputs: &step.inputs,
             begun_s: step.begun_s,
@@ -291,9 +292,8 @@ fn check_order(order: i32, max: usize) -> Outcome<usize> {
 
 /// The glider with its inputs moving.
 struct Moving<'a> {
+    rules: Rules<'a>,
     active: Parameters<f64>,
-    actuation: Actuation,
-    modes: Modes,
     slopes: &'a InputSlopes,
     inputs: &'a Inputs<f64>,
     begun_s: f64,
@@ -314,11 +314,11 @@ impl System for Moving<'_> {
             return state.map(|_| f64::NAN);
         }
         self.evaluations_left.set(left - 1);
-        derivative(&self.active, self.actuation, self.modes, time_s, state, &self.inputs_at(time_s))
+        self.rules.rates(&self.active, time_s, state, &self.inputs_at(time_s))
     }
 
     fn event_indicators(&self, time_s: f64, state: &State<f64>) -> [f64; N_EVENTS] {
-        event_indicators(&self.active, self.actuation, self.modes, time_s, state, &self.inputs_at(time_s))
+        self.rules.indicators(&self.active, time_s, state, &self.inputs_at(time_s))
     }
 
     fn next_jump_s(&self, _: f64) -> Option<f64> {

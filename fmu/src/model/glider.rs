@@ -1,16 +1,19 @@
 //! The values of all variables, and the equations that give the calculated ones.
 
+use std::sync::Arc;
+
 use glidepolar::Number;
 use glidepolar::dynamics::limits::{N_EVENTS, event_indicators, settle};
 use glidepolar::dynamics::{Actuation, Inputs, Modes, N_STATES, Outputs, Parameters, State, Stop, derivative, outputs};
+use glidepolar::water::WaterColumn;
 
 use super::table::{Discrete, N_OUTPUTS, Slot};
 
 /// Depth or height within which the direction of motion tells on which side of a boundary the glider is \[m\].
 const BOUNDARY_M: f64 = 1e-6;
 
-/// Everything that the glider is at one time: plain numbers, copied to save and restored to go back.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Everything that the glider is at one time: cloned to save and restored to go back, without allocation.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Glider {
     /// What does not follow from anything else.
     pub values: Values<f64>,
@@ -18,6 +21,10 @@ pub struct Glider {
     pub actuation: Actuation,
     /// What changes at events only.
     pub discrete: DiscreteState,
+    /// The water that travels with the glider's archive, if any does.
+    pub column: Option<Arc<WaterColumn>>,
+    /// Whether density and temperature come from that column and not from the inputs.
+    pub uses_column: bool,
 }
 
 /// The quantities that the equations read, in any kind of number.
@@ -47,22 +54,22 @@ pub struct DiscreteState {
 }
 
 impl Glider {
+    /// What the equations go by until the next event.
+    pub fn rules(&self) -> Rules<'_> {
+        let column = self.column.as_deref().filter(|_| self.uses_column);
+        Rules { actuation: self.actuation, discrete: self.discrete, column }
+    }
+
     /// Rates of change of the state.
     pub fn derivative(&self) -> State<f64> {
-        let Values { time_s, state, inputs, .. } = &self.values;
-        derivative(&self.active_parameters(), self.actuation, self.discrete.modes, *time_s, state, inputs)
+        self.rules().derivative(&self.values)
     }
 
     /// Functions whose change of sign is an event.
     pub fn indicators(&self) -> [f64; N_EVENTS] {
-        let Values { time_s, state, inputs, .. } = &self.values;
-        event_indicators(&self.active_parameters(), self.actuation, self.discrete.modes, *time_s, state, inputs)
-    }
-
-    /// The parameters as the equations must see them until the next event: whether the jump of drag lies behind is a
-    /// mode, not a question of the time, so that no integrator meets the jump inside a step.
-    pub fn active_parameters(&self) -> Parameters<f64> {
-        self.values.active_parameters(self.discrete)
+        let Values { parameters, time_s, state, inputs } = &self.values;
+        let rules = self.rules();
+        rules.indicators(&rules.parameters(parameters), *time_s, state, inputs)
     }
 
     /// Gives the states that start as others say their values.
@@ -74,8 +81,9 @@ impl Glider {
     pub fn handle_event(&mut self) -> bool {
         let v = self.values;
         self.discrete.drag_has_stepped = v.time_s >= v.parameters.step_time_s;
-        let active = self.active_parameters();
-        let (modes, state) = settle(&active, self.actuation, self.discrete.modes, v.time_s, &v.state, &v.inputs);
+        let rules = self.rules();
+        let (active, inputs) = (rules.parameters(&v.parameters), rules.inputs(&v.state, &v.inputs));
+        let (modes, state) = settle(&active, self.actuation, self.discrete.modes, v.time_s, &v.state, &inputs);
         self.discrete.modes = modes;
         self.values.state = state;
         let depth_rate = self.derivative().depth_m;
@@ -100,6 +108,74 @@ impl Glider {
         let Some(actuation) = actuation_of(number) else { return false };
         self.actuation = actuation;
         true
+    }
+}
+
+/// What the equations go by between two events, whatever the kind of number.
+#[derive(Debug, Clone, Copy)]
+pub struct Rules<'a> {
+    actuation: Actuation,
+    discrete: DiscreteState,
+    column: Option<&'a WaterColumn>,
+}
+
+impl Rules<'_> {
+    /// The parameters as the equations must see them until the next event: whether the jump of drag lies behind is a
+    /// mode, not a question of the time, so that no integrator meets the jump inside a step.
+    pub fn parameters<T: Number>(&self, parameters: &Parameters<T>) -> Parameters<T> {
+        let mut active = *parameters;
+        if self.discrete.drag_has_stepped {
+            active.step_time_s = T::constant(f64::NEG_INFINITY);
+        } else {
+            active.drag_step = T::constant(0.0);
+        }
+        active
+    }
+
+    /// The inputs, with the water of the column at this depth where there is one.
+    pub fn inputs<T: Number>(&self, state: &State<T>, inputs: &Inputs<T>) -> Inputs<T> {
+        match self.column {
+            None => *inputs,
+            Some(column) => {
+                let water = column.at(state.depth_m);
+                Inputs { water_density_kg_m3: water.density_kg_m3, water_temperature_C: water.temperature_C, ..*inputs }
+            }
+        }
+    }
+
+    /// Rates of change of the state.
+    pub fn derivative<T: Number>(&self, values: &Values<T>) -> State<T> {
+        let active = self.parameters(&values.parameters);
+        self.rates(&active, values.time_s, &values.state, &values.inputs)
+    }
+
+    /// The same, from [`Rules::parameters`] made once: the right-hand side of an integrator.
+    pub fn rates<T: Number>(
+        &self,
+        active: &Parameters<T>,
+        time_s: T,
+        state: &State<T>,
+        inputs: &Inputs<T>,
+    ) -> State<T> {
+        derivative(active, self.actuation, self.discrete.modes, time_s, state, &self.inputs(state, inputs))
+    }
+
+    /// Functions whose change of sign is an event, from [`Rules::parameters`].
+    pub fn indicators<T: Number>(
+        &self,
+        active: &Parameters<T>,
+        time_s: T,
+        state: &State<T>,
+        inputs: &Inputs<T>,
+    ) -> [T; N_EVENTS] {
+        event_indicators(active, self.actuation, self.discrete.modes, time_s, state, &self.inputs(state, inputs))
+    }
+
+    /// The outputs, in the order of the table.
+    pub fn outputs<T: Number>(&self, values: &Values<T>) -> [T; N_OUTPUTS] {
+        let inputs = self.inputs(&values.state, &values.inputs);
+        let outputs = outputs(&self.parameters(&values.parameters), values.time_s, &values.state, &inputs);
+        output_array(&outputs, &inputs)
     }
 }
 
@@ -170,22 +246,6 @@ impl<T: Number> Values<T> {
         s.momentum_1_kg_m_s = p.moving_mass_kg * (s.v1_m_s + s.moving_mass_3_m * s.pitch_rate_rad_s);
         s.momentum_3_kg_m_s = p.moving_mass_kg * (s.v3_m_s - s.moving_mass_1_m * s.pitch_rate_rad_s);
     }
-
-    /// See [`Glider::active_parameters`].
-    pub fn active_parameters(&self, discrete: DiscreteState) -> Parameters<T> {
-        let mut active = self.parameters;
-        if discrete.drag_has_stepped {
-            active.step_time_s = T::constant(f64::NEG_INFINITY);
-        } else {
-            active.drag_step = T::constant(0.0);
-        }
-        active
-    }
-
-    /// The outputs, in the order of the table.
-    pub fn outputs(&self, discrete: DiscreteState) -> [T; N_OUTPUTS] {
-        output_array(&outputs(&self.active_parameters(discrete), self.time_s, &self.state, &self.inputs))
-    }
 }
 
 /// Computes each group of calculated variables at most once.
@@ -203,7 +263,7 @@ impl Reading<'_> {
         let values = &glider.values;
         Some(match slot {
             Slot::Derivative(i) => self.derivative.get_or_insert_with(|| glider.derivative().as_array())[i],
-            Slot::Output(i) => self.outputs.get_or_insert_with(|| values.outputs(glider.discrete))[i],
+            Slot::Output(i) => self.outputs.get_or_insert_with(|| glider.rules().outputs(values))[i],
             Slot::Indicator(i) => self.indicators.get_or_insert_with(|| glider.indicators())[i],
             slot => return values.get(slot),
         })
@@ -214,6 +274,7 @@ impl Reading<'_> {
         let modes = self.glider.discrete.modes;
         match slot {
             Slot::Actuation => Some(actuation_number(self.glider.actuation)),
+            Slot::WaterSource => Some(i32::from(self.glider.uses_column)),
             Slot::Discrete(Discrete::BallastStop) => Some(stop_number(modes.ballast)),
             Slot::Discrete(Discrete::MovingMassStop) => Some(stop_number(modes.moving_mass)),
             _ => None,
@@ -230,7 +291,7 @@ impl Reading<'_> {
     }
 }
 
-fn output_array<T: Copy>(outputs: &Outputs<T>) -> [T; N_OUTPUTS] {
+fn output_array<T: Copy>(outputs: &Outputs<T>, inputs: &Inputs<T>) -> [T; N_OUTPUTS] {
     [
         outputs.glide_angle_rad,
         outputs.angle_of_attack_rad,
@@ -243,5 +304,7 @@ fn output_array<T: Copy>(outputs: &Outputs<T>) -> [T; N_OUTPUTS] {
         outputs.pitching_moment_N_m,
         outputs.pitch_read_rad,
         outputs.pressure_read_dbar,
+        inputs.water_density_kg_m3,
+        inputs.water_temperature_C,
     ]
 }

@@ -88,6 +88,8 @@ pub enum Slot {
     Parameter(usize),
     /// Who moves the moving mass and the ballast.
     Actuation,
+    /// Where density and temperature of the water come from.
+    WaterSource,
     /// The name of the vehicle.
     VehicleName,
 }
@@ -203,8 +205,8 @@ const INPUTS: [Row; N_INPUTS] = [
         "Force on the moving mass along axis 3: the rate of change of its momentum PP3 (actuation 1)",
     ),
     ("u4_kg_s", "kg/s", -1e3, 1e3, 0.01, "Ballast mass rate, positive = heavier (actuation 1 and 2)"),
-    ("water_density_kg_m3", "kg/m3", 900.0, 1300.0, 1000.0, "In-situ water density at the glider"),
-    ("water_temperature_C", "degC", -5.0, 50.0, 10.0, "Water temperature at the glider"),
+    ("water_density_kg_m3", "kg/m3", 900.0, 1300.0, 1000.0, "In-situ water density at the glider (water_source 0)"),
+    ("water_temperature_C", "degC", -5.0, 50.0, 10.0, "Water temperature at the glider (water_source 0)"),
     ("current_x_m_s", "m/s", -10.0, 10.0, 0.1, "Horizontal water velocity"),
     ("current_z_m_s", "m/s", -10.0, 10.0, 0.1, "Vertical water velocity, positive down"),
     ("seabed_depth_m", "m", 0.0, 12_000.0, 1000.0, "Depth of the seabed"),
@@ -320,6 +322,22 @@ const OUTPUTS: &[Row] = &[
         10.0,
         "Gauge pressure as the glider's own instrument reads it, without lag",
     ),
+    (
+        "surrounding_density_kg_m3",
+        "kg/m3",
+        900.0,
+        1300.0,
+        1000.0,
+        "Density of the water that the glider is in, from input or column",
+    ),
+    (
+        "surrounding_temperature_C",
+        "degC",
+        -5.0,
+        50.0,
+        10.0,
+        "Temperature of the water that the glider is in, from input or column",
+    ),
 ];
 
 /// Names of the event indicators, in the order of the library's.
@@ -382,6 +400,7 @@ fn build() -> Vec<Variable> {
     table.extend(STATES.iter().enumerate().map(|(i, (row, ..))| derivative(i, row.0, nominals[i])));
     table.extend((0..N_EVENTS).map(indicator));
     table.push(actuation());
+    table.push(water_source());
     table.extend((0..PARAMETERS.len()).filter(|&i| !NOT_PUBLISHED.contains(&PARAMETERS[i].name)).map(parameter));
     table.push(vehicle_name());
     table
@@ -476,6 +495,17 @@ fn actuation() -> Variable {
         bounds: Some((0.0, 2.0)),
         nominal: None,
         ..real(&("actuation", "1", 0.0, 0.0, 1.0, MEANING), Slot::Actuation)
+    }
+}
+
+fn water_source() -> Variable {
+    const MEANING: &str = "0: density and temperature of the water are the inputs; 1: they come from resources/water_column.csv, against depth";
+    Variable {
+        name: "water_source".into(),
+        description: MEANING.into(),
+        bounds: Some((0.0, 1.0)),
+        slot: Slot::WaterSource,
+        ..actuation()
     }
 }
 

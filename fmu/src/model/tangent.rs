@@ -2,8 +2,8 @@
 //! equations that give the values.
 
 use glidepolar::Number;
-use glidepolar::dynamics::limits::{N_EVENTS, event_indicators};
-use glidepolar::dynamics::{N_STATES, derivative};
+use glidepolar::dynamics::N_STATES;
+use glidepolar::dynamics::limits::N_EVENTS;
 use num_dual::Dual64;
 
 use super::glider::{Glider, Values};
@@ -32,14 +32,14 @@ impl Tangent {
         if starting {
             values.complete_start();
         }
-        let active = values.active_parameters(glider.discrete);
-        let modes = glider.discrete.modes;
+        let rules = glider.rules();
+        let active = rules.parameters(&values.parameters);
         let Values { time_s, state, inputs, .. } = &values;
-        let rates = derivative(&active, glider.actuation, modes, *time_s, state, inputs).as_array();
-        let indicators = event_indicators(&active, glider.actuation, modes, *time_s, state, inputs);
+        let rates = rules.rates(&active, *time_s, state, inputs).as_array();
+        let indicators = rules.indicators(&active, *time_s, state, inputs);
         Tangent {
             derivative: rates.map(|rate| rate.eps),
-            outputs: values.outputs(glider.discrete).map(|output| output.eps),
+            outputs: rules.outputs(&values).map(|output| output.eps),
             indicators: indicators.map(|indicator| indicator.eps),
             values,
         }

@@ -1,10 +1,12 @@
 //! What an instance starts from: the vehicle that travels with it, or the default one.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use glidepolar::dynamics::{Actuation, Parameters};
-use glidepolar::glide::start;
+use glidepolar::glide::{start, start_in};
 use glidepolar::vehicle::builtin;
+use glidepolar::water::WaterColumn;
 
 use super::glider::{DiscreteState, Glider, Values};
 
@@ -43,8 +45,20 @@ impl Vehicle {
     pub fn new(name: &str, parameters: Parameters<f64>) -> Self {
         let start = start(&parameters);
         let values = Values { parameters, time_s: 0.0, state: start.state, inputs: start.inputs };
-        let mut glider = Glider { values, actuation: Actuation::Servo, discrete: DiscreteState::default() };
+        let discrete = DiscreteState::default();
+        let mut glider = Glider { values, actuation: Actuation::Servo, discrete, column: None, uses_column: false };
         glider.complete_start();
         Vehicle { name: name.to_owned(), glider }
+    }
+
+    /// The same vehicle in the water of this column, where there is one: the start is steady in the water at its depth.
+    pub fn in_water(self, column: Option<WaterColumn>) -> Self {
+        let Some(column) = column else { return self };
+        let mut glider = self.glider;
+        let start = start_in(&glider.values.parameters, |depth_m| column.at(depth_m));
+        (glider.values.state, glider.values.inputs) = (start.state, start.inputs);
+        (glider.column, glider.uses_column) = (Some(Arc::new(column)), true);
+        glider.complete_start();
+        Vehicle { glider, ..self }
     }
 }

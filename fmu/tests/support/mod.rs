@@ -114,15 +114,20 @@ unsafe extern "C" fn look_in(
 
 impl Glider3 {
     pub fn co_simulation(options: Options) -> Self {
+        Self::with_resources(options, null(), token()).expect("an instance without resources")
+    }
+
+    /// A co-simulation with a resource path, of an archive with this token; what was said where there is none.
+    pub fn with_resources(options: Options, path: *const c_char, token: &str) -> Result<Self, Vec<(c_int, String)>> {
         let mut environment = Box::<Environment>::default();
-        let token = CString::new(token()).unwrap();
+        let token = CString::new(token).unwrap();
         let pointer: *mut c_void = (&raw mut *environment).cast();
         // SAFETY: all arguments live through the call, the environment through the instance.
         let instance = unsafe {
             fmi3InstantiateCoSimulation(
                 c"glider".as_ptr(),
                 token.as_ptr(),
-                null(),
+                path,
                 0,
                 0,
                 options.event_mode.into(),
@@ -134,9 +139,11 @@ impl Glider3 {
                 options.look_in.then_some(look_in as IntermediateUpdate),
             )
         };
-        assert!(!instance.is_null(), "{:?}", environment.messages.take());
+        if instance.is_null() {
+            return Err(environment.messages.take());
+        }
         environment.instance = instance as usize;
-        Glider3 { instance, environment }
+        Ok(Glider3 { instance, environment })
     }
 
     pub fn model_exchange() -> Self {
