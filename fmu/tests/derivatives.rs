@@ -78,7 +78,7 @@ fn adjoint(glider: &Glider3, unknowns: &[u32], knowns: &[u32], seed: &[f64]) -> 
 }
 
 fn value(glider: &Glider3, reference: u32) -> f64 {
-    glider.get(&variables()[reference as usize].name)
+    glider.get(variables()[reference as usize].name)
 }
 
 /// A small change of a variable.
@@ -156,7 +156,7 @@ fn while_time_is_continuous() {
                         x[i] = value;
                         glider.ok(fmi3SetContinuousStates(glider.instance, x.as_ptr(), 12));
                     }
-                    _ => glider.set(&[(&variable.name, value)]),
+                    _ => glider.set(&[(variable.name, value)]),
                 }
             }
         };
@@ -173,7 +173,7 @@ fn during_initialisation_starts_and_parameters_count_too() {
     glider.set(&SOMEWHERE);
     // SAFETY: a live instance.
     glider.ok(unsafe { fmi3EnterInitializationMode(glider.instance, 0, 0.0, 0.0, 0, 0.0) });
-    let put = |glider: &Glider3, known: u32, value: f64| glider.set(&[(&variables()[known as usize].name, value)]);
+    let put = |glider: &Glider3, known: u32, value: f64| glider.set(&[(variables()[known as usize].name, value)]);
     let mut initial = structure().initial;
     for unknown in &mut initial {
         // Time is not set during initialisation.

@@ -27,7 +27,7 @@ fn names_are_unique_and_starts_lie_within_their_bounds() {
     let glider = Vehicle::default().glider;
     let mut names = BTreeSet::new();
     for variable in variables() {
-        assert!(names.insert(variable.name.as_ref()), "{} twice", variable.name);
+        assert!(names.insert(variable.name), "{} twice", variable.name);
         assert!(!variable.description.is_empty());
         if let (Kind::Real, true, Some((min, max))) = (variable.kind, variable.has_start(), variable.bounds) {
             let start = glider.read().real(variable.slot).unwrap();

@@ -29,7 +29,7 @@ fn go_on(glider: &Glider3) -> Vec<u64> {
 /// The bits of every number there is.
 fn everything(glider: &Glider3) -> Vec<u64> {
     let reals = variables().iter().filter(|variable| variable.kind == Kind::Real);
-    reals.map(|variable| glider.get(&variable.name).to_bits()).collect()
+    reals.map(|variable| glider.get(variable.name).to_bits()).collect()
 }
 
 #[test]

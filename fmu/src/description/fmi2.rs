@@ -93,9 +93,9 @@ fn scalar_variable(document: &mut Document, variable: &Variable, vehicle: &Vehic
     document.open(
         "ScalarVariable",
         &[
-            ("name", text(variable.name.as_ref())),
+            ("name", text(variable.name)),
             ("valueReference", text(reference_of(variable.slot).to_string())),
-            ("description", text(variable.description.as_ref())),
+            ("description", text(variable.description)),
             ("causality", text(causality(variable.causality))),
             ("variability", text(variability(variable.variability))),
             ("initial", variable.initial.filter(|_| may_say_initial).map(|i| initial(i).to_owned())),

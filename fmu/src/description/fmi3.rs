@@ -95,9 +95,9 @@ fn model_variable(document: &mut Document, variable: &Variable, vehicle: &Vehicl
     let reachable_inside_a_step = variable.variability == Variability::Continuous
         && matches!(variable.causality, Causality::Input | Causality::Output);
     let common = [
-        ("name", text(variable.name.as_ref())),
+        ("name", text(variable.name)),
         ("valueReference", text(reference_of(variable.slot).to_string())),
-        ("description", text(variable.description.as_ref())),
+        ("description", text(variable.description)),
         ("causality", text(causality(variable.causality))),
         ("variability", text(variability(variable.variability))),
         ("intermediateUpdate", flag(reachable_inside_a_step)),

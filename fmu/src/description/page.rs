@@ -89,12 +89,12 @@ fn tables(vehicle: &Vehicle) -> String {
             html.push_str(&format!(
                 "<tr><td class=\"n\">{}</td><td class=\"v\">{}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td></tr>\n",
                 reference_of(variable.slot),
-                escape(&variable.name),
+                escape(variable.name),
                 variable.unit.map_or("", |unit| unit.name),
                 escape(&short(&start)),
                 min.unwrap_or_default(),
                 max.unwrap_or_default(),
-                escape(&variable.description),
+                escape(variable.description),
             ));
         }
         html.push_str("</table>\n");

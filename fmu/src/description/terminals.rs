@@ -31,7 +31,7 @@ pub fn terminals_and_icons() -> String {
             &[("name", text(name)), ("matchingRule", text("bus")), ("description", text(description))],
         );
         for variable in variables().iter().filter(|v| belongs(v)) {
-            let name = || text(variable.name.as_ref());
+            let name = || text(variable.name);
             document.leaf(
                 "TerminalMemberVariable",
                 &[("variableName", name()), ("memberName", name()), ("variableKind", text("signal"))],
@@ -57,5 +57,5 @@ fn is_water(variable: &Variable) -> bool {
 
 fn is_motion(variable: &Variable) -> bool {
     let names = ["x_m", "depth_m", "pitch_rad", "pitch_rate_rad_s", "speed_m_s", "vertical_velocity_m_s"];
-    names.contains(&variable.name.as_ref())
+    names.contains(&variable.name)
 }

@@ -144,7 +144,7 @@ pub(super) unsafe fn none_of_this_type(
 fn wrong_type(references: &[u32], function: &str) -> Outcome {
     let Some(reference) = references.first() else { return Ok(()) };
     let of = function.trim_start_matches("fmi3Get").trim_start_matches("fmi3Set");
-    let name = variable(*reference).map_or("unknown", |variable| variable.name.as_ref());
+    let name = variable(*reference).map_or("unknown", |variable| variable.name);
     Err(Refusal::error(format!("no variable is of type {of}; value reference {reference} ({name}) is not")))
 }
 

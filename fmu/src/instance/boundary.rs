@@ -2,8 +2,8 @@
 
 use std::cell::{Cell, RefCell};
 use std::ffi::{CStr, c_char, c_int, c_void};
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Once;
+use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind};
+use std::sync::OnceLock;
 
 use super::Instance;
 use super::phase::Phase;
@@ -16,6 +16,8 @@ thread_local! {
     static INSIDE: Cell<bool> = const { Cell::new(false) };
     static PANIC: RefCell<Option<String>> = const { RefCell::new(None) };
 }
+
+type Hook = Box<dyn Fn(&PanicHookInfo<'_>) + Send + Sync>;
 
 /// What a standard keeps beside the instance.
 pub trait Standard {
@@ -110,16 +112,18 @@ pub unsafe fn call_open<S: Standard>(
 
 /// Runs `body`; a panic inside becomes an error that says where. Nothing is printed.
 pub fn caught<R>(body: impl FnOnce() -> R) -> Result<R, String> {
-    static HOOK: Once = Once::new();
-    HOOK.call_once(|| {
+    static HOOK: OnceLock<Hook> = OnceLock::new();
+    // The hook captures nothing and what it needs lives in a static: a library that is unloaded leaves nothing behind.
+    HOOK.get_or_init(|| {
         let usual = std::panic::take_hook();
-        std::panic::set_hook(Box::new(move |info| {
+        std::panic::set_hook(Box::new(|info| {
             if INSIDE.get() {
                 PANIC.set(Some(info.to_string()));
-            } else {
+            } else if let Some(usual) = HOOK.get() {
                 usual(info);
             }
         }));
+        usual
     });
     let outer = INSIDE.replace(true);
     let result = catch_unwind(AssertUnwindSafe(body));

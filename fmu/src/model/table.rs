@@ -3,14 +3,19 @@
 //!
 //! A row's place is its value reference. Parameters are the rows of the library's own table.
 
-use std::borrow::Cow;
 use std::sync::LazyLock;
 
-use glidepolar::dynamics::limits::{EVENT_NAMES, N_EVENTS};
+use glidepolar::dynamics::limits::N_EVENTS;
 use glidepolar::dynamics::state::N_INPUTS;
 use glidepolar::dynamics::{N_STATES, PARAMETERS, STATE_NOMINALS};
 
 use super::units::{Unit, unit_named};
+
+/// How many variables there are.
+const N_VARIABLES: usize = 1 + N_INPUTS + N_STATES + N_OUTPUTS + 4 + N_STATES + N_EVENTS + 2 + N_PARAMETERS + 1;
+
+/// How many parameters are published as numbers.
+const N_PARAMETERS: usize = PARAMETERS.len() - NOT_PUBLISHED.len();
 
 /// How many outputs that are neither states nor discrete.
 pub const N_OUTPUTS: usize = OUTPUTS.len();
@@ -107,13 +112,13 @@ pub enum Discrete {
     MovingMassStop,
 }
 
-/// One variable.
-#[derive(Debug, Clone)]
+/// One variable. Owns nothing on the heap: the table must not outlive a library that is unloaded.
+#[derive(Debug, Clone, Copy)]
 pub struct Variable {
     /// Name, with its unit.
-    pub name: Cow<'static, str>,
+    pub name: &'static str,
     /// What it is, in a line.
-    pub description: Cow<'static, str>,
+    pub description: &'static str,
     /// Type of its value.
     pub kind: Kind,
     /// What it is to its surroundings.
@@ -143,8 +148,12 @@ impl Variable {
 
 /// All variables; the place in this list is the value reference.
 pub fn variables() -> &'static [Variable] {
-    static TABLE: LazyLock<Vec<Variable>> = LazyLock::new(build);
-    &TABLE
+    static TABLE: LazyLock<[Variable; N_VARIABLES]> = LazyLock::new(|| {
+        let rows = build();
+        assert_eq!(rows.len(), N_VARIABLES);
+        std::array::from_fn(|i| rows[i])
+    });
+    &*TABLE
 }
 
 /// The variable of this value reference.
@@ -161,7 +170,7 @@ pub fn reference_of(slot: Slot) -> u32 {
 /// A name for this very table: it changes when a variable changes, and stays when only start values do. Written as a
 /// GUID, the form that FMI 2.0 importers expect.
 pub fn token() -> &'static str {
-    static TOKEN: LazyLock<String> = LazyLock::new(|| {
+    static TOKEN: LazyLock<[u8; 38]> = LazyLock::new(|| {
         // FNV-1a: stable across compilers and machines, which the standard library's hash does not promise to be.
         let mut hash: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
         for byte in variables().iter().flat_map(|v| format!("{v:?}").into_bytes()) {
@@ -169,9 +178,10 @@ pub fn token() -> &'static str {
         }
         let digits = format!("{hash:032x}");
         let parts = [&digits[..8], &digits[8..12], &digits[12..16], &digits[16..20], &digits[20..]];
-        format!("{{{}}}", parts.join("-"))
+        let guid = format!("{{{}}}", parts.join("-"));
+        std::array::from_fn(|i| guid.as_bytes()[i])
     });
-    &TOKEN
+    std::str::from_utf8(&*TOKEN).expect("digits, dashes and braces")
 }
 
 /// Name, unit, smallest and largest value, usual size, meaning.
@@ -287,9 +297,27 @@ const STATES: [(Row, Causality, Initial); N_STATES] = [
     (("energy_J", "J", -1e18, 1e18, 0.0, "Energy drawn from the battery"), Causality::Output, Initial::Exact),
 ];
 
-/// Units of the derivatives, in the order of the states.
-const DERIVATIVE_UNITS: [&str; N_STATES] =
-    ["m/s", "m/s", "rad/s", "rad/s2", "m/s2", "m/s2", "m/s", "m/s", "N", "N", "kg/s", "W"];
+macro_rules! derivatives {
+    ($($state:literal : $unit:literal),*) => {
+        [$((concat!("der(", $state, ")"), $unit, concat!("Time derivative of ", $state))),*]
+    };
+}
+
+/// Name, unit and meaning of the derivatives, in the order of the states.
+const DERIVATIVES: [(&str, &str, &str); N_STATES] = derivatives![
+    "x_m": "m/s",
+    "depth_m": "m/s",
+    "pitch_rad": "rad/s",
+    "pitch_rate_rad_s": "rad/s2",
+    "v1_m_s": "m/s2",
+    "v3_m_s": "m/s2",
+    "moving_mass_position_m": "m/s",
+    "moving_mass_position_3_m": "m/s",
+    "PP1_kg_m_s": "N",
+    "PP3_kg_m_s": "N",
+    "ballast_mass_kg": "kg/s",
+    "energy_J": "W"
+];
 
 /// States that an event may change: what the impulse of the moving mass at its stop reaches, and the ballast.
 const JUMPING_STATES: [&str; 7] =
@@ -340,14 +368,21 @@ const OUTPUTS: &[Row] = &[
     ),
 ];
 
-/// Names of the event indicators, in the order of the library's.
-const INDICATORS: [&str; N_EVENTS] = [
-    "indicator_surface",
-    "indicator_seabed",
-    "indicator_ballast_min",
-    "indicator_ballast_max",
-    "indicator_moving_mass_aft",
-    "indicator_moving_mass_forward",
+/// Name and meaning of the event indicators, in the order of the library's. The ends of ballast and moving mass are
+/// watched by volume or length while free, by flow or force when held.
+const INDICATORS: [(&str, &str); N_EVENTS] = [
+    ("indicator_surface", "Event indicator: changes sign at the surface"),
+    ("indicator_seabed", "Event indicator: changes sign at the seabed"),
+    ("indicator_ballast_min", "Event indicator: changes sign when the ballast comes to its minimum or leaves it"),
+    ("indicator_ballast_max", "Event indicator: changes sign when the ballast comes to its maximum or leaves it"),
+    (
+        "indicator_moving_mass_aft",
+        "Event indicator: changes sign when the moving mass comes to its aft stop or leaves it",
+    ),
+    (
+        "indicator_moving_mass_forward",
+        "Event indicator: changes sign when the moving mass comes to its forward stop or leaves it",
+    ),
 ];
 
 /// Parameters that make the body what it is: they cannot change while it moves. All others are tunable.
@@ -397,7 +432,7 @@ fn build() -> Vec<Variable> {
             .map(|(i, row)| Variable { causality: Causality::Output, ..real(row, Slot::Output(i)) }),
     );
     table.extend(discrete());
-    table.extend(STATES.iter().enumerate().map(|(i, (row, ..))| derivative(i, row.0, nominals[i])));
+    table.extend((0..N_STATES).map(|i| derivative(i, nominals[i])));
     table.extend((0..N_EVENTS).map(indicator));
     table.push(actuation());
     table.push(water_source());
@@ -418,8 +453,8 @@ fn time() -> Variable {
 
 fn real(&(name, unit, min, max, nominal, description): &Row, slot: Slot) -> Variable {
     Variable {
-        name: name.into(),
-        description: description.into(),
+        name,
+        description,
         kind: Kind::Real,
         causality: Causality::Local,
         variability: Variability::Continuous,
@@ -432,27 +467,21 @@ fn real(&(name, unit, min, max, nominal, description): &Row, slot: Slot) -> Vari
     }
 }
 
-fn derivative(index: usize, state: &str, nominal: f64) -> Variable {
+fn derivative(index: usize, nominal: f64) -> Variable {
     /// Time over which a state changes by its usual size \[s\].
     const USUAL_TIME_S: f64 = 10.0;
-    let row = ("", DERIVATIVE_UNITS[index], 0.0, 0.0, nominal / USUAL_TIME_S, "");
-    Variable {
-        name: format!("der({state})").into(),
-        description: format!("Time derivative of {state}").into(),
-        bounds: None,
-        ..real(&row, Slot::Derivative(index))
-    }
+    let (name, unit, description) = DERIVATIVES[index];
+    let row = (name, unit, 0.0, 0.0, nominal / USUAL_TIME_S, description);
+    Variable { bounds: None, ..real(&row, Slot::Derivative(index)) }
 }
 
 fn indicator(index: usize) -> Variable {
-    let description = format!("Event indicator: {}; its change of sign is the event", EVENT_NAMES[index]);
+    let (name, description) = INDICATORS[index];
     Variable {
-        description: description.into(),
         bounds: None,
         nominal: None,
-        // The ends of ballast and moving mass are watched by volume or length while free, by flow or force when held.
         unit: if index < 2 { unit_named("m") } else { None },
-        ..real(&(INDICATORS[index], "m", 0.0, 0.0, 1.0, ""), Slot::Indicator(index))
+        ..real(&(name, "m", 0.0, 0.0, 1.0, description), Slot::Indicator(index))
     }
 }
 
@@ -501,8 +530,8 @@ fn actuation() -> Variable {
 fn water_source() -> Variable {
     const MEANING: &str = "0: density and temperature of the water are the inputs; 1: they come from resources/water_column.csv, against depth";
     Variable {
-        name: "water_source".into(),
-        description: MEANING.into(),
+        name: "water_source",
+        description: MEANING,
         bounds: Some((0.0, 1.0)),
         slot: Slot::WaterSource,
         ..actuation()
