@@ -206,14 +206,19 @@ fn the_state_of_the_instance_cannot_be_changed_from_inside_a_step() {
             assert_eq!(fmi3EnterEventMode(instance), ERROR);
             let (mut a, mut b, mut c, mut t) = (0, 0, 0, 0.0);
             assert_eq!(fmi3DoStep(instance, 0.0, 1.0, 1, &mut a, &mut b, &mut c, &mut t), ERROR);
-            fmi3SetFMUState(instance, saved as FmuState3);
+            assert_eq!(fmi3SetFMUState(instance, saved as FmuState3), ERROR);
+            let mut state = std::ptr::null_mut();
+            assert_eq!(fmi3GetFMUState(instance, &mut state), ERROR);
+            fmi3FreeInstance(instance);
         }
         None
     }));
     let stepped = glider.step(0.0, 1.0);
-    assert_eq!((stepped.status, stepped.time), (ERROR, 0.0));
+    assert_eq!((stepped.status, stepped.time), (OK, 1.0));
+    let messages = glider.environment.messages.take();
+    assert!(messages.len() % 7 == 0 && messages.iter().all(|(status, _)| *status == ERROR), "{messages:?}");
     glider.environment.look_in = None;
-    assert_eq!(glider.step(0.0, 1.0).status, OK);
+    assert_eq!(glider.step(1.0, 1.0).status, OK);
 }
 
 #[test]

@@ -118,7 +118,7 @@ unsafe fn do_step(c: *mut Component<Fmi3>, current_s: f64, size_s: f64) -> Outco
             let done = end.event || (*c).instance.time_s() >= end_s;
             if looks_in {
                 let requested = look_in(c, &mut step, abilities.early_return && !done)?;
-                end_s = requested.map_or(end_s, |wanted| wanted.clamp((*c).instance.time_s(), end_s));
+                end_s = requested.map_or(end_s, |wanted| wanted.max((*c).instance.time_s()).min(end_s));
             }
             if end.event || (*c).instance.time_s() >= end_s {
                 break;

@@ -158,7 +158,16 @@ fn sink(log_message: Option<LogMessage>, environment: *mut c_void) -> Option<Sin
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3FreeInstance(instance: Pointer) {
     // SAFETY: see the module.
-    unsafe { Component::<Fmi3>::free(instance) }
+    unsafe {
+        let Some(component) = Component::<Fmi3>::from_pointer(instance) else { return };
+        // The step that waits for its importer's callback still needs the instance.
+        if (*component).instance.phase() == Phase::Intermediate {
+            let refused = "fmi3FreeInstance: not allowed in Intermediate Update Mode; let the step end first";
+            let _ = caught(|| (*component).instance.log.problem(Status::Error, refused));
+            return;
+        }
+        Component::<Fmi3>::free(instance);
+    }
 }
 
 /// `fmi3SetDebugLogging`

@@ -1,8 +1,18 @@
 //! Saving, restoring and writing out the state.
 
 use super::types::*;
+use crate::instance::Instance;
 use crate::instance::boundary::{call, elements, place, room};
-use crate::instance::refusal::Refusal;
+use crate::instance::phase::Phase;
+use crate::instance::refusal::{Outcome, Refusal};
+
+/// Inside a step, while the importer looks in, there is no state to come back to.
+fn not_inside_a_step(instance: &Instance) -> Outcome {
+    match instance.phase() {
+        Phase::Intermediate => Err(Refusal::error("not allowed in Intermediate Update Mode; let the step end first")),
+        _ => Ok(()),
+    }
+}
 
 /// `fmi3GetFMUState`
 #[unsafe(no_mangle)]
@@ -10,6 +20,7 @@ pub unsafe extern "C" fn fmi3GetFMUState(instance: Pointer, state: *mut FmuState
     // SAFETY: see the module.
     unsafe {
         call::<Fmi3>(instance, "fmi3GetFMUState", |c| {
+            not_inside_a_step(&c.instance)?;
             let state = place(state, "FMUState")?;
             *state = c.instance.save(state.addr())? as FmuState;
             Ok(())
@@ -21,7 +32,12 @@ pub unsafe extern "C" fn fmi3GetFMUState(instance: Pointer, state: *mut FmuState
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SetFMUState(instance: Pointer, state: FmuState) -> FmiStatus {
     // SAFETY: see the module.
-    unsafe { call::<Fmi3>(instance, "fmi3SetFMUState", |c| c.instance.restore(state.addr())) }
+    unsafe {
+        call::<Fmi3>(instance, "fmi3SetFMUState", |c| {
+            not_inside_a_step(&c.instance)?;
+            c.instance.restore(state.addr())
+        })
+    }
 }
 
 /// `fmi3FreeFMUState`

@@ -199,3 +199,68 @@ fn check<T>(pointer: *const T, count: usize, what: &str) -> Outcome {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::instance::log::Log;
+    use crate::instance::{Abilities, Interface};
+    use crate::model::vehicle::Vehicle;
+    use std::sync::{Arc, Mutex};
+
+    struct Some3;
+
+    impl Standard for Some3 {
+        const MARK: u64 = 3;
+    }
+
+    struct Other2;
+
+    impl Standard for Other2 {
+        const MARK: u64 = 2;
+    }
+
+    #[test]
+    fn a_panic_becomes_an_error_and_a_message_and_only_a_reset_helps() {
+        let messages = Arc::new(Mutex::new(Vec::new()));
+        let kept = messages.clone();
+        let log = Log::new(Some(Box::new(move |_, _, text| kept.lock().unwrap().push(text.to_owned()))), false);
+        let instance = Instance::new(Interface::CoSimulation, Abilities::default(), &Vehicle::default(), log);
+        let pointer = Component::into_pointer(instance, Some3);
+        // SAFETY: a live component, freed once.
+        unsafe {
+            let status = call::<Some3>(pointer, "test", |_| panic!("a fault of the test's own"));
+            assert_eq!(status, Status::Error as c_int);
+            let message = messages.lock().unwrap().pop().unwrap().into_string().unwrap();
+            assert!(message.contains("a fault of the test's own") && message.contains("boundary.rs"), "{message}");
+            let refused = call::<Some3>(pointer, "test", |c| {
+                c.instance.allow(super::super::phase::Phases::of(&[Phase::Step, Phase::Instantiated]))
+            });
+            assert_eq!(refused, Status::Error as c_int);
+            let reset = call::<Some3>(pointer, "test", |c| {
+                c.instance.reset();
+                c.instance.allow(super::super::phase::Phases::of(&[Phase::Instantiated]))
+            });
+            assert_eq!(reset, Status::Ok as c_int);
+            // Nobody else's pointer.
+            assert!(Component::<Other2>::from_pointer(pointer).is_none());
+            assert_eq!(call::<Other2>(pointer, "test", |_| Ok(())), Status::Error as c_int);
+            Component::<Other2>::free(pointer);
+            Component::<Some3>::free(pointer);
+        }
+    }
+
+    #[test]
+    fn arrays_are_looked_at_before_they_are_used() {
+        let numbers = [1.0, 2.0];
+        // SAFETY: null, or two numbers.
+        unsafe {
+            assert!(elements::<f64>(std::ptr::null(), 0, "none").unwrap().is_empty());
+            assert!(elements::<f64>(std::ptr::null(), 1, "null").is_err());
+            assert!(elements(numbers.as_ptr(), usize::MAX, "endless").is_err());
+            assert!(elements(numbers.as_ptr().byte_add(1), 1, "askew").is_err());
+            assert_eq!(elements(numbers.as_ptr(), 2, "two").unwrap(), numbers);
+            assert!(room::<f64>(std::ptr::null_mut(), 3, "null").is_err());
+        }
+    }
+}
