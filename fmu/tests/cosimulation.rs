@@ -216,7 +216,7 @@ fn the_state_of_the_instance_cannot_be_changed_from_inside_a_step() {
     let stepped = glider.step(0.0, 1.0);
     assert_eq!((stepped.status, stepped.time), (OK, 1.0));
     let messages = glider.environment.messages.take();
-    assert!(messages.len() % 7 == 0 && messages.iter().all(|(status, _)| *status == ERROR), "{messages:?}");
+    assert!(messages.len().is_multiple_of(7) && messages.iter().all(|(status, _)| *status == ERROR), "{messages:?}");
     glider.environment.look_in = None;
     assert_eq!(glider.step(1.0, 1.0).status, OK);
 }
