@@ -1,6 +1,12 @@
 //! What cannot be right: signs that no bare hull shows.
 
 use glidepolar::hull_tests::{Estimate, HullFit};
+use glidepolar::input::printable;
+
+use crate::campaign::Rejected;
+use crate::results::{HullResults, RunResults};
+use crate::series::robust_sd;
+use crate::trend::{COEFFICIENTS, Lines};
 
 /// Whether the slopes have signs that physics forbids, and which entry of the manifest would explain them.
 ///
@@ -32,4 +38,94 @@ pub fn signs(id: &str, fit: &HullFit) -> Vec<String> {
         ));
     }
     warnings
+}
+
+/// Derivatives of impossible sign, kinds of run that disagree, motions too quick.
+pub fn dynamic(hull: &HullResults) -> Vec<String> {
+    let id = &hull.hull.id;
+    let Some(dynamic) = &hull.dynamic else { return Vec::new() };
+    let mut warnings = Vec::new();
+    let e = &dynamic.estimates;
+    let masses = [("Yvdot", e.yvdot.as_ref()), ("Nrdot", e.nrdot.as_ref())];
+    for (name, q) in masses.into_iter().filter_map(|(name, q)| Some((name, q?))) {
+        if q.ci95[0] > 0.0 {
+            warnings.push(format!(
+                "{id}: {name}' = {:.2e} is positive: added mass cannot be negative; are live_mass_kg and izz_kg_m2 right, and sway_m and yaw_deg positive to starboard?",
+                q.value
+            ));
+        }
+    }
+    for comparison in hull.comparisons.iter().chain(&dynamic.turns) {
+        if comparison.apart().abs() > 4.0 {
+            warnings.push(format!(
+                "{id}: {}' differs between {} ({:.5}) and {} ({:.5}) by {:.1} standard errors",
+                comparison.name,
+                comparison.first_from,
+                comparison.first.value,
+                comparison.second_from,
+                comparison.second.value,
+                comparison.apart().abs()
+            ));
+        }
+    }
+    for (name, p_value) in &dynamic.frequency_dependence {
+        if *p_value < 1e-4 {
+            warnings.push(format!(
+                "{id}: {name}' moves with frequency (p = {p_value:.0e}); reduced frequencies {:.2} to {:.2} may be too high for a steady value",
+                dynamic.reduced_frequencies.0, dynamic.reduced_frequencies.1
+            ));
+        }
+    }
+    warnings
+}
+
+/// A tank so narrow that its walls matter.
+pub fn blockage(hull: &HullResults) -> Option<String> {
+    let share = hull.blockage.filter(|share| *share > 0.01)?;
+    Some(format!(
+        "{}: the hull fills {:.1} % of the tank's cross-section: blockage is not corrected for",
+        hull.hull.id,
+        100.0 * share
+    ))
+}
+
+/// Coefficients that do not lie on a line against length to diameter ratio.
+pub fn trend(lines: &Lines) -> Vec<String> {
+    let doubted = lines.0.iter().zip(COEFFICIENTS).filter(|(line, _)| line.p_value < 0.001);
+    doubted
+        .map(|(line, (name, ..))| {
+            format!("{name} against length to diameter ratio is no straight line (p = {:.0e})", line.p_value)
+        })
+        .collect()
+}
+
+/// Runs whose reading at rest does not agree with the zeros before and after.
+pub fn runs(runs: &[RunResults]) -> Vec<String> {
+    let mut warnings = Vec::new();
+    for (channel, name) in ["AF", "SF", "YM"].into_iter().enumerate() {
+        let differences: Vec<f64> = runs.iter().filter_map(|r| r.rest_less_zero.map(|d| d[channel])).collect();
+        if differences.len() < 10 {
+            continue;
+        }
+        let sd = robust_sd(&differences);
+        let mut off: Vec<&RunResults> =
+            runs.iter().filter(|r| r.rest_less_zero.is_some_and(|d| d[channel].abs() > 8.0 * sd)).collect();
+        off.truncate(3);
+        if let Some(first) = off.first() {
+            warnings.push(format!(
+                "run {}: {name} at rest is {:.3} off the zero taken from the zero runs (usual {sd:.3}): did the zero jump?",
+                first.run.id,
+                first.rest_less_zero.map_or(0.0, |d| d[channel])
+            ));
+        }
+    }
+    for run in runs {
+        warnings.extend(run.notices.iter().map(|notice| format!("run {}: {notice}", run.run.id)));
+    }
+    warnings
+}
+
+/// Runs that were left out.
+pub fn rejected(rejected: &[Rejected]) -> Vec<String> {
+    rejected.iter().map(|r| format!("run {} is left out: {}", printable(&r.run_id), r.error)).collect()
 }

@@ -6,7 +6,8 @@ use clap::{Args, Parser, Subcommand};
 use glidepolar::cli::{CliError, Output};
 
 use crate::demo_cli;
-use glidepolar_tank::{output, reduce_points};
+use glidepolar_tank::{Options, Progress, output, reduce_campaign, reduce_points};
+use indicatif::{ProgressBar, ProgressStyle};
 
 /// Hull tests in a towing tank: raw balance runs to lift, drag and moment coefficients
 #[derive(Debug, Parser)]
@@ -40,6 +41,9 @@ struct Reduce {
     /// Fit the points up to this angle [deg]
     #[arg(long, value_name = "DEG", default_value_t = 10.0)]
     range_deg: f64,
+    /// Take one unusable run for an error instead of leaving it out
+    #[arg(long)]
+    strict: bool,
     /// Folder for the results
     #[arg(long, value_name = "DIR", default_value = "tank_out", help_heading = "Output")]
     out: PathBuf,
@@ -75,10 +79,11 @@ impl Reduce {
         }
         let results = match &self.hull {
             Some(hull) => reduce_points(input, hull, self.range_deg)?,
-            None => {
+            None if input.is_file() => {
                 let problem = format!("{}: a table of points needs --hull hull.toml", input.display());
                 return Err(CliError::Usage(problem));
             }
+            None => self.reduce_campaign(input)?,
         };
         self.write(&results)?;
         if self.output.shows_tables() {
@@ -90,6 +95,22 @@ impl Reduce {
             }
         }
         self.output.write_json(&results.reduction())
+    }
+
+    fn reduce_campaign(&self, folder: &Path) -> Result<glidepolar_tank::Results, CliError> {
+        // Drawn on a terminal only: indicatif hides itself elsewhere.
+        let bar = if self.output.shows_tables() { ProgressBar::new(0) } else { ProgressBar::hidden() };
+        if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} runs {elapsed}") {
+            bar.set_style(style);
+        }
+        let watch = |progress: Progress| {
+            bar.set_length(progress.runs as u64);
+            bar.inc(1);
+        };
+        let options = Options { range_deg: self.range_deg, strict: self.strict };
+        let results = reduce_campaign(folder, &options, &watch);
+        bar.finish_and_clear();
+        Ok(results?)
     }
 
     fn write(&self, results: &glidepolar_tank::Results) -> Result<(), CliError> {

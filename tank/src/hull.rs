@@ -63,30 +63,6 @@ impl Hull {
     pub fn cb_aft_of_mc_m(&self) -> f64 {
         self.geometry.cb_m - self.mc_m
     }
-
-    /// Displaced volume \[m3\]: as stated, else of a cylinder shortened by 1.7 diameters, which is what bow and tail of
-    /// streamlined hulls take away (SUBOFF: 1.2 % off); and whether it was stated.
-    pub fn volume_m3(&self) -> (f64, bool) {
-        match self.geometry.volume_m3 {
-            Some(volume) => (volume, true),
-            None => {
-                let length = self.geometry.loa_m - 1.7 * self.geometry.diameter_m;
-                (self.frontal_area_m2() * length.max(0.5 * self.geometry.loa_m), false)
-            }
-        }
-    }
-
-    /// Wetted surface \[m2\]: as stated, else of a cylinder shortened by 1.36 diameters (SUBOFF: 1.2 % off); and whether
-    /// it was stated.
-    pub fn wetted_m2(&self) -> (f64, bool) {
-        match self.wetted_area_m2 {
-            Some(area) => (area, true),
-            None => {
-                let length = self.geometry.loa_m - 1.36 * self.geometry.diameter_m;
-                (std::f64::consts::PI * self.geometry.diameter_m * length.max(0.5 * self.geometry.loa_m), false)
-            }
-        }
-    }
 }
 
 /// The keys of a hull in a manifest.
@@ -108,6 +84,11 @@ pub(crate) struct HullKeys {
 }
 
 impl HullKeys {
+    /// The name and its place.
+    pub(crate) fn id(&self) -> &Spanned<String> {
+        &self.id
+    }
+
     /// The hull, once its figures make sense.
     pub(crate) fn hull(&self, source: &Source) -> Result<Hull, InputError> {
         let id = self.id.get_ref().clone();

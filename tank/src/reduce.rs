@@ -2,10 +2,41 @@
 
 use std::path::Path;
 
-use glidepolar::input::InputError;
+use glidepolar::input::{InputError, Place};
+use rayon::prelude::*;
 
-use crate::results::{HullResults, Results};
-use crate::{checks, fits, points};
+use crate::campaign::{Campaign, Kind, Rejected, Run};
+use crate::derivatives::{self, Derivatives};
+use crate::harmonics::Harmonics;
+use crate::history::History;
+use crate::hull::Hull;
+use crate::readings::{self, Readings, Useful};
+use crate::results::{BalanceSummary, HullResults, Results, RunResults};
+use crate::series::median;
+use crate::statics::{self, Common, SteadyRun};
+use crate::sweep::Sweep;
+use crate::tare::{Tare, TareRun};
+use crate::zeros::Zeros;
+use crate::{checks, fits, points, theory, trend};
+
+/// Length of a strut, where no hull tells how far the flow must develop \[m\].
+const STRUT_M: f64 = 0.5;
+
+/// How to reduce.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Angles up to this magnitude enter the fits \[deg\].
+    pub range_deg: f64,
+    /// Whether one unusable run is an error rather than a warning.
+    pub strict: bool,
+}
+
+/// How far the reading has come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Progress {
+    /// Runs in all.
+    pub runs: usize,
+}
 
 /// Reduces a table of points of one hull.
 ///
@@ -14,21 +45,305 @@ use crate::{checks, fits, points};
 pub fn reduce_points(points: &Path, hull: &Path, range_deg: f64) -> Result<Results, InputError> {
     let read = points::read(points, hull)?;
     let fit = fits::fit(&read.sweep, range_deg);
-    let id = &read.hull.id;
     let mut warnings = read.notices;
-    match &fit {
-        Ok(fit) => {
-            warnings.extend(checks::signs(id, &fit.estimates));
-            warnings.extend(fits::warnings(id, fit));
-        }
-        Err(few) => warnings.push(format!("{id}: no fit: {few}")),
-    }
+    let mut hull = hull_results(read.hull, read.sweep, fit, None);
+    hull.n_runs = hull.sweep.points.len();
+    hull.water = read.water;
+    warnings.extend(hull_warnings(&hull));
     Ok(Results {
         name: points.display().to_string(),
         source: read.source,
         range_deg,
-        hulls: vec![HullResults { n_runs: read.sweep.points.len(), hull: read.hull, sweep: read.sweep, fit }],
+        hulls: vec![hull],
         trend: None,
+        runs: Vec::new(),
+        rejected: Vec::new(),
+        balance: None,
         warnings,
     })
+}
+
+/// Reduces a campaign's folder. `watch` is called after every run, from several threads.
+///
+/// # Errors
+/// Where the campaign as a whole cannot be used; with `strict`, where any run cannot.
+pub fn reduce_campaign(
+    folder: &Path,
+    options: &Options,
+    watch: &(dyn Fn(Progress) + Sync),
+) -> Result<Results, InputError> {
+    let mut campaign = Campaign::read(folder)?;
+    let all = read_runs(&campaign, watch);
+    let mut readings: Vec<Option<Readings>> = Vec::with_capacity(all.len());
+    for (run, result) in campaign.runs.iter().zip(all) {
+        match result {
+            Ok(read) => readings.push(Some(read)),
+            Err(error) => {
+                campaign.rejected.push(Rejected { run_id: run.id.clone(), error });
+                readings.push(None);
+            }
+        }
+    }
+    if options.strict
+        && let Some(rejected) = campaign.rejected.first()
+    {
+        return Err(rejected.error.clone());
+    }
+    Reduction::of(&campaign, &readings).results(options)
+}
+
+fn read_runs(campaign: &Campaign, watch: &(dyn Fn(Progress) + Sync)) -> Vec<Result<Readings, InputError>> {
+    let length = |run: &Run| run.hull.map_or(STRUT_M, |hull| campaign.hulls[hull].geometry.loa_m);
+    let runs = campaign.runs.len();
+    campaign
+        .runs
+        .par_iter()
+        .map_init(History::default, |history, run| {
+            let result = readings::read(run, length(run), history);
+            watch(Progress { runs });
+            result
+        })
+        .collect()
+}
+
+/// A campaign whose runs have been read.
+struct Reduction<'a> {
+    campaign: &'a Campaign,
+    readings: &'a [Option<Readings>],
+    zeros: Zeros,
+    warnings: Vec<String>,
+}
+
+impl<'a> Reduction<'a> {
+    fn of(campaign: &'a Campaign, readings: &'a [Option<Readings>]) -> Self {
+        let mut reduction = Reduction { campaign, readings, zeros: Zeros::default(), warnings: Vec::new() };
+        reduction.warnings.extend(campaign.notices.iter().cloned());
+        let zeros = Zeros::of(reduction.usable());
+        reduction.zeros = zeros;
+        if reduction.zeros.zeros.is_empty() {
+            reduction.warnings.push(
+                "no zero runs: every run's own rest before the run-up serves as its zero; drift during a run is not removed"
+                    .to_owned(),
+            );
+        }
+        reduction
+    }
+
+    fn results(mut self, options: &Options) -> Result<Results, InputError> {
+        let balance = &self.campaign.balance;
+        let zeros = std::mem::take(&mut self.zeros);
+        let tare = {
+            let common = Common { balance, zeros: &zeros, tare: None };
+            let runs: Vec<TareRun> =
+                self.steady(&common, Kind::Tare, None).iter().map(|run| run.tare_run(&common)).collect();
+            if runs.is_empty() {
+                self.warnings.push("no tare runs: the strut's force is still in all coefficients".to_owned());
+            }
+            Tare::of(&runs, &zeros.errors(), zeros.dof())
+        };
+        let common = Common { balance, zeros: &zeros, tare: tare.as_ref() };
+        self.check_tare_range(tare.as_ref());
+        let mut run_results = self.run_results();
+        let mut hulls = Vec::new();
+        for (index, hull) in self.campaign.hulls.iter().enumerate() {
+            let reduced = self.hull(&common, index, hull, options, &mut run_results);
+            self.warnings.extend(hull_warnings(&reduced));
+            hulls.push(reduced);
+        }
+        if hulls.iter().all(|hull| hull.n_runs == 0) {
+            let place = Place::file(self.campaign.folder.join("runs.csv"));
+            return Err(match self.campaign.rejected.first() {
+                Some(rejected) => rejected.error.clone(),
+                None => InputError::new(place, "no run with a model under way: nothing to reduce"),
+            });
+        }
+        let lines = trend::of(
+            &hulls.iter().filter_map(|h| Some((h.hull.ldr, &h.sweep, h.fit.as_ref().ok()?))).collect::<Vec<_>>(),
+        );
+        self.warnings.extend(lines.iter().flat_map(checks::trend));
+        self.warnings.extend(checks::runs(&run_results));
+        self.warnings.extend(checks::rejected(&self.campaign.rejected));
+        Ok(Results {
+            name: self.campaign.name.clone(),
+            source: self.campaign.facility.clone(),
+            range_deg: options.range_deg,
+            hulls,
+            trend: lines,
+            runs: run_results,
+            rejected: self.campaign.rejected.clone(),
+            balance: Some(summary(&common)),
+            warnings: self.warnings,
+        })
+    }
+
+    fn usable(&self) -> impl Iterator<Item = (&'a Run, &'a Readings)> + Clone + use<'a> {
+        self.campaign.runs.iter().zip(self.readings).filter_map(|(run, readings)| Some((run, readings.as_ref()?)))
+    }
+
+    /// The steady runs of one kind, of one hull or of none.
+    fn steady(&self, common: &Common, kind: Kind, hull: Option<usize>) -> Vec<SteadyRun<'a>> {
+        self.usable()
+            .filter(|(run, _)| run.kind == kind && run.hull == hull)
+            .filter_map(|(run, readings)| match &readings.useful {
+                Useful::Steady(steady) => {
+                    common.steady(run, readings, steady, hull.map(|hull| &self.campaign.hulls[hull]))
+                }
+                _ => None,
+            })
+            .collect()
+    }
+
+    fn oscillations(&self, hull: usize) -> Vec<(&'a Run, &'a Readings, &'a Harmonics)> {
+        self.usable()
+            .filter(|(run, _)| run.hull == Some(hull))
+            .filter_map(|(run, readings)| match &readings.useful {
+                Useful::Periodic(harmonics) => Some((run, readings, harmonics.as_ref())),
+                _ => None,
+            })
+            .collect()
+    }
+
+    fn hull(
+        &mut self,
+        common: &Common,
+        index: usize,
+        hull: &Hull,
+        options: &Options,
+        run_results: &mut [RunResults],
+    ) -> HullResults {
+        let statics = self.steady(common, Kind::Static, Some(index));
+        let turns = self.steady(common, Kind::Arc, Some(index));
+        let oscillations = self.oscillations(index);
+        for run in statics.iter().chain(&turns) {
+            note_steps(run, run_results);
+        }
+        let sweep = statics::sweep(common, &statics, hull);
+        let fit = fits::fit(&sweep, options.range_deg);
+        let moving = !oscillations.is_empty() || !turns.is_empty();
+        let dynamic = if moving && hull.live.is_none() {
+            self.warnings.push(format!(
+                "{}: oscillations and turns are left out: their inertia needs live_mass_kg, xg_m and izz_kg_m2 in campaign.toml",
+                hull.id
+            ));
+            None
+        } else {
+            let between = fit.as_ref().map_or([0.0; 2], |fit| derivatives::between_runs(hull, fit));
+            derivatives::of(common, hull, &oscillations, &turns, between)
+        };
+        if moving && hull.live.is_some() && dynamic.is_none() {
+            self.warnings.push(format!(
+                "{}: no derivatives: they need at least three usable sway runs, and yaw runs or turns for Yr, Nr",
+                hull.id
+            ));
+        }
+        let mut reduced = hull_results(hull.clone(), sweep, fit, dynamic);
+        reduced.n_runs = statics.len() + turns.len() + oscillations.len();
+        reduced.water = Some(self.campaign.water);
+        reduced.blockage = self.campaign.cross_section_m.map(|(w, d)| hull.frontal_area_m2() / (w * d));
+        reduced
+    }
+
+    fn run_results(&self) -> Vec<RunResults> {
+        let zeros = |run: &Run, readings: &Readings| -> Option<[f64; 3]> {
+            if run.kind == Kind::Zero || self.zeros.zeros.is_empty() {
+                return None;
+            }
+            let rest = readings.rest?;
+            Some((rest.mean - self.zeros.at(run, readings, 0.0)?.reading).into())
+        };
+        self.usable()
+            .map(|(run, readings)| RunResults {
+                run: run.clone(),
+                trace: readings.trace.clone(),
+                steps: None,
+                effective: match &readings.useful {
+                    Useful::Steady(s) => Some(([0, 1, 2].map(|i| s.readings.effective_samples(i)), s.duration_s)),
+                    _ => None,
+                },
+                rest_less_zero: zeros(run, readings),
+                notices: readings.notices.clone(),
+            })
+            .collect()
+    }
+
+    fn check_tare_range(&mut self, tare: Option<&Tare>) {
+        let Some(tare) = tare else { return };
+        let largest = self
+            .usable()
+            .filter(|(run, _)| run.kind == Kind::Static)
+            .map(|(run, _)| run.yaw_deg.abs())
+            .fold(0.0, f64::max);
+        if largest > tare.largest_deg + 1.0 {
+            self.warnings.push(format!(
+                "the strut was tared up to {:.1} deg only, static runs go to {largest:.1} deg: the tare is extrapolated there",
+                tare.largest_deg
+            ));
+        }
+    }
+}
+
+fn note_steps(run: &SteadyRun, results: &mut [RunResults]) {
+    if let Some(result) = results.iter_mut().find(|result| result.run.order == run.run.order) {
+        result.steps = Some(run.steps);
+    }
+}
+
+fn hull_results(
+    hull: Hull,
+    sweep: Sweep,
+    fit: Result<fits::SweepFit, fits::TooFewPoints>,
+    dynamic: Option<Derivatives>,
+) -> HullResults {
+    let estimates = fit.as_ref().ok().map(|fit| &fit.estimates);
+    let reynolds: Vec<f64> = sweep.points.iter().filter_map(|point| point.reynolds).collect();
+    let reynolds = (!reynolds.is_empty()).then(|| median(&reynolds));
+    let derivatives = dynamic.as_ref().map(|d| &d.estimates);
+    let comparisons = match (&fit, derivatives) {
+        (Ok(fit), Some(derivatives)) => derivatives::compare_sweep(&hull, fit, derivatives),
+        _ => Vec::new(),
+    };
+    HullResults {
+        theory: theory::of(&hull, reynolds, estimates, derivatives),
+        comparisons,
+        n_runs: 0,
+        water: None,
+        blockage: None,
+        hull,
+        sweep,
+        fit,
+        dynamic,
+    }
+}
+
+fn hull_warnings(hull: &HullResults) -> Vec<String> {
+    let id = &hull.hull.id;
+    let mut warnings = Vec::new();
+    match &hull.fit {
+        Ok(fit) => {
+            warnings.extend(checks::signs(id, &fit.estimates));
+            warnings.extend(fits::warnings(id, fit));
+        }
+        Err(few) if hull.sweep.points.is_empty() && hull.dynamic.is_some() => {
+            warnings.push(format!("{id}: no static runs, so no fit ({few})"));
+        }
+        Err(few) => warnings.push(format!("{id}: no fit: {few}")),
+    }
+    warnings.extend(checks::dynamic(hull));
+    warnings.extend(checks::blockage(hull));
+    warnings
+}
+
+fn summary(common: &Common) -> BalanceSummary {
+    let at_angle = |degrees: f64| {
+        let motion = crate::motion::Motion::straight(2.0, degrees.to_radians(), 0.0);
+        common.tare.map(|tare| tare.force(&motion, 1000.0).into())
+    };
+    BalanceSummary {
+        zeros: common.zeros.zeros.len(),
+        in_time: common.zeros.in_time,
+        largest_drift: common.zeros.largest_drift().into(),
+        interaction: std::array::from_fn(|i| std::array::from_fn(|j| common.balance.interaction[(i, j)])),
+        tare_runs: common.tare.map_or(0, |tare| tare.runs),
+        tare_at_2_m_s: at_angle(0.0).zip(at_angle(10.0)).map(|(a, b)| [a, b]),
+    }
 }

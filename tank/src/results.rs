@@ -1,10 +1,17 @@
 //! What a reduction found, whole: from it follow the JSON, the tables, the figures and the page.
 
-use glidepolar::hull_tests::{ReducedHull, Reduction, SCHEMA, Slope, Trend};
+use glidepolar::hull_tests::{ReducedHull, Reduction, SCHEMA, Trend};
 
+use crate::campaign::{Kind, Rejected, Run};
+use crate::derivatives::{Comparison, Derivatives};
 use crate::fits::{SweepFit, TooFewPoints};
 use crate::hull::Hull;
+use crate::readings::Trace;
+use crate::statics::Steps;
 use crate::sweep::Sweep;
+use crate::theory::Theory;
+use crate::trend::Lines;
+use crate::water::Water;
 
 /// Everything that one reduction found.
 #[derive(Debug, Clone)]
@@ -18,7 +25,13 @@ pub struct Results {
     /// Hull by hull.
     pub hulls: Vec<HullResults>,
     /// Change with length to diameter ratio, where the hulls are many enough.
-    pub trend: Option<[Slope; 4]>,
+    pub trend: Option<Lines>,
+    /// Every run that was read, in order; none for a table of points.
+    pub runs: Vec<RunResults>,
+    /// Runs that were left out.
+    pub rejected: Vec<Rejected>,
+    /// How the balance behaved and what was taken from it.
+    pub balance: Option<BalanceSummary>,
     /// What the reader of the figures has to know.
     pub warnings: Vec<String>,
 }
@@ -34,6 +47,57 @@ pub struct HullResults {
     pub fit: Result<SweepFit, TooFewPoints>,
     /// Runs (or points) that were reduced.
     pub n_runs: usize,
+    /// Oscillations and turns, where there were any.
+    pub dynamic: Option<Derivatives>,
+    /// Sweep against oscillation.
+    pub comparisons: Vec<Comparison>,
+    /// Theory beside measurement.
+    pub theory: Vec<Theory>,
+    /// The water, where it is known.
+    pub water: Option<Water>,
+    /// Frontal area over the tank's cross-section, where that is known.
+    pub blockage: Option<f64>,
+}
+
+/// One run.
+#[derive(Debug, Clone)]
+pub struct RunResults {
+    /// As it was planned.
+    pub run: Run,
+    /// How it went, to be drawn.
+    pub trace: Trace,
+    /// Steady runs: every step from the reading to the force of the water.
+    pub steps: Option<Steps>,
+    /// Steady runs: effective number of samples of AF, SF, YM, and length of the window \[s\].
+    pub effective: Option<([f64; 3], f64)>,
+    /// Reading at rest before the run-up less the zero that was taken: AF, SF, YM.
+    pub rest_less_zero: Option<[f64; 3]>,
+    /// What the crew should know of it.
+    pub notices: Vec<String>,
+}
+
+/// Zeros, interaction, tare in figures.
+#[derive(Debug, Clone)]
+pub struct BalanceSummary {
+    /// Zero runs.
+    pub zeros: usize,
+    /// Whether zeros were interpolated in time rather than in run order.
+    pub in_time: bool,
+    /// Largest change between successive zeros: AF, SF, YM.
+    pub largest_drift: [f64; 3],
+    /// The interaction matrix, row by row.
+    pub interaction: [[f64; 3]; 3],
+    /// Tare runs that entered; zero where there were none.
+    pub tare_runs: usize,
+    /// The strut's force at 2 m/s, no angle and 10 deg: AF, SF, YM.
+    pub tare_at_2_m_s: Option<[[f64; 3]; 2]>,
+}
+
+impl RunResults {
+    /// Whether its window is worth drawing in detail.
+    pub fn is_zero(&self) -> bool {
+        self.run.kind == Kind::Zero
+    }
 }
 
 impl Results {
@@ -42,7 +106,10 @@ impl Results {
         Reduction {
             schema: SCHEMA.to_owned(),
             hulls: self.hulls.iter().map(HullResults::reduced).collect(),
-            trend: self.trend.clone().map(|[a, b, c, d]| Trend { a, b, c, d }),
+            trend: self.trend.as_ref().map(|lines| {
+                let [a, b, c, d] = lines.slopes();
+                Trend { a, b, c, d }
+            }),
             campaign_diagnosis: None,
             warnings: self.warnings.clone(),
         }
@@ -57,7 +124,7 @@ impl HullResults {
             n_runs: self.n_runs,
             geometry: self.hull.geometry,
             fit: self.fit.as_ref().ok().map(|fit| fit.estimates.clone()),
-            dynamic: None,
+            dynamic: self.dynamic.as_ref().map(|d| d.estimates.clone()),
             diagnosis: None,
         }
     }

@@ -145,6 +145,11 @@ impl<'a> Cells<'a> {
         }
     }
 
+    /// The line of this row.
+    pub fn line(&self) -> usize {
+        self.row.line
+    }
+
     /// A cell as text; empty where the column is missing or the cell empty.
     pub fn text(&self, column: &str) -> &'a str {
         self.index(column).map_or("", |index| self.row.cells[index].as_str())

@@ -1,0 +1,132 @@
+//! Means of correlated readings: a standard error that carriage vibration and slow drifts do not make too small.
+//!
+//! The variance of a mean is the spectral density at frequency zero over the length of the record. It is estimated from
+//! the lowest cosine transforms of the record (Lazarus, Lewis, Stock and Watson 2018, J. Business & Economic Statistics
+//! 36, 541-559: equal-weighted cosines): vibration at higher frequencies stays out of it, slow drifts stay in. The effective
+//! number of samples is the variance of the samples over that of their mean. Knows no quantity.
+
+use nalgebra::{Matrix3, Vector3};
+
+/// Number of cosines: 0.12 Hz for a record of 25 s, below which the noise of balances is flat.
+pub const COSINES: usize = 6;
+
+/// Mean of three channels with the covariance of the means.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mean3 {
+    /// Means.
+    pub mean: Vector3<f64>,
+    /// Covariance of the means, on [`COSINES`] degrees of freedom.
+    pub covariance: Matrix3<f64>,
+    /// Variance of the samples.
+    pub sample_variance: Vector3<f64>,
+}
+
+impl Mean3 {
+    /// Of three channels of equal length.
+    pub fn of(channels: [&[f64]; 3]) -> Mean3 {
+        let n = channels[0].len();
+        let mean = Vector3::from(channels.map(|c| c.iter().sum::<f64>() / n as f64));
+        let mut covariance = Matrix3::zeros();
+        let transforms = cosines(channels);
+        for transform in &transforms {
+            covariance += transform * transform.transpose();
+        }
+        let sample_variance = Vector3::from_fn(|i, _| {
+            channels[i].iter().map(|x| (x - mean[i]).powi(2)).sum::<f64>() / (n - 1).max(1) as f64
+        });
+        Mean3 { mean, covariance: covariance / (transforms.len() as f64 * n as f64), sample_variance }
+    }
+
+    /// Effective number of samples of a channel.
+    pub fn effective_samples(&self, channel: usize) -> f64 {
+        self.sample_variance[channel] / self.covariance[(channel, channel)]
+    }
+}
+
+/// The lowest cosine transforms, scaled so that their squares estimate the spectral density at zero (times the interval).
+fn cosines(channels: [&[f64]; 3]) -> [Vector3<f64>; COSINES] {
+    let n = channels[0].len();
+    let step = std::f64::consts::PI / n as f64;
+    let mut transforms = [Vector3::zeros(); COSINES];
+    // cos(j (i + 1/2) pi/n) by the recurrence of Chebyshev.
+    for i in 0..n {
+        let x = Vector3::new(channels[0][i], channels[1][i], channels[2][i]);
+        let first = ((i as f64 + 0.5) * step).cos();
+        let (mut before, mut now) = (1.0, first);
+        for transform in &mut transforms {
+            *transform += x * now;
+            (before, now) = (now, 2.0 * first * now - before);
+        }
+    }
+    transforms.map(|transform| transform * (2.0 / n as f64).sqrt())
+}
+
+/// Slope of a channel over its record in units of its standard error: the first cosine against the others. Student's t on
+/// `COSINES - 1` degrees of freedom where the record is stationary.
+pub fn trend_t(channel: &[f64]) -> f64 {
+    let transforms = cosines([channel, channel, channel]).map(|t| t[0]);
+    let others = transforms[1..].iter().map(|t| t * t).sum::<f64>() / (COSINES - 1) as f64;
+    if others > 0.0 { -transforms[0] / others.sqrt() } else { 0.0 }
+}
+
+/// Means of successive blocks of `size` samples; an incomplete last block is left out.
+pub fn block_means(channel: &[f64], size: usize) -> Vec<f64> {
+    channel.chunks_exact(size.max(1)).map(|block| block.iter().sum::<f64>() / block.len() as f64).collect()
+}
+
+/// Median; not a number where there are no values.
+pub fn median(values: &[f64]) -> f64 {
+    if values.is_empty() {
+        return f64::NAN;
+    }
+    let mut sorted = values.to_vec();
+    let middle = sorted.len() / 2;
+    let (_, value, _) = sorted.select_nth_unstable_by(middle, f64::total_cmp);
+    *value
+}
+
+/// Standard deviation from the median absolute deviation, as for a normal distribution.
+pub fn robust_sd(values: &[f64]) -> f64 {
+    let centre = median(values);
+    let deviations: Vec<f64> = values.iter().map(|v| (v - centre).abs()).collect();
+    1.4826 * median(&deviations)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_distr::StandardNormal;
+
+    /// White noise has the standard error of the textbook; first-order noise the one of its long-run variance
+    /// `sigma^2 (1 + phi)/(1 - phi)/n`, vibration on top or not.
+    #[test]
+    fn standard_errors_are_those_of_correlated_noise() {
+        let mut rng = rand::rngs::StdRng::seed_from_u64(5);
+        for (phi, vibration) in [(0.0, 0.0), (0.9, 0.0), (0.9, 3.0)] {
+            let (n, repeats) = (1250, 400);
+            let mut found = 0.0;
+            for _ in 0..repeats {
+                let mut state = 0.0;
+                let samples: Vec<f64> = (0..n)
+                    .map(|i| {
+                        let noise: f64 = rng.sample(StandardNormal);
+                        state = phi * state + noise;
+                        state + vibration * (i as f64 * 0.37).sin()
+                    })
+                    .collect();
+                found += Mean3::of([&samples, &samples, &samples]).covariance[(0, 0)];
+            }
+            let expected = 1.0 / (1.0 - phi) / (1.0 - phi) / n as f64;
+            let ratio = found / repeats as f64 / expected;
+            assert!((0.9..1.1).contains(&ratio), "phi {phi}, vibration {vibration}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn a_slope_is_found_and_its_sign_is_right() {
+        let mut rng = rand::rngs::StdRng::seed_from_u64(6);
+        let samples: Vec<f64> = (0..1000).map(|i| 0.01 * f64::from(i) + rng.sample::<f64, _>(StandardNormal)).collect();
+        assert!(trend_t(&samples) > 10.0);
+    }
+}

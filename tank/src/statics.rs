@@ -1,0 +1,274 @@
+//! Steady runs step by step: reading, zero, interaction, tare, inertia, force of the water, coefficients. Every step is
+//! kept, so that the tables can show it.
+
+use glidepolar::coefficients::BalanceForce;
+use nalgebra::{DMatrix, Matrix3, Vector3};
+
+use crate::campaign::{Balance, Kind, Run};
+use crate::hull::Hull;
+use crate::motion::Motion;
+use crate::readings::{Readings, Steady};
+use crate::series::COSINES;
+use crate::sweep::{Point, SharedErrors, Sweep};
+use crate::tare::{Tare, TareRun};
+use crate::zeros::{ZeroOfRun, Zeros};
+
+/// One steady run, reduced as far as the force of the water.
+#[derive(Debug, Clone)]
+pub struct SteadyRun<'a> {
+    /// The run.
+    pub run: &'a Run,
+    /// Its means.
+    pub steady: &'a Steady,
+    /// Its zero.
+    pub zero: ZeroOfRun,
+    /// How the moment centre moves.
+    pub motion: Motion,
+    /// Dynamic pressure \[Pa\].
+    pub dynamic_pressure_Pa: f64,
+    /// The steps.
+    pub steps: Steps,
+    /// Covariance of the force from within the run.
+    pub covariance: Matrix3<f64>,
+}
+
+/// What became of the readings: AF, SF, YM about the moment centre.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Steps {
+    /// Mean reading.
+    pub reading: Vector3<f64>,
+    /// Zero at the time of the run.
+    pub zero: Vector3<f64>,
+    /// Force after zero and interaction.
+    pub force: Vector3<f64>,
+    /// Force of the strut, taken away.
+    pub tare: Vector3<f64>,
+    /// Inertia, added.
+    pub inertia: Vector3<f64>,
+}
+
+impl Steps {
+    /// The force of the water on the hull.
+    pub fn water(&self) -> Vector3<f64> {
+        self.force - self.tare + self.inertia
+    }
+}
+
+/// What all runs of a campaign have in common.
+#[derive(Debug, Clone)]
+pub struct Common<'a> {
+    /// The balance.
+    pub balance: &'a Balance,
+    /// The zeros.
+    pub zeros: &'a Zeros,
+    /// The strut, where it was towed alone.
+    pub tare: Option<&'a Tare>,
+}
+
+/// Weight of the variance that runs at one speed share against a run's own, in degrees of freedom: one run tells its noise
+/// poorly.
+const SHARED_VARIANCE_DOF: f64 = 30.0;
+
+impl Common<'_> {
+    /// Takes a steady run as far as the force of the water; none if it has no zero. `hull` is none for the strut alone.
+    pub fn steady<'a>(
+        &self,
+        run: &'a Run,
+        readings: &Readings,
+        steady: &'a Steady,
+        hull: Option<&Hull>,
+    ) -> Option<SteadyRun<'a>> {
+        let zero = self.zeros.at(run, readings, steady.middle_s)?;
+        let interaction = self.balance.interaction;
+        let speed = steady.speed_squared.sqrt();
+        let yaw_rad = if run.kind == Kind::Arc { run.yaw_deg } else { steady.yaw_deg }.to_radians();
+        let motion = match run.radius_m {
+            Some(radius) => Motion::turning(speed, radius, yaw_rad, steady.acceleration_m_s2),
+            None => Motion::straight(speed, yaw_rad, steady.acceleration_m_s2),
+        };
+        let force = interaction * (steady.readings.mean - zero.reading);
+        let tare = match (hull, self.tare) {
+            (Some(_), Some(tare)) => tare.force(&motion, run.water.density_kg_m3),
+            _ => Vector3::zeros(),
+        };
+        let inertia = hull.map_or_else(Vector3::zeros, |hull| motion.inertia(hull));
+        let covariance = interaction * (steady.readings.covariance + zero.own_covariance) * interaction.transpose();
+        Some(SteadyRun {
+            run,
+            steady,
+            motion,
+            dynamic_pressure_Pa: 0.5 * run.water.density_kg_m3 * steady.speed_squared,
+            steps: Steps { reading: steady.readings.mean, zero: zero.reading, force, tare, inertia },
+            zero,
+            covariance,
+        })
+    }
+
+    /// The errors that a campaign's runs share, without their influence yet: the tare channel by channel, the zeros, the
+    /// calibration.
+    pub fn shared(&self) -> Vec<SharedKind> {
+        let mut kinds = Vec::new();
+        if self.tare.is_some() {
+            kinds.extend((0..3).map(SharedKind::Tare));
+        }
+        if !self.zeros.zeros.is_empty() {
+            kinds.push(SharedKind::Zeros);
+        }
+        if self.balance.uncertainty.is_some() {
+            kinds.push(SharedKind::Calibration);
+        }
+        kinds
+    }
+
+    /// Influence of one shared error on the force of a steady run: AF, SF, YM by errors.
+    pub fn influence(&self, kind: SharedKind, run: &SteadyRun) -> DMatrix<f64> {
+        match (kind, self.tare) {
+            (SharedKind::Tare(channel), Some(tare)) => {
+                let gradient = tare.gradient(channel, &run.motion, run.run.water.density_kg_m3);
+                let mut influence = DMatrix::zeros(3, gradient.len());
+                influence.row_mut(channel).copy_from(&-gradient.transpose());
+                influence
+            }
+            (SharedKind::Zeros, _) => {
+                let mut influence = DMatrix::zeros(3, 3 * self.zeros.zeros.len());
+                for (zero, weight) in &run.zero.parts {
+                    influence.fixed_view_mut::<3, 3>(0, 3 * zero).copy_from(&(-*weight * self.balance.interaction));
+                }
+                influence
+            }
+            // A calibration may be off in proportion to the load: alike on one side, opposite on the other.
+            (SharedKind::Calibration, _) => {
+                let side = run.steps.water()[1].signum();
+                DMatrix::from_diagonal(&nalgebra::DVector::from_vec(vec![1.0, side, side]))
+            }
+            (SharedKind::Tare(_), None) => DMatrix::zeros(3, 0),
+        }
+    }
+
+    /// Covariance of one shared error and its degrees of freedom.
+    pub fn covariance(&self, kind: SharedKind) -> (DMatrix<f64>, f64) {
+        match (kind, self.tare) {
+            (SharedKind::Tare(channel), Some(tare)) => {
+                let (covariance, dof) = tare.covariance(channel);
+                (covariance.clone(), dof)
+            }
+            (SharedKind::Zeros, _) => (self.zeros.errors(), self.zeros.dof()),
+            (SharedKind::Calibration, _) => {
+                let u = self.balance.uncertainty.unwrap_or_default();
+                let variances = nalgebra::DVector::from_iterator(3, u.iter().map(|u| u * u));
+                (DMatrix::from_diagonal(&variances), f64::INFINITY)
+            }
+            (SharedKind::Tare(_), None) => (DMatrix::zeros(0, 0), 1.0),
+        }
+    }
+}
+
+/// An error that runs share.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SharedKind {
+    /// The strut's force in one channel.
+    Tare(usize),
+    /// The zero runs.
+    Zeros,
+    /// The calibration of the balance.
+    Calibration,
+}
+
+impl SharedKind {
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            SharedKind::Tare(0) => "tare AF",
+            SharedKind::Tare(1) => "tare SF",
+            SharedKind::Tare(_) => "tare YM",
+            SharedKind::Zeros => "zeros",
+            SharedKind::Calibration => "calibration",
+        }
+    }
+}
+
+impl SteadyRun<'_> {
+    /// As a tare run.
+    pub fn tare_run(&self, common: &Common) -> TareRun {
+        TareRun {
+            yaw_rad: self.steady.yaw_deg.to_radians(),
+            speed_m_s: self.motion.speed(),
+            dynamic_pressure_Pa: self.dynamic_pressure_Pa,
+            force: self.steps.force,
+            variance: self.covariance.diagonal(),
+            zero_influence: common.influence(SharedKind::Zeros, self),
+        }
+    }
+
+    /// Force about the moment centre (AF, SF, YM) to CL, CD, CM about the centre of buoyancy: a linear map.
+    pub fn to_coefficients(&self, hull: &Hull) -> Matrix3<f64> {
+        let column = |axial_N: f64, side_N: f64, yaw_N_m: f64| {
+            let c = BalanceForce { axial_N, side_N, yaw_N_m }
+                .moved(hull.mc_m, hull.geometry.cb_m)
+                .in_wind_axes(self.steady.yaw_deg.to_radians())
+                .coefficients(self.dynamic_pressure_Pa, hull.frontal_area_m2(), hull.geometry.loa_m);
+            Vector3::new(c.lift, c.drag, c.moment)
+        };
+        Matrix3::from_columns(&[column(1.0, 0.0, 0.0), column(0.0, 1.0, 0.0), column(0.0, 0.0, 1.0)])
+    }
+}
+
+/// Makes a sweep of a hull's static runs.
+pub fn sweep(common: &Common, runs: &[SteadyRun], hull: &Hull) -> Sweep {
+    let maps: Vec<Matrix3<f64>> = runs.iter().map(|run| run.to_coefficients(hull)).collect();
+    let mut points: Vec<Point> = runs.iter().zip(&maps).map(|(run, map)| point(run, map, hull)).collect();
+    for coefficient in 0..3 {
+        let variances: Vec<f64> = points.iter().map(|p| p.se[coefficient].powi(2)).collect();
+        let keys: Vec<f64> = points.iter().map(|p| p.nominal_speed_m_s.unwrap_or(0.0)).collect();
+        for (point, variance) in points.iter_mut().zip(share_variances(&variances, &keys, COSINES as f64)) {
+            point.se[coefficient] = variance.sqrt();
+        }
+    }
+    let shared = common.shared().into_iter().map(|kind| {
+        let (covariance, dof) = common.covariance(kind);
+        let mut influence = [0, 1, 2].map(|_| DMatrix::zeros(runs.len(), covariance.nrows()));
+        for (i, (run, map)) in runs.iter().zip(&maps).enumerate() {
+            let on_coefficients = map * common.influence(kind, run);
+            for (k, influence) in influence.iter_mut().enumerate() {
+                influence.row_mut(i).copy_from(&on_coefficients.row(k));
+            }
+        }
+        SharedErrors { name: kind.name(), influence, covariance, dof }
+    });
+    let shared = shared.collect();
+    Sweep { points, shared }
+}
+
+fn point(run: &SteadyRun, map: &Matrix3<f64>, hull: &Hull) -> Point {
+    let coefficients = map * run.steps.water();
+    let covariance = map * run.covariance * map.transpose();
+    Point {
+        run_id: run.run.id.clone(),
+        order: run.run.order,
+        start_time_s: run.run.start_time_s,
+        yaw_deg: run.steady.yaw_deg,
+        nominal_yaw_deg: run.run.yaw_deg,
+        speed_m_s: Some(run.steady.speed_m_s),
+        nominal_speed_m_s: Some(run.run.speed_m_s),
+        dynamic_pressure_Pa: Some(run.dynamic_pressure_Pa),
+        reynolds: Some(run.steady.speed_m_s * hull.geometry.loa_m / run.run.water.kinematic_viscosity_m2_s),
+        temperature_C: Some(run.run.water.temperature_C),
+        coefficients: coefficients.into(),
+        se: covariance.diagonal().map(f64::sqrt).into(),
+    }
+}
+
+/// Draws the variances of runs of one key (a speed, a frequency) towards their mean: a single record tells its own
+/// variance on few degrees of freedom only.
+pub fn share_variances(variances: &[f64], keys: &[f64], own_dof: f64) -> Vec<f64> {
+    variances
+        .iter()
+        .zip(keys)
+        .map(|(variance, key)| {
+            let alike = || variances.iter().zip(keys).filter(|(_, k)| *k == key).map(|(v, _)| *v);
+            let mean = alike().sum::<f64>() / alike().count() as f64;
+            let shared_dof = if alike().count() > 1 { SHARED_VARIANCE_DOF } else { 0.0 };
+            (own_dof * variance + shared_dof * mean) / (own_dof + shared_dof)
+        })
+        .collect()
+}

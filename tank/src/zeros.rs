@@ -1,0 +1,120 @@
+//! The balance's zero at the time of every run: what zero runs show, interpolated between those before and after.
+
+use nalgebra::{DMatrix, Matrix3, Vector3};
+
+use crate::campaign::{Kind, Run};
+use crate::readings::{Readings, Useful};
+use crate::series::{COSINES, Mean3};
+
+/// All zeros of a campaign.
+#[derive(Debug, Clone, Default)]
+pub struct Zeros {
+    /// In the order in which they were taken.
+    pub zeros: Vec<Zero>,
+    /// Covariance of one zero's means, pooled over all of them.
+    pub covariance: Matrix3<f64>,
+    /// Whether time, rather than the order of the runs, was interpolated in.
+    pub in_time: bool,
+}
+
+/// One zero run.
+#[derive(Debug, Clone)]
+pub struct Zero {
+    /// The run.
+    pub run_id: String,
+    /// Hull below the balance.
+    pub hull: Option<usize>,
+    /// When: time \[s\] or place in the order.
+    pub when: f64,
+    /// AF, SF, YM.
+    pub reading: Vector3<f64>,
+}
+
+/// The zero of one run: a weighted mean of zero runs, or its own rest where there are none.
+#[derive(Debug, Clone)]
+pub struct ZeroOfRun {
+    /// AF, SF, YM.
+    pub reading: Vector3<f64>,
+    /// Which zero runs it rests on, with their weights.
+    pub parts: Vec<(usize, f64)>,
+    /// Covariance that this run's zero does not share with others.
+    pub own_covariance: Matrix3<f64>,
+}
+
+impl Zeros {
+    /// Collects the zero runs.
+    pub fn of<'a>(runs: impl Iterator<Item = (&'a Run, &'a Readings)> + Clone) -> Zeros {
+        let in_time = runs.clone().all(|(run, _)| run.start_time_s.is_some());
+        let taken: Vec<(Zero, Mean3)> = runs
+            .filter(|(run, _)| run.kind == Kind::Zero)
+            .filter_map(|(run, readings)| {
+                let rest = readings.rest.filter(|_| matches!(readings.useful, Useful::Rest))?;
+                let zero =
+                    Zero { run_id: run.id.clone(), hull: run.hull, when: when(run, in_time, 0.0), reading: rest.mean };
+                Some((zero, rest))
+            })
+            .collect();
+        let mut covariance = Matrix3::zeros();
+        for (_, rest) in &taken {
+            covariance += rest.covariance / taken.len() as f64;
+        }
+        let mut zeros: Vec<Zero> = taken.into_iter().map(|(zero, _)| zero).collect();
+        zeros.sort_by(|a, b| a.when.total_cmp(&b.when));
+        Zeros { zeros, covariance, in_time }
+    }
+
+    /// The zero at a run, `after_s` after its begin. Zeros with the same hull go before others, since a model's own weight
+    /// may lean on the balance.
+    pub fn at(&self, run: &Run, readings: &Readings, after_s: f64) -> Option<ZeroOfRun> {
+        let when = when(run, self.in_time, after_s);
+        let same: Vec<usize> = (0..self.zeros.len()).filter(|i| self.zeros[*i].hull == run.hull).collect();
+        let candidates = if same.is_empty() { (0..self.zeros.len()).collect() } else { same };
+        let before = candidates.iter().copied().rfind(|i| self.zeros[*i].when <= when);
+        let after = candidates.iter().copied().find(|i| self.zeros[*i].when > when);
+        let parts = match (before, after) {
+            (Some(before), Some(after)) => {
+                let (from, to) = (self.zeros[before].when, self.zeros[after].when);
+                let share = (when - from) / (to - from);
+                vec![(before, 1.0 - share), (after, share)]
+            }
+            (Some(only), None) | (None, Some(only)) => vec![(only, 1.0)],
+            (None, None) => {
+                let rest = readings.rest?;
+                return Some(ZeroOfRun { reading: rest.mean, parts: vec![], own_covariance: rest.covariance });
+            }
+        };
+        let reading = parts.iter().map(|(i, weight)| self.zeros[*i].reading * *weight).sum();
+        Some(ZeroOfRun { reading, parts, own_covariance: Matrix3::zeros() })
+    }
+
+    /// Covariance of all zeros' errors, three after three.
+    pub fn errors(&self) -> DMatrix<f64> {
+        let n = self.zeros.len();
+        let mut covariance = DMatrix::zeros(3 * n, 3 * n);
+        for i in 0..n {
+            covariance.fixed_view_mut::<3, 3>(3 * i, 3 * i).copy_from(&self.covariance);
+        }
+        covariance
+    }
+
+    /// Degrees of freedom of that covariance.
+    pub fn dof(&self) -> f64 {
+        (COSINES * self.zeros.len()).max(1) as f64
+    }
+
+    /// Largest change of a channel between successive zeros of the same hull.
+    pub fn largest_drift(&self) -> Vector3<f64> {
+        let mut largest = Vector3::zeros();
+        for pair in self.zeros.windows(2).filter(|pair| pair[0].hull == pair[1].hull) {
+            largest = largest.zip_map(&(pair[1].reading - pair[0].reading), |l: f64, d| l.max(d.abs()));
+        }
+        largest
+    }
+}
+
+fn when(run: &Run, in_time: bool, after_s: f64) -> f64 {
+    match run.start_time_s {
+        Some(start) if in_time => start + after_s,
+        _ => run.order as f64,
+    }
+}
