@@ -56,7 +56,7 @@ pub fn dynamic(hull: &HullResults) -> Vec<String> {
         }
     }
     for comparison in hull.comparisons.iter().chain(&dynamic.turns) {
-        if comparison.apart().abs() > 4.0 {
+        if comparison.disagrees() {
             warnings.push(format!(
                 "{id}: {}' differs between {} ({:.5}) and {} ({:.5}) by {:.1} standard errors",
                 comparison.name,

@@ -85,7 +85,7 @@ impl Reduce {
             }
             None => self.reduce_campaign(input)?,
         };
-        self.write(&results)?;
+        output::write(&results, &self.inputs(input), &self.output.folder(&self.out)?)?;
         if self.output.shows_tables() {
             output::print(&results);
         }
@@ -113,14 +113,12 @@ impl Reduce {
         Ok(results?)
     }
 
-    fn write(&self, results: &glidepolar_tank::Results) -> Result<(), CliError> {
-        let folder = self.output.folder(&self.out)?;
-        let mut json =
-            serde_json::to_string_pretty(&results.reduction()).map_err(|error| CliError::Failed(error.to_string()))?;
-        json.push('\n');
-        folder.write("fits.json", json.as_bytes())?;
-        folder.write("coefficients.csv", &output::coefficients_csv(results))?;
-        Ok(())
+    /// The files that describe what is reduced.
+    fn inputs(&self, input: &Path) -> Vec<PathBuf> {
+        match &self.hull {
+            Some(hull) => vec![input.to_owned(), hull.clone()],
+            None => vec![input.join("campaign.toml"), input.join("runs.csv")],
+        }
     }
 }
 

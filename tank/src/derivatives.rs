@@ -95,6 +95,13 @@ impl Comparison {
     pub fn apart(&self) -> f64 {
         (self.first.value - self.second.value) / self.first.se.hypot(self.second.se)
     }
+
+    /// Whether they are further apart than chance explains: more than twice what 95 % intervals allow, some four standard
+    /// errors, and more where these rest on few runs.
+    pub fn disagrees(&self) -> bool {
+        let half = |q: &Estimate| 0.5 * (q.ci95[1] - q.ci95[0]);
+        (self.first.value - self.second.value).abs() > 2.2 * half(&self.first).hypot(half(&self.second))
+    }
 }
 
 /// What the fit leaves of one observation.

@@ -83,10 +83,39 @@ pub fn of(run: &Run, history: &History, plateau: Window) -> Result<Harmonics, No
     if cycles == 0 {
         return Err(NoOscillation::NoWholeCycle { held_s, frequency_hz });
     }
-    let samples = ((cycles as f64 / frequency_hz / interval).round() as usize).min(flat.len());
-    let from = flat.from + (flat.len() - samples) / 2;
-    let window = Window { from, to: from + samples };
-    Ok(regress(history, window, frequency_hz, cycles, measured_hz))
+    let mut cycles = cycles;
+    loop {
+        let samples = ((cycles as f64 / frequency_hz / interval).round() as usize).min(flat.len());
+        let from = flat.from + (flat.len() - samples) / 2;
+        let window = Window { from, to: from + samples };
+        let found = regress(history, window, frequency_hz, cycles, measured_hz);
+        if cycles == 1 || !fades(&found, history.time_s(), motion, run.kind) {
+            return Ok(found);
+        }
+        cycles -= 1;
+    }
+}
+
+/// Whether the motion at either end of the window departs from its harmonics by more than it does in between: the build-up
+/// and the fading of an oscillation are smooth, and a cycle's amplitude hides them.
+fn fades(found: &Harmonics, time: &[f64], motion: &[f64], kind: Kind) -> bool {
+    let window = found.window;
+    let series = match kind {
+        Kind::Sway => found.sway_m,
+        _ => found.yaw_rad.map(f64::to_degrees),
+    };
+    let omega = std::f64::consts::TAU * found.frequency_hz;
+    let rms = |from: usize, to: usize| {
+        let squares = (from..to).map(|i| {
+            let basis = basis(omega * (time[i] - time[window.from]));
+            (motion[i] - (0..TERMS).map(|k| series[k] * basis[k]).sum::<f64>()).powi(2)
+        });
+        (squares.sum::<f64>() / (to - from) as f64).sqrt()
+    };
+    let quarter = (window.len() / (4 * found.cycles)).max(1);
+    let between = rms(window.from + quarter, window.to - quarter);
+    let allowed = (1.5 * between).max(1e-4 * series[1].hypot(series[2]));
+    rms(window.from, window.from + quarter) > allowed || rms(window.to - quarter, window.to) > allowed
 }
 
 fn regress(history: &History, window: Window, frequency_hz: f64, cycles: usize, measured_hz: Option<f64>) -> Harmonics {

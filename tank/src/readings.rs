@@ -32,7 +32,7 @@ pub enum Useful {
     /// At rest.
     Rest,
     /// At constant speed.
-    Steady(Steady),
+    Steady(Box<Steady>),
     /// Oscillating at constant speed.
     Periodic(Box<Harmonics>),
 }
@@ -76,6 +76,9 @@ const TRACE_POINTS: usize = 160;
 /// Two speeds, or two angles, this far apart are not the same \[per cent of the commanded speed; deg\].
 const SPEED_DIFFERENCE: f64 = 0.05;
 const YAW_DIFFERENCE_DEG: f64 = 0.5;
+/// Slope of a reading over its window, in units of a standard error on five degrees of freedom, that one run in a million
+/// shows by chance.
+const DRIFT_T: f64 = 27.0;
 /// Over this long the speed is averaged at both ends of a window \[s\].
 const END_S: f64 = 0.5;
 
@@ -97,7 +100,7 @@ pub fn read(run: &Run, hull_length_m: f64, history: &mut History) -> Result<Read
             let found = window::steady(history, hull_length_m).map_err(no_window)?;
             let steady = steady(history, found);
             check_command(run, &steady, &mut notices);
-            (Useful::Steady(steady), found.window)
+            (Useful::Steady(Box::new(steady)), found.window)
         }
         Kind::Sway | Kind::Yaw => {
             let plateau = window::plateau(history).map_err(no_window)?;
@@ -108,7 +111,10 @@ pub fn read(run: &Run, hull_length_m: f64, history: &mut History) -> Result<Read
         }
     };
     Ok(Readings {
-        rest: rest.ok().filter(|window| window.len() >= 16).map(|w| Mean3::of(w.of3(history.channels()))),
+        rest: rest
+            .ok()
+            .filter(|window| window.len() >= 16)
+            .map(|w| Mean3::of(w.of3(history.channels()), history.interval_s())),
         trace: trace(history, window),
         unused: history.unused.clone(),
         useful,
@@ -126,7 +132,7 @@ fn steady(history: &History, found: Found) -> Steady {
     let end = ((END_S / history.interval_s()) as usize).clamp(1, n / 4);
     let gained = mean(&speeds[n - end..]) - mean(&speeds[..end]);
     Steady {
-        readings: Mean3::of(window.of3(history.channels())),
+        readings: Mean3::of(window.of3(history.channels()), history.interval_s()),
         speed_m_s: mean(speeds),
         speed_squared: speeds.iter().map(|u| u * u).sum::<f64>() / n as f64,
         acceleration_m_s2: gained / (duration_s - end as f64 * history.interval_s()),
@@ -175,7 +181,7 @@ fn check_command(run: &Run, steady: &Steady, notices: &mut Vec<String>) {
             steady.yaw_deg, run.yaw_deg
         ));
     }
-    if steady.found.slope_t.abs() > 12.0 {
+    if steady.found.slope_t.abs() > DRIFT_T {
         notices.push(format!(
             "readings drift over the window (slope {:.0} times its standard error)",
             steady.found.slope_t.abs()

@@ -139,7 +139,7 @@ impl<'a> Reduction<'a> {
             if runs.is_empty() {
                 self.warnings.push("no tare runs: the strut's force is still in all coefficients".to_owned());
             }
-            Tare::of(&runs, &zeros.errors(), zeros.dof())
+            Tare::of(&runs, &zeros.errors(), zeros.dof)
         };
         let common = Common { balance, zeros: &zeros, tare: tare.as_ref() };
         self.check_tare_range(tare.as_ref());

@@ -7,34 +7,41 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Number of cosines: 0.12 Hz for a record of 25 s, below which the noise of balances is flat.
-pub const COSINES: usize = 6;
+/// Most cosines that are used, and fewest.
+const MOST: usize = 6;
+const FEWEST: usize = 2;
+/// Cosines below this frequency are used, below which the noise of balances is taken for flat \[Hz\].
+const FLAT_BELOW_HZ: f64 = 0.12;
 
 /// Mean of three channels with the covariance of the means.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mean3 {
     /// Means.
     pub mean: Vector3<f64>,
-    /// Covariance of the means, on [`COSINES`] degrees of freedom.
+    /// Covariance of the means.
     pub covariance: Matrix3<f64>,
+    /// Its degrees of freedom.
+    pub dof: f64,
     /// Variance of the samples.
     pub sample_variance: Vector3<f64>,
 }
 
 impl Mean3 {
-    /// Of three channels of equal length.
-    pub fn of(channels: [&[f64]; 3]) -> Mean3 {
+    /// Of three channels of equal length, sampled at this interval.
+    pub fn of(channels: [&[f64]; 3], interval_s: f64) -> Mean3 {
         let n = channels[0].len();
         let mean = Vector3::from(channels.map(|c| c.iter().sum::<f64>() / n as f64));
         let mut covariance = Matrix3::zeros();
-        let transforms = cosines(channels);
-        for transform in &transforms {
+        // The j-th cosine has the frequency j/(2 T).
+        let count = (2.0 * FLAT_BELOW_HZ * n as f64 * interval_s).round() as usize;
+        let count = count.clamp(FEWEST, MOST);
+        for transform in &cosines(channels)[..count] {
             covariance += transform * transform.transpose();
         }
         let sample_variance = Vector3::from_fn(|i, _| {
             channels[i].iter().map(|x| (x - mean[i]).powi(2)).sum::<f64>() / (n - 1).max(1) as f64
         });
-        Mean3 { mean, covariance: covariance / (transforms.len() as f64 * n as f64), sample_variance }
+        Mean3 { mean, covariance: covariance / (count * n) as f64, dof: count as f64, sample_variance }
     }
 
     /// Effective number of samples of a channel.
@@ -44,13 +51,14 @@ impl Mean3 {
 }
 
 /// The lowest cosine transforms, scaled so that their squares estimate the spectral density at zero (times the interval).
-fn cosines(channels: [&[f64]; 3]) -> [Vector3<f64>; COSINES] {
+fn cosines(channels: [&[f64]; 3]) -> [Vector3<f64>; MOST] {
     let n = channels[0].len();
     let step = std::f64::consts::PI / n as f64;
-    let mut transforms = [Vector3::zeros(); COSINES];
+    let mut transforms = [Vector3::zeros(); MOST];
     // cos(j (i + 1/2) pi/n) by the recurrence of Chebyshev.
-    for i in 0..n {
-        let x = Vector3::new(channels[0][i], channels[1][i], channels[2][i]);
+    let [first, second, third] = channels;
+    for (i, ((a, b), c)) in first.iter().zip(second).zip(third).enumerate() {
+        let x = Vector3::new(*a, *b, *c);
         let first = ((i as f64 + 0.5) * step).cos();
         let (mut before, mut now) = (1.0, first);
         for transform in &mut transforms {
@@ -62,10 +70,10 @@ fn cosines(channels: [&[f64]; 3]) -> [Vector3<f64>; COSINES] {
 }
 
 /// Slope of a channel over its record in units of its standard error: the first cosine against the others. Student's t on
-/// `COSINES - 1` degrees of freedom where the record is stationary.
+/// five degrees of freedom where the record is stationary.
 pub fn trend_t(channel: &[f64]) -> f64 {
     let transforms = cosines([channel, channel, channel]).map(|t| t[0]);
-    let others = transforms[1..].iter().map(|t| t * t).sum::<f64>() / (COSINES - 1) as f64;
+    let others = transforms[1..].iter().map(|t| t * t).sum::<f64>() / (MOST - 1) as f64;
     if others > 0.0 { -transforms[0] / others.sqrt() } else { 0.0 }
 }
 
@@ -115,7 +123,7 @@ mod tests {
                         state + vibration * (i as f64 * 0.37).sin()
                     })
                     .collect();
-                found += Mean3::of([&samples, &samples, &samples]).covariance[(0, 0)];
+                found += Mean3::of([&samples, &samples, &samples], 0.02).covariance[(0, 0)];
             }
             let expected = 1.0 / (1.0 - phi) / (1.0 - phi) / n as f64;
             let ratio = found / repeats as f64 / expected;

@@ -8,7 +8,6 @@ use crate::campaign::{Balance, Kind, Run};
 use crate::hull::Hull;
 use crate::motion::Motion;
 use crate::readings::{Readings, Steady};
-use crate::series::COSINES;
 use crate::sweep::{Point, SharedErrors, Sweep};
 use crate::tare::{Tare, TareRun};
 use crate::zeros::{ZeroOfRun, Zeros};
@@ -68,6 +67,8 @@ pub struct Common<'a> {
 /// Weight of the variance that runs at one speed share against a run's own, in degrees of freedom: one run tells its noise
 /// poorly.
 const SHARED_VARIANCE_DOF: f64 = 30.0;
+/// Degrees of freedom of a steady run's own variance, about.
+pub const OWN_DOF: f64 = 4.0;
 
 impl Common<'_> {
     /// Takes a steady run as far as the force of the water; none if it has no zero. `hull` is none for the strut alone.
@@ -152,7 +153,7 @@ impl Common<'_> {
                 let (covariance, dof) = tare.covariance(channel);
                 (covariance.clone(), dof)
             }
-            (SharedKind::Zeros, _) => (self.zeros.errors(), self.zeros.dof()),
+            (SharedKind::Zeros, _) => (self.zeros.errors(), self.zeros.dof),
             (SharedKind::Calibration, _) => {
                 let u = self.balance.uncertainty.unwrap_or_default();
                 let variances = nalgebra::DVector::from_iterator(3, u.iter().map(|u| u * u));
@@ -193,6 +194,7 @@ impl SteadyRun<'_> {
         TareRun {
             yaw_rad: self.steady.yaw_deg.to_radians(),
             speed_m_s: self.motion.speed(),
+            nominal_speed_m_s: self.run.speed_m_s,
             dynamic_pressure_Pa: self.dynamic_pressure_Pa,
             force: self.steps.force,
             variance: self.covariance.diagonal(),
@@ -220,7 +222,7 @@ pub fn sweep(common: &Common, runs: &[SteadyRun], hull: &Hull) -> Sweep {
     for coefficient in 0..3 {
         let variances: Vec<f64> = points.iter().map(|p| p.se[coefficient].powi(2)).collect();
         let keys: Vec<f64> = points.iter().map(|p| p.nominal_speed_m_s.unwrap_or(0.0)).collect();
-        for (point, variance) in points.iter_mut().zip(share_variances(&variances, &keys, COSINES as f64)) {
+        for (point, variance) in points.iter_mut().zip(share_variances(&variances, &keys, OWN_DOF)) {
             point.se[coefficient] = variance.sqrt();
         }
     }

@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use crate::motion::Motion;
 use crate::regression::{Fit, Problem, Scatter, Shared};
+use crate::statics::{OWN_DOF, share_variances};
 
 /// The strut's force.
 #[derive(Debug, Clone)]
@@ -41,6 +42,8 @@ pub struct TareRun {
     pub yaw_rad: f64,
     /// Root mean square of the speed \[m/s\].
     pub speed_m_s: f64,
+    /// Speed that was asked for \[m/s\].
+    pub nominal_speed_m_s: f64,
     /// Dynamic pressure \[Pa\].
     pub dynamic_pressure_Pa: f64,
     /// AF, SF, YM.
@@ -130,10 +133,11 @@ fn fit(
     let problem = Problem {
         design: DMatrix::from_fn(n, terms.len(), |i, j| terms[j](argument(&runs[i]))),
         observed: DVector::from_iterator(n, runs.iter().map(|run| per_pressure(run.force[channel], run))),
-        variance: DVector::from_iterator(
-            n,
-            runs.iter().map(|run| run.variance[channel] / run.dynamic_pressure_Pa.powi(2)),
-        ),
+        variance: DVector::from_vec(share_variances(
+            &runs.iter().map(|run| run.variance[channel] / run.dynamic_pressure_Pa.powi(2)).collect::<Vec<_>>(),
+            &runs.iter().map(|run| run.nominal_speed_m_s).collect::<Vec<_>>(),
+            OWN_DOF,
+        )),
         shared: vec![Shared { influence: zeros, covariance: zero_errors.clone(), dof: zero_dof }],
     };
     problem.solve(Scatter::BetweenRuns)

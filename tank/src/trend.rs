@@ -79,7 +79,7 @@ fn covariance(hulls: &[(f64, &Sweep, &SweepFit)], fit: usize, parameter: usize) 
         let influence: Vec<_> = (0..n)
             .map(|i| {
                 let (_, sweep, f) = hulls[i];
-                &gains[i] * sweep.shared[k].influence[fit].select_rows(f.rows.iter())
+                gains[i] * sweep.shared[k].influence[fit].select_rows(f.rows.iter())
             })
             .collect();
         for i in 0..n {

@@ -46,10 +46,10 @@ const GUARD_S: f64 = 0.5;
 /// Shortest steady part \[s\].
 const SHORTEST_S: f64 = 3.0;
 /// Way over which the flow about the hull develops after the run-up, hull lengths: the wake reaches its length in one, and
-/// what is left after two is a per cent of a per cent.
-const DEVELOPMENT_LENGTHS: f64 = 2.0;
+/// a tenth of the force that is missing then is down to half a per cent of it after three.
+const DEVELOPMENT_LENGTHS: f64 = 3.0;
 /// At most this share of the plateau is given to the developing flow.
-const MOST_DEVELOPMENT: f64 = 0.4;
+const MOST_DEVELOPMENT: f64 = 0.5;
 /// A stretch at the begin or end that departs by more standard errors is a transient.
 const TRANSIENT_SE: f64 = 5.0;
 

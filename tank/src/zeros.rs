@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use crate::campaign::{Kind, Run};
 use crate::readings::{Readings, Useful};
-use crate::series::{COSINES, Mean3};
+use crate::series::Mean3;
 
 /// All zeros of a campaign.
 #[derive(Debug, Clone, Default)]
@@ -13,6 +13,8 @@ pub struct Zeros {
     pub zeros: Vec<Zero>,
     /// Covariance of one zero's means, pooled over all of them.
     pub covariance: Matrix3<f64>,
+    /// Degrees of freedom of that covariance.
+    pub dof: f64,
     /// Whether time, rather than the order of the runs, was interpolated in.
     pub in_time: bool,
 }
@@ -58,9 +60,10 @@ impl Zeros {
         for (_, rest) in &taken {
             covariance += rest.covariance / taken.len() as f64;
         }
+        let dof = taken.iter().map(|(_, rest)| rest.dof).sum::<f64>().max(1.0);
         let mut zeros: Vec<Zero> = taken.into_iter().map(|(zero, _)| zero).collect();
         zeros.sort_by(|a, b| a.when.total_cmp(&b.when));
-        Zeros { zeros, covariance, in_time }
+        Zeros { zeros, covariance, dof, in_time }
     }
 
     /// The zero at a run, `after_s` after its begin. Zeros with the same hull go before others, since a model's own weight
@@ -95,11 +98,6 @@ impl Zeros {
             covariance.fixed_view_mut::<3, 3>(3 * i, 3 * i).copy_from(&self.covariance);
         }
         covariance
-    }
-
-    /// Degrees of freedom of that covariance.
-    pub fn dof(&self) -> f64 {
-        (COSINES * self.zeros.len()).max(1) as f64
     }
 
     /// Largest change of a channel between successive zeros of the same hull.

@@ -1,5 +1,6 @@
 //! Tables as CSV.
 
+use crate::campaign::Kind;
 use crate::results::Results;
 
 /// `coefficients.csv`: one row per reduced steady run, with standard errors where they are known.
@@ -23,6 +24,67 @@ pub fn coefficients_csv(results: &Results) -> Vec<u8> {
             record.extend(point.coefficients.iter().map(|c| significant(*c, 7)));
             record.extend(point.se.iter().map(|se| if *se > 0.0 { significant(*se, 3) } else { String::new() }));
             record.push(u8::from(rows.contains(&i)).to_string());
+            let _ = writer.write_record(&record);
+        }
+    }
+    writer.into_inner().unwrap_or_default()
+}
+
+/// `steps.csv`: every steady run from the reading to the force of the water, AF, SF, YM about the moment centre.
+pub fn steps_csv(results: &Results) -> Vec<u8> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let mut header: Vec<String> =
+        ["run_id", "kind", "speed_m_s", "yaw_deg", "window_from_s", "window_to_s"].map(str::to_owned).to_vec();
+    for step in ["reading", "zero", "force", "tare", "inertia", "water"] {
+        header.extend(["AF_N", "SF_N", "YM_N_m"].map(|channel| format!("{step}_{channel}")));
+    }
+    header.extend(["AF", "SF", "YM"].map(|channel| format!("effective_samples_{channel}")));
+    let _ = writer.write_record(&header);
+    for run in &results.runs {
+        let Some(steps) = &run.steps else { continue };
+        let mut record = vec![run.run.id.clone(), run.run.kind.name().to_owned()];
+        let (from, to) = run.trace.window_s;
+        record.extend([run.run.speed_m_s, run.run.yaw_deg, from, to].map(|x| significant(x, 7)));
+        for step in [steps.reading, steps.zero, steps.force, steps.tare, steps.inertia, steps.water()] {
+            record.extend(step.iter().map(|x| significant(*x, 7)));
+        }
+        let effective = run.effective.map_or([f64::NAN; 3], |(effective, _)| effective);
+        record.extend(effective.map(|n| significant(n, 3)));
+        let _ = writer.write_record(&record);
+    }
+    writer.into_inner().unwrap_or_default()
+}
+
+/// `derivatives.csv`: what the first harmonic of each oscillation alone says, the rest taken from the common fit.
+pub fn derivatives_csv(results: &Results) -> Vec<u8> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let header = [
+        "run_id",
+        "hull",
+        "kind",
+        "frequency_hz",
+        "amplitude",
+        "amplitude_unit",
+        "cycles",
+        "Y_damping",
+        "Y_damping_se",
+        "N_damping",
+        "N_damping_se",
+        "Y_inertia",
+        "Y_inertia_se",
+        "N_inertia",
+        "N_inertia_se",
+    ];
+    let _ = writer.write_record(header);
+    for hull in &results.hulls {
+        for run in hull.dynamic.iter().flat_map(|d| &d.runs) {
+            let unit = if run.kind == Kind::Sway { "m" } else { "deg" };
+            let mut record = vec![run.run_id.clone(), hull.hull.id.clone(), run.kind.name().to_owned()];
+            record.extend([significant(run.frequency_hz, 6), significant(run.amplitude, 6)]);
+            record.extend([unit.to_owned(), run.cycles.to_string()]);
+            for (value, se) in run.damping.into_iter().chain(run.inertia) {
+                record.extend([significant(value, 7), significant(se, 3)]);
+            }
             let _ = writer.write_record(&record);
         }
     }

@@ -1,0 +1,277 @@
+//! The page: what was found, how sure it is, every step that led there.
+
+use glidepolar::hull_tests::Estimate;
+use glidepolar::input::InputError;
+use glidepolar::report::{Cell, InputFile, Report, Section, Table};
+
+use super::figures;
+use crate::derivatives::Derivatives;
+use crate::fits::SweepFit;
+use crate::results::{HullResults, Results};
+use crate::sweep::NAMES;
+use crate::trend::COEFFICIENTS;
+
+/// Makes the page of a reduction. `inputs` are the files that describe it; the runs' own files are many and stay unlisted.
+///
+/// # Errors
+/// Where an input cannot be read again for its checksum.
+pub fn report(results: &Results, inputs: &[std::path::PathBuf]) -> Result<Report, InputError> {
+    let mut report = Report::new("Hull tests", &results.name);
+    report.program = concat!("tank-reduce ", env!("CARGO_PKG_VERSION")).to_owned();
+    report.warnings = results.warnings.clone();
+    report.findings = findings(results);
+    for input in inputs {
+        report = report.input(InputFile::read(input)?);
+    }
+    report = report.section(coefficients(results));
+    if results.hulls.iter().any(|h| h.dynamic.is_some()) {
+        report = report.section(derivatives(results));
+    }
+    report = report.section(theory(results)).section(adequacy(results)).section(steps(results));
+    if !results.runs.is_empty() {
+        let mut runs = Section::new("Every run, with the window that was used").folded();
+        for run in &results.runs {
+            runs = runs.figure(figures::run(run));
+        }
+        report = report.section(runs);
+    }
+    Ok(report)
+}
+
+fn findings(results: &Results) -> Vec<String> {
+    let mut findings = Vec::new();
+    if !results.source.is_empty() {
+        findings.push(format!("Source: {}.", results.source));
+    }
+    for hull in &results.hulls {
+        let Ok(fit) = &hull.fit else { continue };
+        let e = &fit.estimates;
+        findings.push(format!(
+            "{}: CL = {} α, CD = {} + {} α², CM = {} α within {} deg (α in radians; 95 % intervals in the table).",
+            hull.hull.id,
+            shown(&e.a),
+            shown(&e.b),
+            shown(&e.c),
+            shown(&e.d),
+            results.range_deg
+        ));
+    }
+    if !results.rejected.is_empty() {
+        findings.push(format!("{} runs could not be used; the warnings say why.", results.rejected.len()));
+    }
+    findings
+}
+
+fn shown(q: &Estimate) -> String {
+    glidepolar::report::estimate(q.value, q.se)
+}
+
+fn pair(q: &Estimate) -> [Cell; 2] {
+    [Cell::estimate(q.value, q.se), Cell::interval((q.ci95[0], q.ci95[1]))]
+}
+
+fn coefficients(results: &Results) -> Section {
+    let mut table = Table::new(
+        "Fits about the centre of buoyancy with standard errors and 95 % intervals.",
+        ["Hull", "runs", "points", "a [1/rad]", "95 %", "b", "95 %", "c [1/rad²]", "95 %", "d [1/rad]", "95 %"],
+    );
+    for hull in &results.hulls {
+        let mut row = vec![Cell::from(hull.hull.id.as_str()), Cell::Count(hull.n_runs as i64)];
+        if let Ok(fit) = &hull.fit {
+            let e = &fit.estimates;
+            row.push(Cell::Count(fit.rows.len() as i64));
+            row.extend([&e.a, &e.b, &e.c, &e.d].into_iter().flat_map(pair));
+        }
+        table.push(row);
+    }
+    let mut section = Section::new("Lift, drag and moment").table(table);
+    for figure in figures::coefficients(results) {
+        section = section.figure(figure);
+    }
+    section = section.figure(figures::residuals(results));
+    if let Some(figure) = figures::trend(results) {
+        section = section.figure(figure);
+    }
+    if let Some(lines) = &results.trend {
+        let mut table = Table::new(
+            "Change per unit of length to diameter ratio; the probability is that of so much scatter about a straight line.",
+            ["Coefficient", "slope", "95 %", "probability"],
+        );
+        for (line, (name, ..)) in lines.0.iter().zip(COEFFICIENTS) {
+            let [value, interval] = pair(&line.slope);
+            table.push([Cell::from(name), value, interval, Cell::number(line.p_value, 2)]);
+        }
+        section = section.table(table);
+    }
+    section
+}
+
+fn derivatives(results: &Results) -> Section {
+    let mut section = Section::new("Derivatives from oscillations and turns").text(
+        "SNAME primes on the overall length about the centre of buoyancy, all sway, yaw and turning runs of a hull in one regression of first and third harmonics.",
+    );
+    let names = ["Yv'", "Nv'", "Yr'", "Nr'", "Yvdot'", "Nvdot'", "Yrdot'", "Nrdot'"];
+    let mut table = Table::new(
+        "Derivatives with standard errors; 95 % intervals are in fits.json.",
+        std::iter::once("Hull").chain(names).chain(["ω' from", "ω' to"]),
+    );
+    for (hull, d) in dynamic(results) {
+        let e = &d.estimates;
+        let all = [
+            Some(&e.yv),
+            Some(&e.nv),
+            e.yr.as_ref(),
+            e.nr.as_ref(),
+            e.yvdot.as_ref(),
+            e.nvdot.as_ref(),
+            e.yrdot.as_ref(),
+            e.nrdot.as_ref(),
+        ];
+        let mut row = vec![Cell::from(hull.hull.id.as_str())];
+        row.extend(all.map(|q| q.map_or(Cell::from("-"), |q| Cell::estimate(q.value, q.se))));
+        row.extend([Cell::number(d.reduced_frequencies.0, 3), Cell::number(d.reduced_frequencies.1, 3)]);
+        table.push(row);
+    }
+    section = section.table(table);
+    let mut table = Table::new(
+        "The same derivative from two kinds of run, and how many standard errors they are apart.",
+        ["Hull", "derivative", "from", "value", "from", "value", "apart"],
+    );
+    let mut nonlinear = Table::new("Nonlinear terms.", ["Hull", "term", "value", "95 %"]);
+    for (hull, d) in dynamic(results) {
+        for c in hull.comparisons.iter().chain(&d.turns) {
+            table.push([
+                Cell::from(hull.hull.id.as_str()),
+                Cell::from(format!("{}'", c.name)),
+                Cell::from(c.first_from),
+                Cell::estimate(c.first.value, c.first.se),
+                Cell::from(c.second_from),
+                Cell::estimate(c.second.value, c.second.se),
+                Cell::number(c.apart(), 2),
+            ]);
+        }
+        for (name, q) in &d.nonlinear {
+            let [value, interval] = pair(q);
+            nonlinear.push([Cell::from(hull.hull.id.as_str()), Cell::from(format!("{name}'")), value, interval]);
+        }
+    }
+    section
+        .table(table)
+        .table(nonlinear)
+        .text("derivatives.csv has what each oscillation alone says, for amplitude and frequency to be compared.")
+}
+
+fn dynamic(results: &Results) -> impl Iterator<Item = (&HullResults, &Derivatives)> {
+    results.hulls.iter().filter_map(|hull| Some((hull, hull.dynamic.as_ref()?)))
+}
+
+fn theory(results: &Results) -> Section {
+    let mut table = Table::new(
+        "Theory beside measurement. An asterisk marks figures that rest on an assumed outline: SUBOFF's bow and stern with a parallel middle body.",
+        ["Hull", "quantity", "theory", "predicted", "measured", "measured/predicted"],
+    );
+    for hull in &results.hulls {
+        for t in &hull.theory {
+            table.push([
+                Cell::from(hull.hull.id.as_str()),
+                Cell::from(t.quantity),
+                Cell::from(format!("{}{}", t.method, if t.assumes_outline { " *" } else { "" })),
+                Cell::number(t.predicted, 4),
+                t.measured.map_or(Cell::from("-"), |(value, se)| Cell::estimate(value, se)),
+                t.ratio().map_or(Cell::from("-"), |ratio| Cell::number(ratio, 3)),
+            ]);
+        }
+    }
+    Section::new("Theory beside measurement").table(table)
+}
+
+fn adequacy(results: &Results) -> Section {
+    let fitted = || results.hulls.iter().filter_map(|h| Some((h.hull.id.as_str(), h.fit.as_ref().ok()?)));
+    let mut forms = Table::new(
+        "Other forms on the same points, x the angle in radians: root mean square error of predicting a point that was left out, over that of the model used.",
+        ["Hull", "coefficient", "form", "rms", "over the model's", "parameters"],
+    );
+    let mut lack = Table::new(
+        "Repeats against the model: ratio of mean squares; a small probability means that the model misses by more than repeats scatter.",
+        ["Hull", "coefficient", "F", "degrees of freedom", "probability", "scatter between runs"],
+    );
+    let mut ranges = Table::new(
+        "The coefficients against the range of angles.",
+        ["Hull", "range [deg]", "points", "a [1/rad]", "b", "c [1/rad²]", "d [1/rad]"],
+    );
+    for (id, fit) in fitted() {
+        add_forms(&mut forms, id, fit);
+        for (i, name) in NAMES.into_iter().enumerate() {
+            let l = fit.lack_of_fit[i];
+            lack.push([
+                Cell::from(id),
+                Cell::from(name),
+                l.map_or(Cell::from("no repeats"), |l| Cell::number(l.f, 3)),
+                l.map_or(Cell::from("-"), |l| Cell::from(format!("{} and {}", l.misfit_dof, l.repeat_dof))),
+                l.map_or(Cell::from("-"), |l| Cell::number(l.p_value, 2)),
+                Cell::number(fit.fits[i].between_runs, 2),
+            ]);
+        }
+        for r in &fit.ranges {
+            let mut row = vec![Cell::from(id), Cell::number(r.range_deg, 4), Cell::Count(r.points as i64)];
+            row.extend([&r.fit.a, &r.fit.b, &r.fit.c, &r.fit.d].map(|q| Cell::estimate(q.value, q.se)));
+            ranges.push(row);
+        }
+    }
+    Section::new("Is the model adequate?").table(ranges).table(lack).table(forms)
+}
+
+fn add_forms(table: &mut Table, id: &str, fit: &SweepFit) {
+    for (i, candidates) in fit.adequacy.iter().enumerate() {
+        let own = candidates.first().map_or(f64::NAN, |c| c.left_out_rms);
+        for c in candidates {
+            let parameters: Vec<String> =
+                c.parameters.iter().map(|(value, se)| glidepolar::report::estimate(*value, *se)).collect();
+            table.push([
+                Cell::from(id),
+                Cell::from(NAMES[i]),
+                Cell::from(c.form),
+                Cell::number(c.left_out_rms, 3),
+                Cell::number(c.left_out_rms / own, 3),
+                Cell::from(parameters.join(", ")),
+            ]);
+        }
+    }
+}
+
+fn steps(results: &Results) -> Section {
+    let mut section = Section::new("From readings to forces");
+    if let Some(balance) = &results.balance {
+        let rows = balance.interaction.map(|row| row.map(|x| format!("{x:.5}")).join(" "));
+        section = section.text(format!(
+            "Zeros: {} zero runs, interpolated in {}; largest change between two of the same hull: AF {:.3} N, SF {:.3} N, YM {:.4} N m. Interaction matrix, row by row: {}. Tare: {} runs of the strut alone.",
+            balance.zeros,
+            if balance.in_time { "time" } else { "run order" },
+            balance.largest_drift[0],
+            balance.largest_drift[1],
+            balance.largest_drift[2],
+            rows.join("; "),
+            balance.tare_runs
+        ));
+        if let Some([straight, askew]) = balance.tare_at_2_m_s {
+            section = section.text(format!(
+                "The strut at 2 m/s in water of 1000 kg/m³: AF {:.3} N straight ahead; AF {:.3} N, SF {:.3} N, YM {:.4} N m at 10 deg.",
+                straight[0], askew[0], askew[1], askew[2]
+            ));
+        }
+    }
+    for hull in &results.hulls {
+        if let Some(share) = hull.blockage {
+            section = section.text(format!(
+                "{}: frontal area over the tank's cross-section {:.3} %: not corrected for.",
+                hull.hull.id,
+                100.0 * share
+            ));
+        }
+    }
+    if results.runs.is_empty() {
+        return section
+            .text("The points came reduced: moment moved to the centre of buoyancy, forces turned into wind axes.");
+    }
+    section.text("steps.csv has every steady run step by step: reading, zero, force after interaction, strut, inertia, force of the water.")
+}
