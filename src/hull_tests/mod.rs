@@ -15,24 +15,12 @@ use serde::{Deserialize, Serialize};
 use crate::coefficients::frontal_area_m2;
 use crate::input::{InputError, Place, printable};
 
+pub use crate::estimate::Estimate;
 pub use added_mass::{AddedMass, Source};
 pub use spheroid::LambFactors;
 
 /// Name and version of the form of `fits.json`.
 pub const SCHEMA: &str = "tank-reduce/1";
-
-/// A figure with its uncertainty.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Estimate {
-    /// The figure.
-    pub value: f64,
-    /// Standard error.
-    pub se: f64,
-    /// 95 % confidence interval, low and high.
-    pub ci95: [f64; 2],
-    /// Unit; `1` for pure numbers.
-    pub unit: String,
-}
 
 /// Everything that one reduction found.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

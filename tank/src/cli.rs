@@ -1,6 +1,6 @@
 //! The command line `tank-reduce`: arguments in, files and a short table out. The library does the work.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand};
 use glidepolar::cli::{CliError, Output};

@@ -167,8 +167,7 @@ impl Fit {
 /// A figure with its 95 % interval by Student's distribution.
 pub fn estimate(value: f64, variance: f64, dof: f64, unit: &str) -> Estimate {
     let se = variance.max(0.0).sqrt();
-    let half = quantile_975(dof) * se;
-    Estimate { value, se, ci95: [value - half, value + half], unit: unit.to_owned() }
+    Estimate::with_half_width(value, se, quantile_975(dof) * se, unit)
 }
 
 /// The 97.5 % quantile of Student's distribution.
