@@ -119,6 +119,9 @@ const KINDS: [(&str, Kind); 6] = [
 ];
 
 const REQUIRED: [&str; 4] = ["run_id", "hull", "kind", "speed_m_s"];
+/// Columns that some kinds of run need.
+const NEEDED_BY: [(&str, &[&str]); 3] =
+    [("yaw_deg", &["static", "tare"]), ("frequency_hz", &["sway", "yaw"]), ("radius_m", &["arc"])];
 const COLUMNS: [&str; 13] = [
     "run_id",
     "hull",
@@ -171,6 +174,11 @@ impl Campaign {
     fn read_runs(&mut self, file: &Path) -> Result<(), InputError> {
         let table = Table::read(file)?;
         table.require(&REQUIRED)?;
+        for (column, kinds) in NEEDED_BY {
+            if table.rows().any(|row| kinds.contains(&row.text("kind"))) {
+                table.require(&[column])?;
+            }
+        }
         for column in table.header().iter().filter(|c| !COLUMNS.contains(&c.as_str())) {
             self.notices.push(format!("{}: column {} is not used", file.display(), printable(column)));
         }

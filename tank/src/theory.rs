@@ -71,7 +71,7 @@ pub fn of(
     add("CN at 10 deg", "Allen and Perkins 1951", cn, fit.map(at_angle), true);
     let moment_at = |f: &HullFit| (f.d.value * alpha, f.d.se * alpha);
     add("CM at 10 deg", "Allen and Perkins 1951", cm, fit.map(moment_at), true);
-    let (cn, cm) = hopkins(hull, &outline, apparent, alpha);
+    let (cn, cm) = hopkins(hull, &outline, apparent, crossflow, alpha);
     add("CN at 10 deg", "Hopkins 1951", cn, fit.map(at_angle), true);
     add("CM at 10 deg", "Hopkins 1951", cm, fit.map(moment_at), true);
     if let Some(reynolds) = reynolds {
@@ -123,7 +123,7 @@ fn allen_perkins(hull: &Hull, shape: &Integrals, volume: f64, apparent: f64, cro
 
 /// The potential force acts up to `x0` only, crossflow behind it: `x0/l = 0.378 + 0.527 x1/l` with `x1` where the section
 /// shrinks fastest.
-fn hopkins(hull: &Hull, outline: &Outline, apparent: f64, alpha: f64) -> (f64, f64) {
+fn hopkins(hull: &Hull, outline: &Outline, apparent: f64, crossflow: f64, alpha: f64) -> (f64, f64) {
     let (length, area, about) = (hull.geometry.loa_m, hull.frontal_area_m2(), hull.geometry.cb_m);
     let n = outline.x_m.len();
     let dx = outline.x_m[1];
@@ -138,8 +138,8 @@ fn hopkins(hull: &Hull, outline: &Outline, apparent: f64, alpha: f64) -> (f64, f
             moment += (about - x) * slope(i) * dx;
         } else {
             let radius = 0.5 * (outline.radius_m[i] + outline.radius_m[i + 1]);
-            normal_viscous += radius * CROSSFLOW_DRAG * dx;
-            moment_viscous += radius * CROSSFLOW_DRAG * (about - x) * dx;
+            normal_viscous += radius * crossflow * dx;
+            moment_viscous += radius * crossflow * (about - x) * dx;
         }
     }
     let square = alpha * alpha.abs();
@@ -182,7 +182,7 @@ mod tests {
         theory.iter().find(|t| t.quantity == quantity && t.method == method).unwrap().predicted
     }
 
-    /// Figures worked out apart from this code for SUBOFF: Munk 1.463, Allen and Perkins CN = 7.363 a^2, Hopkins CN
+    /// Figures worked out apart from this code for SUBOFF: Munk 1.463, the side view for Allen and Perkins, Hopkins CN
     /// (0.254) and CM (0.149) at 10 deg, friction line alone 0.0825 and form factor 1.071, Lamb's -0.01717 is for the
     /// spheroid's own volume.
     #[test]
@@ -190,7 +190,9 @@ mod tests {
         let theory = of(&suboff(), Some(1.45e7), None, None);
         assert!((value(&theory, "d [1/rad]", "Munk 1924") - 1.463).abs() < 2e-3);
         let allen = value(&theory, "CN at 10 deg", "Allen and Perkins 1951");
-        assert!((allen - 0.224).abs() < 4e-3, "{allen}");
+        // 0.6458 is Jorgensen's share between 6 (0.62) and 10 (0.66) diameters; SUBOFF's side view is 9.27 to 9.30 A.
+        let side_view = allen / (0.6458 * 1.2 * 10f64.to_radians().sin().powi(2));
+        assert!((9.27..9.301).contains(&side_view), "{side_view}");
         let hopkins = value(&theory, "CN at 10 deg", "Hopkins 1951");
         assert!((hopkins - 0.254).abs() < 2e-3, "{hopkins}");
         let moment = value(&theory, "CM at 10 deg", "Hopkins 1951");
