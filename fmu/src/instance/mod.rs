@@ -15,6 +15,7 @@ pub mod resources;
 pub mod snapshot;
 pub mod stepping;
 
+use std::borrow::Cow;
 use std::ffi::CString;
 
 use glidepolar::dynamics::Integrator;
@@ -190,8 +191,8 @@ impl Instance {
     }
 
     /// The glider as it is now: before the simulation begins, with what follows from the start values.
-    pub(crate) fn now(&self) -> Glider {
-        if self.core.phase.is_starting() { self.started() } else { self.core.glider.clone() }
+    pub(crate) fn now(&self) -> Cow<'_, Glider> {
+        if self.core.phase.is_starting() { Cow::Owned(self.started()) } else { Cow::Borrowed(&self.core.glider) }
     }
 
     fn started(&self) -> Glider {
