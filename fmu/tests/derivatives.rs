@@ -96,8 +96,7 @@ fn step_of(reference: u32, value: f64) -> f64 {
 fn check_all(glider: &Glider3, unknowns: &[Unknown], put: impl Fn(&Glider3, u32, f64)) -> usize {
     let mut pairs = 0;
     for unknown in unknowns {
-        let Some(dependencies) = &unknown.dependencies else { continue };
-        for &known in dependencies {
+        for &known in &unknown.dependencies {
             let variable = &variables()[known as usize];
             if variable.kind != Kind::Real || variable.name == "step_time_s" {
                 continue; // switches: nothing to differentiate by
@@ -177,9 +176,7 @@ fn during_initialisation_starts_and_parameters_count_too() {
     let mut initial = structure().initial;
     for unknown in &mut initial {
         // Time is not set during initialisation.
-        if let Some(dependencies) = &mut unknown.dependencies {
-            dependencies.retain(|known| *known != vr("time"));
-        }
+        unknown.dependencies.retain(|known| *known != vr("time"));
     }
     let pairs = check_all(&glider, &initial, put);
     assert!(pairs > 300, "{pairs}");

@@ -62,7 +62,7 @@ fn what_physics_says_depends_on_what_stands_in_the_structure() {
     let structure = structure();
     let dependencies = |unknowns: &[glidepolar_fmu::description::structure::Unknown], name: &str| {
         let unknown = unknowns.iter().find(|unknown| unknown.reference == reference(name)).unwrap();
-        unknown.dependencies.clone().unwrap()
+        unknown.dependencies.clone()
     };
     let of = |names: &[&str]| {
         let mut references: Vec<u32> = names.iter().map(|name| reference(name)).collect();

@@ -3,6 +3,7 @@
 import os
 from pathlib import Path
 
+import flights
 import pytest
 
 
@@ -44,3 +45,12 @@ def pytest_runtest_logreport(report):
         *_, reason = report.longrepr
         with open(file, "a", encoding="utf-8") as skipped:
             skipped.write(f"{report.nodeid}: {reason.removeprefix('Skipped: ')}\n")
+
+
+@pytest.fixture(scope="session")
+def sawtooth(glidepolar, tmp_path_factory) -> dict:
+    """The sawtooth as the command line flies it, every 8 s."""
+    output = tmp_path_factory.mktemp("reference") / "sawtooth.csv"
+    return flights.simulate(
+        glidepolar, output, "--inputs", flights.SAWTOOTH, "--stop", str(flights.STOP), "--interval", "8"
+    )

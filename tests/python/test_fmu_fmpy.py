@@ -133,7 +133,9 @@ def test_inputs_come_from_a_file(fmu, tmp_path):
 
 @pytest.mark.parametrize("interface", INTERFACES)
 def test_the_seabed_is_an_event(fmu, interface):
-    result = simulate(fmu, interface, stop_time=1500, start_values={"seabed_depth_m": 60.0}, output_interval=5)
+    shallow = {"seabed_depth_m": 60.0}
+    shown = ["depth_m", "on_seabed"]
+    result = simulate(fmu, interface, stop_time=1500, start_values=shallow, output_interval=5, output=shown)
     sink = 0.3 * np.sin(np.deg2rad(25))
     met = 50 / sink
     before, after = result[result["time"] < met - 1], result[result["time"] > met + 60]

@@ -144,7 +144,7 @@ fn model_structure(document: &mut Document) {
             };
             document.leaf(
                 "Unknown",
-                &[("index", text((reference + 1).to_string())), ("dependencies", dependencies.map(indices))],
+                &[("index", text((reference + 1).to_string())), ("dependencies", text(indices(dependencies)))],
             );
         }
         document.close();

@@ -129,13 +129,7 @@ fn model_variable(document: &mut Document, variable: &Variable, vehicle: &Vehicl
             ]),
         ),
         Kind::Boolean => document.leaf("Boolean", &with(&[("start", start)])),
-        Kind::Text => {
-            document.open("String", &common);
-            if start.is_some() {
-                document.leaf("Start", &[("value", start)]);
-            }
-            document.close();
-        }
+        Kind::Text => document.leaf("String", &common),
     }
 }
 
@@ -154,7 +148,7 @@ fn model_structure(document: &mut Document) {
                 name,
                 &[
                     ("valueReference", text(unknown.reference.to_string())),
-                    ("dependencies", unknown.dependencies.map(list)),
+                    ("dependencies", text(list(unknown.dependencies))),
                 ],
             );
         }

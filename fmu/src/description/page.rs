@@ -67,10 +67,11 @@ fn mirrored(parameters: &Parameters<f64>, path_rad: f64, speed_m_s: f64) -> Stea
 
 type Group = (&'static str, fn(&Variable) -> bool);
 
-const GROUPS: [Group; 7] = [
+const GROUPS: [Group; 8] = [
     ("Inputs", |v| v.causality == Causality::Input),
     ("Outputs", |v| v.causality == Causality::Output && !matches!(v.slot, Slot::State(_))),
     ("States", |v| matches!(v.slot, Slot::State(_))),
+    ("Flags and stops", |v| matches!(v.slot, Slot::Discrete(_))),
     ("Fixed parameters", |v| v.causality == Causality::Parameter && v.variability == Variability::Fixed),
     ("Tunable parameters", |v| v.causality == Causality::Parameter && v.variability == Variability::Tunable),
     ("Derivatives of the states", |v| matches!(v.slot, Slot::Derivative(_))),

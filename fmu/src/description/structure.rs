@@ -20,8 +20,9 @@ use crate::model::{Causality, Initial, Kind, Slot, Variable, variables};
 pub struct Unknown {
     /// Its value reference.
     pub reference: u32,
-    /// What it follows from; none when all that is known may matter.
-    pub dependencies: Option<Vec<u32>>,
+    /// What it follows from. Always a list: leaving it out, which would mean all that is known, is beyond some importers
+    /// (CasADi 3.8).
+    pub dependencies: Vec<u32>,
 }
 
 /// The structure of the model.
@@ -100,7 +101,7 @@ impl Probe {
         }
         let unknown = |(variable, found): (&&Variable, BTreeSet<u32>)| Unknown {
             reference: reference_of(variable.slot),
-            dependencies: (variable.kind == Kind::Real).then(|| found.into_iter().collect()),
+            dependencies: found.into_iter().collect(),
         };
         wanted.iter().zip(found).map(unknown).collect()
     }

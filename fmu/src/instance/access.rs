@@ -54,6 +54,12 @@ impl Instance {
     pub fn set_reals(&mut self, references: &[u32], values: &[f64]) -> Outcome {
         for (&reference, &value) in references.iter().zip(values) {
             let variable = of_kind(reference, Kind::Real)?;
+            if self.is_state_of_integrator(variable) {
+                if !value.is_finite() {
+                    return Err(Refusal::error(format!("{} = {value:?}: expected a finite number", variable.name)));
+                }
+                continue;
+            }
             self.may_set(variable)?;
             check_value(variable, value)?;
         }
@@ -94,6 +100,12 @@ impl Instance {
     /// Refuses to set variables of a kind of which none can be set.
     pub fn set_none(&self, references: &[u32], kind: Kind) -> Outcome {
         references.iter().try_for_each(|&reference| self.may_set(of_kind(reference, kind)?))
+    }
+
+    /// Whether this is a continuous state while an importer's integrator drives them. It may then be set by its value
+    /// reference, too (CasADi does), and on trial take any value, as with the function for all states.
+    fn is_state_of_integrator(&self, variable: &Variable) -> bool {
+        self.core.phase == Phase::ContinuousTime && matches!(variable.slot, Slot::State(_))
     }
 
     /// Refuses a variable that cannot be set, or not now.

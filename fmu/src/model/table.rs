@@ -504,7 +504,8 @@ fn discrete() -> impl Iterator<Item = Variable> {
     ];
     ROWS.into_iter().map(|(name, kind, which, description)| Variable {
         kind,
-        causality: Causality::Output,
+        // Not outputs: block-diagram importers read every output as a number (PathSim, CasADi), and the depth says as much.
+        causality: Causality::Local,
         variability: Variability::Discrete,
         unit: None,
         bounds: (kind == Kind::Integer).then_some((-1.0, 1.0)),
@@ -553,8 +554,9 @@ fn parameter(index: usize) -> Variable {
 fn vehicle_name() -> Variable {
     Variable {
         kind: Kind::Text,
-        variability: Variability::Constant,
-        initial: Some(Initial::Exact),
+        variability: Variability::Fixed,
+        // Without a start value: a text with one is beyond some importers (CasADi 3.8 refuses the whole description).
+        initial: Some(Initial::Calculated),
         unit: None,
         bounds: None,
         nominal: None,
