@@ -6,7 +6,7 @@ use super::legend::{BAND, Legend, Styles, stroke};
 use super::palette::{FAINT, GRID, INK, Marker};
 use super::text::{clean, expand_markup, symbol, width, without_markup};
 use super::thin::{Frame, Pixel, markers, polylines};
-use super::ticks::{Scale, extent};
+use super::ticks::{Scale, extent, superscript};
 use std::collections::BTreeSet;
 
 const WIDTH: f64 = 600.0;
@@ -392,7 +392,7 @@ fn quantity(axis: &Axis, scale: &Scale) -> String {
     if scale.offset != 0.0 {
         text += &format!(" − {}", scale.offset);
     }
-    let unit = [scale.factor.clone(), clean(&axis.unit, 24)]
+    let unit = [scale.factor.clone(), powers(&clean(&axis.unit, 24))]
         .into_iter()
         .filter(|p| !p.is_empty())
         .collect::<Vec<_>>()
@@ -402,6 +402,19 @@ fn quantity(axis: &Axis, scale: &Scale) -> String {
         (true, false) => format!("[{unit}]"),
         (false, false) => format!("{text} [{unit}]"),
     }
+}
+
+/// Powers in a unit raised: `1/rad^2` becomes `1/rad²`.
+fn powers(unit: &str) -> String {
+    let mut parts = unit.split('^');
+    let first = parts.next().unwrap_or_default().to_owned();
+    parts.fold(first, |out, part| {
+        let digits = part.find(|c: char| !c.is_ascii_digit() && c != '-').unwrap_or(part.len());
+        match part[..digits].parse() {
+            Ok(power) => out + &superscript(power) + &part[digits..],
+            Err(_) => out + "^" + part,
+        }
+    })
 }
 
 /// On one line where it fits beside the panel, otherwise on two.

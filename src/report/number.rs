@@ -75,7 +75,7 @@ pub(super) fn exponent_of(value: f64) -> i32 {
 }
 
 fn readable(largest: f64) -> bool {
-    largest == 0.0 || (1e-4..1e7).contains(&largest)
+    largest == 0.0 || (1e-3..1e7).contains(&largest)
 }
 
 /// The decimal place (power of ten) of the second significant digit, after rounding to two.

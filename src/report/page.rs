@@ -8,6 +8,7 @@ use crate::input::InputError;
 use crate::output::OutputFolder;
 use minijinja::{Environment, Value, context};
 use sha2::{Digest, Sha256};
+use std::collections::HashSet;
 use std::io::Read;
 use std::path::Path;
 
@@ -183,10 +184,12 @@ impl Report {
     /// Writes `report.html`, and each figure that is not folded away as `figures/NAME.svg` and `.png`.
     pub fn write(&self, folder: &OutputFolder) -> Result<(), InputError> {
         let shown = self.sections.iter().filter(|s| !s.folded).flat_map(|s| &s.blocks);
+        let mut taken = HashSet::new();
         for block in shown {
             if let Block::Figure(figure) = block {
-                folder.write(format!("figures/{}.svg", figure.stem()), figure.svg().as_bytes())?;
-                folder.write(format!("figures/{}.png", figure.stem()), &figure.png())?;
+                let stem = free_name(figure.stem(), &mut taken);
+                folder.write(format!("figures/{stem}.svg"), figure.svg().as_bytes())?;
+                folder.write(format!("figures/{stem}.png"), &figure.png())?;
             }
         }
         folder.write("report.html", self.html().as_bytes())
@@ -212,6 +215,14 @@ impl Report {
             inputs,
         }
     }
+}
+
+/// The name itself, or with the first free number where it is taken.
+fn free_name(name: String, taken: &mut HashSet<String>) -> String {
+    let numbered = (2..).map(|n| format!("{name}-{n}"));
+    let free = std::iter::once(name.clone()).chain(numbered).find(|n| !taken.contains(n)).unwrap_or_default();
+    taken.insert(free.clone());
+    free
 }
 
 struct Count {

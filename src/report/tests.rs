@@ -233,6 +233,14 @@ fn colours_are_known_to_the_dark_page() {
 }
 
 #[test]
+fn powers_in_units_are_raised() {
+    let label = |unit: &str| Figure::new("x", Axis::new("c", "", unit)).panel(Panel::new(axis())).svg();
+    assert!(label("1/rad^2").contains("[1/rad²]"));
+    assert!(label("m s^-1").contains("[m s⁻¹]"));
+    assert!(label("a^b^").contains("[a^b^]"));
+}
+
+#[test]
 fn warnings_come_first() {
     let page = Report::new("t", "s").finding("found").warning("careful").html();
     assert!(page.find("careful").unwrap() < page.find("found").unwrap());
@@ -241,12 +249,12 @@ fn warnings_come_first() {
 #[test]
 fn files_are_written_once_and_again() {
     let dir = tempfile::tempdir().unwrap();
-    let report = Report::new("t", "s").section(Section::new("one").figure(everything()));
+    let report = Report::new("t", "s").section(Section::new("one").figure(everything()).figure(everything()));
     for _ in 0..2 {
         let folder = crate::output::OutputFolder::open(dir.path(), false).unwrap();
         report.write(&folder).unwrap();
     }
-    for name in ["report.html", "figures/every-kind.svg", "figures/every-kind.png"] {
+    for name in ["report.html", "figures/every-kind.svg", "figures/every-kind.png", "figures/every-kind-2.svg"] {
         assert!(dir.path().join(name).metadata().unwrap().len() > 1000, "{name}");
     }
 }

@@ -73,11 +73,11 @@ pub(super) fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
 
 /// A range that can be drawn, from whatever the data have.
 fn widened((low, high): (f64, f64), room: f64) -> (f64, f64) {
-    // Beyond this a range's width overflows.
-    let (low, high) = (low.max(-1e300), high.min(1e300));
     if !(low.is_finite() && high.is_finite()) {
         return (0.0, 1.0);
     }
+    // Beyond this a range's width overflows.
+    let (low, high) = (low.max(-1e300), high.min(1e300));
     let width = high - low;
     // One value, or values that differ by rounding only.
     if width <= low.abs().max(high.abs()) * 1e-12 {
@@ -118,7 +118,8 @@ fn label(value: f64, decimals: usize) -> String {
     if text.starts_with('-') && !zero { format!("−{digits}") } else { digits.to_owned() }
 }
 
-fn superscript(power: i32) -> String {
+/// A whole number in raised digits.
+pub(super) fn superscript(power: i32) -> String {
     let digit = |c: char| match c {
         '-' => '⁻',
         '1' => '¹',
@@ -178,6 +179,8 @@ mod tests {
             assert!(s.from.is_finite() && s.to.is_finite() && s.from < s.to, "{data:?} {s:?}");
             assert!(s.ticks.len() < 50, "{data:?}");
         }
+        let empty = Scale::new(&axis, (f64::NAN, f64::NAN), 0.05, 6);
+        assert_eq!((empty.from, empty.to, empty.factor.as_str()), (0.0, 1.0, ""));
         assert_eq!(extent([f64::NAN, f64::INFINITY, 2.0, -1.0]), (-1.0, 2.0));
     }
 }
