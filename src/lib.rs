@@ -12,6 +12,7 @@
 
 #![allow(non_snake_case, reason = "units stand in names as they are written: N, Pa, C, J")]
 
+pub mod assemble;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod coefficients;

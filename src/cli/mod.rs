@@ -5,6 +5,7 @@
 //! Standard output carries results, standard error messages. The library does the work; a command reads arguments,
 //! calls it and shows what came back.
 
+pub mod assemble;
 pub mod glide;
 mod glide_page;
 mod mission;
@@ -37,6 +38,7 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Assemble(assemble::Arguments),
     Glide(glide::Arguments),
     Plan(plan::Arguments),
     Simulate(simulate::Arguments),
@@ -156,6 +158,7 @@ pub fn main() -> ExitCode {
 
 fn run(cli: Cli) -> Result<(), CliError> {
     match cli.command {
+        Command::Assemble(arguments) => assemble::run(&arguments),
         Command::Glide(arguments) => glide::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),

@@ -107,6 +107,30 @@ impl Vehicle {
         Ok(())
     }
 
+    /// Takes a number away by its dotted name, with its comment; a table that is empty then goes, too. What is not there
+    /// stays away.
+    pub fn clear(&mut self, path: &str) {
+        if let Some(slot) = self.sections.slot(path) {
+            *slot = None;
+        }
+        let Some((section, name)) = path.rsplit_once('.') else {
+            return;
+        };
+        let mut here = Some(self.document.as_table_mut());
+        for part in section.split('.') {
+            here = here.and_then(|table| table.get_mut(part)).and_then(toml_edit::Item::as_table_mut);
+        }
+        let is_empty = here.is_some_and(|table| {
+            table.remove(name);
+            table.is_empty()
+        });
+        if let (true, Some((parent, name))) = (is_empty, section.rsplit_once('.')) {
+            if let Some(parent) = self.document.get_mut(parent).and_then(toml_edit::Item::as_table_mut) {
+                parent.remove(name);
+            }
+        }
+    }
+
     /// Sets the name and the source, in the file's text too.
     pub fn describe(&mut self, name: &str, source: &str) {
         self.name = name.to_owned();

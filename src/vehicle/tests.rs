@@ -114,3 +114,15 @@ fn what_was_not_set_stays_as_it_was_written_comments_included() {
     assert_eq!(again.mechanisms, vehicle.mechanisms);
     assert!(vehicle.set("hydro.bb", 1.0).is_err());
 }
+
+#[test]
+fn what_is_cleared_is_gone_from_file_and_memory() {
+    let mut vehicle = Vehicle::load("slocum-049").unwrap();
+    for name in ["a_per_rad", "b", "c_per_rad2"] {
+        vehicle.clear(&format!("hydro.descent.{name}"));
+    }
+    vehicle.clear("hydro.no_such_key");
+    assert!(!vehicle.to_toml().contains("[hydro.descent]") && vehicle.to_toml().contains("[hydro.ascent]"));
+    let again = Vehicle::parse(&vehicle.to_toml(), "x.toml").unwrap();
+    assert_eq!((again.sections, again.get("hydro.descent.b")), (vehicle.sections, None));
+}
