@@ -39,7 +39,7 @@ struct Reduce {
     #[arg(long, value_name = "HULL.TOML")]
     hull: Option<PathBuf>,
     /// Fit the points up to this angle [deg]
-    #[arg(long, value_name = "DEG", default_value_t = 10.0)]
+    #[arg(long, value_name = "DEG", default_value_t = 10.0, allow_negative_numbers = true)]
     range_deg: f64,
     /// Take one unusable run for an error instead of leaving it out
     #[arg(long)]

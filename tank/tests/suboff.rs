@@ -112,3 +112,18 @@ fn the_three_forms_of_a_table_agree() {
         assert_near(found.d.value, expected.d.value, 2e-6);
     }
 }
+
+/// The report states Yv' = -0.005948 and Nv' = -0.012795 on Lpp about its moment reference (static derivatives good to 4 or
+/// 5 %), the slopes at no drift. About the centre of buoyancy, 4.4 mm further forward, that is Nv' = -0.012789.
+#[test]
+fn slopes_at_small_drift_are_those_of_the_report() {
+    let results = suboff(3.2);
+    let hull = &results.hulls[0];
+    let [yv, nv] = glidepolar_tank::derivatives::from_sweep(&hull.hull, hull.fit.as_ref().unwrap());
+    let ratio: f64 = 4.2609 / 4.356;
+    let (yv_report, nv_report) = (-0.005948 * ratio.powi(2), -0.012789 * ratio.powi(3));
+    assert_near(nv.value, nv_report, 0.04);
+    assert!((nv.ci95[0]..=nv.ci95[1]).contains(&nv_report), "{nv:?}");
+    // The side force so near zero is small against its own zero error: the interval says so.
+    assert!((yv.ci95[0]..=yv.ci95[1]).contains(&yv_report), "{yv:?}, {yv_report}");
+}

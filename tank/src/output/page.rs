@@ -5,7 +5,7 @@ use glidepolar::input::InputError;
 use glidepolar::report::{Cell, InputFile, Report, Section, Table};
 
 use super::figures;
-use crate::derivatives::Derivatives;
+use crate::derivatives::{self, Derivatives};
 use crate::fits::SweepFit;
 use crate::results::{HullResults, Results};
 use crate::sweep::NAMES;
@@ -84,7 +84,7 @@ fn coefficients(results: &Results) -> Section {
         }
         table.push(row);
     }
-    let mut section = Section::new("Lift, drag and moment").table(table);
+    let mut section = Section::new("Lift, drag and moment").table(table).table(sway_slopes(results));
     for figure in figures::coefficients(results) {
         section = section.figure(figure);
     }
@@ -104,6 +104,22 @@ fn coefficients(results: &Results) -> Section {
         section = section.table(table);
     }
     section
+}
+
+/// The same slopes as a manoeuvring engineer has them.
+fn sway_slopes(results: &Results) -> Table {
+    let mut table = Table::new(
+        "The same slopes as SNAME primes on the overall length about the centre of buoyancy: Yv' = -(a + b) A/L², Nv' = -d A/L².",
+        ["Hull", "Yv'", "95 %", "Nv'", "95 %"],
+    );
+    for hull in &results.hulls {
+        let Ok(fit) = &hull.fit else { continue };
+        let [yv, nv] = derivatives::from_sweep(&hull.hull, fit);
+        let mut row = vec![Cell::from(hull.hull.id.as_str())];
+        row.extend([&yv, &nv].into_iter().flat_map(pair));
+        table.push(row);
+    }
+    table
 }
 
 fn derivatives(results: &Results) -> Section {

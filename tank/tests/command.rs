@@ -1,0 +1,88 @@
+//! The command as a user or a script meets it: what it prints, where, and with what exit code.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use glidepolar::hull_tests::Reduction;
+
+fn tank_reduce(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_tank-reduce")).current_dir(folder).args(arguments).output().unwrap()
+}
+
+fn data(name: &str) -> String {
+    let path: PathBuf = [env!("CARGO_MANIFEST_DIR"), "data", name].iter().collect();
+    path.to_str().unwrap().to_owned()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+#[test]
+fn json_on_standard_output_is_all_that_stands_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let (points, hull) = (data("suboff_roddy1990.csv"), data("suboff.toml"));
+    let output = tank_reduce(folder.path(), &[&points, "--hull", &hull, "--json", "-", "--range-deg", "10"]);
+    assert_eq!(output.status.code(), Some(0));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["schema"], "tank-reduce/1");
+    let hull = &json["hulls"][0];
+    for (name, unit) in [("a", "1/rad"), ("b", "1"), ("c", "1/rad^2"), ("d", "1/rad")] {
+        let q = &hull["fit"][name];
+        assert!(q["value"].is_f64() && q["se"].is_f64() && q["ci95"].as_array().unwrap().len() == 2, "{name}");
+        assert_eq!(q["unit"], unit);
+    }
+    assert_eq!((&hull["id"], &hull["n_runs"]), (&"SUBOFF".into(), &24.into()));
+    assert!(hull["dynamic"].is_null() && hull["diagnosis"].is_null() && json["campaign_diagnosis"].is_null());
+    assert!(json["warnings"].as_array().unwrap().iter().any(|w| w.as_str().unwrap().contains("depend")));
+    // The file is the same, and what a vehicle is made from reads it.
+    let written = Reduction::load(&folder.path().join("tank_out/fits.json")).unwrap();
+    assert_eq!(serde_json::to_value(&written).unwrap(), json);
+    for name in ["coefficients.csv", "report.html", "figures/lift.svg", "figures/drag.png", "figures/moment.svg"] {
+        assert!(folder.path().join("tank_out").join(name).is_file(), "{name}");
+    }
+}
+
+#[test]
+fn a_campaign_needs_one_command() {
+    let folder = tempfile::tempdir().unwrap();
+    let demo =
+        tank_reduce(folder.path(), &["demo", "pmm_runs", "--hull", "LDR8.5", "--hull", "LDR12.5", "--seed", "21"]);
+    assert_eq!(demo.status.code(), Some(0), "{}", text(&demo.stderr));
+    let output = tank_reduce(folder.path(), &["pmm_runs"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let table = text(&output.stdout);
+    assert!(table.lines().count() == 4 && table.contains("LDR8.5") && table.contains("LDR12.5"), "{table}");
+    let page = std::fs::read_to_string(folder.path().join("tank_out/report.html")).unwrap();
+    for expected in
+        ["Munk 1924", "Lamb, spheroid", "effective samples", "Yvdot", "SYNTHETIC", "0.090 %", "steady sweep"]
+    {
+        assert!(page.contains(expected), "{expected}");
+    }
+    assert!(!page.contains("http://") || page.contains("http://www.w3.org"), "the page asks nothing of anybody");
+    let steps = std::fs::read_to_string(folder.path().join("tank_out/steps.csv")).unwrap();
+    assert!(steps.starts_with("run_id,kind,speed_m_s,yaw_deg,window_from_s,window_to_s,reading_AF_N"));
+    let quiet = tank_reduce(folder.path(), &["pmm_runs", "--quiet"]);
+    assert!(quiet.status.success() && quiet.stdout.is_empty() && quiet.stderr.is_empty());
+}
+
+#[test]
+fn bad_input_ends_with_two_and_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("points.csv"), "yaw_deg,CL,CD,CM\n1,2,3,x\n").unwrap();
+    let hull = data("suboff.toml");
+    for (arguments, expected) in [
+        (vec!["points.csv", "--hull", &hull], "points.csv:2:4: CM is `x`"),
+        (vec!["points.csv", "--hull", "no.toml"], "no.toml"),
+        (vec!["points.csv"], "--hull"),
+        (vec!["nowhere"], "campaign.toml"),
+        (vec!["points.csv", "--hull", &hull, "--range-deg", "-3"], "--range-deg"),
+    ] {
+        let output = tank_reduce(folder.path(), &arguments);
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+        assert!(message.contains(expected) && !message.contains("panicked"), "{arguments:?}: {message}");
+        assert!(output.stdout.is_empty());
+        assert!(!folder.path().join("tank_out").exists(), "{arguments:?}");
+    }
+}
