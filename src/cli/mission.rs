@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Serialize;
 
+use super::mission_page::{self, Trace};
 use super::{CliError, Output};
+use crate::report::InputFile;
 use crate::simulate::COLUMNS;
 use crate::simulate::mission::{
     Ending, Flight, KEYS, Leg, LegKind, MISSION_COLUMNS, Mission, Moment, Turn, fly_mission,
@@ -28,9 +30,9 @@ pub(super) struct MissionArguments {
     /// Write the mission as the glider's own flight log to FILE (CSV)
     #[arg(long, value_name = "FILE", requires = "mission")]
     pub log: Option<PathBuf>,
-    /// Write the legs to FILE (CSV)
-    #[arg(long, value_name = "FILE", requires = "mission")]
-    pub legs: Option<PathBuf>,
+    /// Write page, figures and the table of legs of the mission to DIR
+    #[arg(long, value_name = "DIR", requires = "mission")]
+    pub out: Option<PathBuf>,
 }
 
 /// What `simulate` is told besides.
@@ -48,9 +50,13 @@ pub(super) fn run(vehicle: &str, file: &Path, arguments: &MissionArguments, fram
     let mut mission = Mission::load(file)?;
     mission.duration_s = mission.duration_s.min(frame.stop_s.unwrap_or(f64::INFINITY));
     let mut tables = Tables::begin(frame.csv.is_some(), arguments.log.is_some());
+    let mut trace = Trace::new();
     let interval_s = frame.interval_s.unwrap_or(INTERVAL_S);
     let flight = fly_mission(&parameters, &mission, interval_s, frame.tolerance, |moment| {
         tables.add(moment);
+        if arguments.out.is_some() {
+            trace.add(moment);
+        }
         true
     })?;
     for (path, table) in [(frame.csv, &tables.history), (arguments.log.as_deref(), &tables.log)] {
@@ -58,8 +64,11 @@ pub(super) fn run(vehicle: &str, file: &Path, arguments: &MissionArguments, fram
             frame.output.write(path, table.as_bytes())?;
         }
     }
-    if let Some(path) = &arguments.legs {
-        frame.output.write(path, legs_table(&flight.legs).as_bytes())?;
+    if let Some(folder) = &arguments.out {
+        let folder = frame.output.folder(folder)?;
+        folder.write("legs.csv", legs_table(&flight.legs).as_bytes())?;
+        let input = InputFile::read(file)?;
+        mission_page::page(&vehicle.name, &mission, &flight, &trace, input).write(&folder)?;
     }
     let report = Report::new(&vehicle, &mission, &flight);
     if frame.output.shows_tables() {

@@ -9,6 +9,7 @@ pub mod assemble;
 pub mod glide;
 mod glide_page;
 mod mission;
+mod mission_page;
 pub mod plan;
 mod plan_tables;
 pub mod simulate;

@@ -269,7 +269,7 @@ impl Report {
             );
             voyage(&plan.outlook);
             if let (Some(with), Some(days)) = (&plan.with_sensor, plan.sensor_costs_days) {
-                println!("with the sensor ({days:+.1} days less)");
+                println!("with the sensor ({days:.1} days less)");
                 voyage(with);
             }
         }

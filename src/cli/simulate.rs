@@ -26,7 +26,7 @@ const INTERVAL_S: f64 = 1.0;
 #[command(after_help = "Examples:\n  \
     glidepolar simulate slocum-graver --stop 1000 --csv history.csv\n  \
     glidepolar simulate my-glider.toml --inputs commands.csv --stop 3600 --interval 10 --csv history.csv\n  \
-    glidepolar simulate slocum-049 --mission missions/rising-seabed.toml --legs legs.csv\n  \
+    glidepolar simulate slocum-049 --mission missions/rising-seabed.toml --out voyage/\n  \
     glidepolar simulate --mission-keys\n\n\
     A mission says how deep, at which pitch and with how much ballast, when to surface, and what seabed and water the\n\
     glider meets. Without mission and inputs the glider goes on in its steady glide. The table of inputs has a column `time` and columns named\n\
