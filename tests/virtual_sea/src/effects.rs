@@ -108,7 +108,7 @@ pub const TABLE: &[Effect] = &[
         2.5e-5..5.0e-5,
         "the hull's tau itself, in place of the vehicle file's"
     ),
-    effect!("ballast_scale", "ballast_scale", One, Either, 0.06..0.15, "true ballast volume = this x volume read"),
+    effect!("ballast_scale", "ballast_scale", One, Either, 0.10..0.25, "true ballast volume = this x volume read"),
     effect!(
         "pitch_offset",
         "pitch_offset_rad",
@@ -117,8 +117,8 @@ pub const TABLE: &[Effect] = &[
         0.020..0.050,
         "true pitch = pitch_scale x pitch read + this"
     ),
-    effect!("pitch_scale", "pitch_scale", One, Either, 0.08..0.16, "true pitch = this x pitch read + pitch_offset"),
-    effect!("pressure_scale", "pressure_scale", One, Either, 0.04..0.10, "true pressure = this x pressure read"),
+    effect!("pitch_scale", "pitch_scale", One, Either, 0.11..0.18, "true pitch = this x pitch read + pitch_offset"),
+    effect!("pressure_scale", "pressure_scale", One, Either, 0.06..0.12, "true pressure = this x pressure read"),
     effect!(
         "pressure_lag",
         "pressure_lag_s",
@@ -142,7 +142,7 @@ pub const TABLE: &[Effect] = &[
         "nonlinear_lift_per_rad2",
         Zero,
         Up,
-        50.0..120.0,
+        80.0..160.0,
         "CL = a alpha + this x alpha |alpha|, CD as it is"
     ),
     effect!(

@@ -70,7 +70,7 @@ struct Profile {
     seabed_m: f64,
 }
 
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 struct Wave {
     amplitude_m_s: f64,
     frequency_rad_s: f64,
@@ -94,9 +94,9 @@ impl Ocean {
     /// Draws an ocean.
     pub fn draw(random: &mut Stream, weather: Weather) -> Self {
         let surface_c = between(random, 13.0, 22.0);
-        let surface_psu = between(random, 33.2, 35.0);
-        let fall_c = between(random, 6.0, 11.0);
-        let rise_psu = between(random, 0.1, 0.6);
+        let surface_psu = between(random, 31.5, 34.0);
+        let fall_c = between(random, 7.0, 12.0);
+        let rise_psu = between(random, 0.5, 2.0);
         let stratified = if weather.unstratified { 0.0 } else { 1.0 };
         let profile = Profile {
             surface_c,
@@ -207,23 +207,22 @@ impl Profile {
     }
 }
 
-/// Random phases, periods of 10 min to 6 h spread evenly in logarithm; the first vertical mode carries most.
+/// Random phases, one period in each of six bands from 10 min to 6 h; the first vertical mode carries most. Between the
+/// inertial and the buoyancy frequency the vertical velocity of internal waves has a flat spectrum (Garrett and Munk
+/// 1979), so a band's variance goes with its width in frequency: as 1/period for bands of equal ratio.
 fn draw_waves(random: &mut Stream, rms_m_s: f64) -> [[Wave; WAVES_PER_MODE]; VERTICAL_MODES] {
     const SHARE_OF_VARIANCE: [f64; VERTICAL_MODES] = [0.6, 0.25, 0.15];
     let (shortest_s, longest_s) = (600.0_f64, 6.0 * 3600.0_f64);
-    let mut waves = [[Wave::default(); WAVES_PER_MODE]; VERTICAL_MODES];
-    for (mode, share) in SHARE_OF_VARIANCE.into_iter().enumerate() {
-        for (band, wave) in waves[mode].iter_mut().enumerate() {
-            let fraction = (band as f64 + between(random, 0.0, 1.0)) / WAVES_PER_MODE as f64;
-            let period_s = shortest_s * (longest_s / shortest_s).powf(fraction);
-            *wave = Wave {
-                amplitude_m_s: rms_m_s * (2.0 * share / WAVES_PER_MODE as f64).sqrt(),
-                frequency_rad_s: TAU / period_s,
-                phase_rad: between(random, 0.0, TAU),
-            };
-        }
-    }
-    waves
+    let period_s = |place: f64| shortest_s * (longest_s / shortest_s).powf(place / WAVES_PER_MODE as f64);
+    let width = |band: usize| 1.0 / period_s(band as f64 + 0.5);
+    let all: f64 = (0..WAVES_PER_MODE).map(width).sum();
+    SHARE_OF_VARIANCE.map(|share| {
+        std::array::from_fn(|band| Wave {
+            amplitude_m_s: rms_m_s * (2.0 * share * width(band) / all).sqrt(),
+            frequency_rad_s: TAU / period_s(band as f64 + between(random, 0.0, 1.0)),
+            phase_rad: between(random, 0.0, TAU),
+        })
+    })
 }
 
 /// WKB vertical modes: sin(n pi times the share of the integrated buoyancy frequency above), so the velocity vanishes at

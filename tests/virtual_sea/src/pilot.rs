@@ -47,13 +47,15 @@ struct Turn {
 /// Draws the legs of a log: about `dives` of them in `hours`.
 pub fn plan(vehicle: &Vehicle, ocean: &Ocean, random: &mut Stream, hours: f64, dives: u32) -> Vec<Leg> {
     let dive_s = hours * 3600.0 / f64::from(dives);
+    let neutral_cc = vehicle.neutral_ballast_cc(ocean);
+    let most_cc = vehicle.ballast_max_cc - neutral_cc.abs();
     let mut heading_rad = between(random, 0.0, TAU);
     let mut legs = Vec::new();
     for dive in 1..=4 * dives {
         if dive % 2 == 1 {
             heading_rad = (heading_rad + sign(random) * FRAC_PI_2 * between(random, 0.7, 1.3)).rem_euclid(TAU);
         }
-        let (down, up) = (draw_glide(vehicle, random), draw_glide(vehicle, random));
+        let (down, up) = (draw_glide(most_cc, random), draw_glide(most_cc, random));
         let surfaces = dive % 3 == 0 || chance(random, 0.3);
         let surface_s = if surfaces { between(random, 0.5, 1.0) * SURFACE_S } else { 0.0 };
         let top_m = if surfaces { 0.4 } else { between(random, 6.0, 12.0) };
@@ -62,7 +64,7 @@ pub fn plan(vehicle: &Vehicle, ocean: &Ocean, random: &mut Stream, hours: f64, d
         let mut leg = |rising: bool, (ballast_cc, pitch_rad): (f64, f64)| Leg {
             dive,
             rising,
-            ballast_cc: if rising { ballast_cc } else { -ballast_cc },
+            ballast_cc: if rising { neutral_cc + ballast_cc } else { neutral_cc - ballast_cc },
             pitch_rad: if rising { pitch_rad } else { -pitch_rad },
             ends_m: if rising { top_m } else { bottom_m },
             surface_s: if rising { surface_s } else { 0.0 },
@@ -74,14 +76,14 @@ pub fn plan(vehicle: &Vehicle, ocean: &Ocean, random: &mut Stream, hours: f64, d
     legs
 }
 
-/// Ballast (cc) and pitch (rad) of a glide, without signs.
-fn draw_glide(vehicle: &Vehicle, random: &mut Stream) -> (f64, f64) {
+/// Ballast beyond neutral (cc) and pitch (rad) of a glide, without signs.
+fn draw_glide(most_cc: f64, random: &mut Stream) -> (f64, f64) {
     let (low, high) = match (3.0 * between(random, 0.0, 1.0)) as u32 {
-        0 => (30.0, 36.0),
-        1 => (22.0, 28.0),
-        _ => (15.0, 20.0),
+        0 => (36.0, 44.0),
+        1 => (22.0, 29.0),
+        _ => (12.0, 15.0),
     };
-    (vehicle.ballast_max_cc * between(random, 0.6, 1.0), between(random, low, high) * PI / 180.0)
+    (most_cc * between(random, 0.6, 1.0), between(random, low, high) * PI / 180.0)
 }
 
 /// Depth reached per second of dive.
@@ -140,6 +142,7 @@ pub struct Orders {
 pub struct Pilot<'a> {
     vehicle: &'a Vehicle,
     density_kg_m3: f64,
+    neutral_cc: f64,
     legs: &'a [Leg],
     place: Place,
     since_s: f64,
@@ -166,6 +169,7 @@ impl<'a> Pilot<'a> {
         Self {
             vehicle: believed,
             density_kg_m3: ocean.water(100.0, 0.0).density_kg_m3,
+            neutral_cc: believed.neutral_ballast_cc(ocean),
             legs,
             place: Place::Surface { until_s: 120.0, next: 0 },
             since_s: 0.0,
@@ -213,7 +217,7 @@ impl<'a> Pilot<'a> {
     fn begin(&mut self, number: usize, time_s: f64) {
         let number = number.min(self.legs.len() - 1);
         let leg = &self.legs[number];
-        let net_kg = -self.density_kg_m3 * leg.ballast_cc * 1e-6;
+        let net_kg = -self.density_kg_m3 * (leg.ballast_cc - self.neutral_cc) * 1e-6;
         let glide = self.vehicle.steady_glide(net_kg, leg.pitch_rad, self.density_kg_m3);
         let (angle, speed) = glide.unwrap_or((0.0, 0.2));
         self.moving_mass_m = self.vehicle.moving_mass_for(leg.pitch_rad, angle, speed, self.density_kg_m3);

@@ -3,15 +3,14 @@
 //! Signs and reference areas are those of the tank: CL = a alpha, CD = b + c alpha^2, CM = d alpha (Munk's couple
 //! included) on the frontal area, the moment also on the hull length and about the centre of buoyancy, nose up positive.
 
-use crate::ocean::{GRAVITY_M_S2, Ocean};
+use crate::ocean::{GRAVITY_M_S2, Ocean, Water};
 use crate::random::{Stream, between, sign};
-use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write;
 
 /// Density that the vehicle file states as its reference, kg/m3.
 pub const REFERENCE_DENSITY_KG_M3: f64 = 1025.0;
 
-/// Angle of attack up to which the coefficients' laws hold, rad: beyond every steady glide and the tank's range.
+/// Angle of attack up to which the coefficients' laws hold, rad: beyond every steady glide.
 pub const ATTACHED_RAD: f64 = 0.35;
 
 /// A kind of glider, each with its own sizes, engine and depth.
@@ -79,7 +78,8 @@ pub struct Vehicle {
 }
 
 impl Hull {
-    /// Draws a vehicle of this kind and ballasts it for the ocean: neutral in mid-water within some 15 g.
+    /// Draws a vehicle of this kind and ballasts it for the ocean: neutral in mid-water but for a seventh of the
+    /// engine's capacity, as ballasting comes out.
     pub fn draw(self, random: &mut Stream, ocean: &Ocean) -> Vehicle {
         let mass_kg = rounded(between(random, 51.0, 54.0), 3);
         let length_m = rounded(between(random, 1.5, 1.8), 3);
@@ -115,13 +115,12 @@ impl Hull {
             ballast_max_cc: engine_cc,
             ballast_in_cc_s: rounded(between(random, in_cc_s.0, in_cc_s.1), 1),
             ballast_out_cc_s: rounded(between(random, out_cc_s.0, out_cc_s.1), 1),
-            moving_mass_travel_m: 0.06,
+            moving_mass_travel_m: 0.08,
             moving_mass_rate_m_s: rounded(between(random, 0.001, 0.003), 4),
             depth_limit_m,
         };
-        let trim_error_kg = between(random, -0.015, 0.015);
-        vehicle.displaced_volume_m3 =
-            rounded(vehicle.neutral_volume_m3(ocean, depth_limit_m.min(300.0), trim_error_kg), 8);
+        let trim_error_kg = 1e-3 * engine_cc * between(random, -0.15, 0.15);
+        vehicle.displaced_volume_m3 = rounded(vehicle.neutral_volume_m3(ocean, trim_error_kg), 8);
         vehicle
     }
 }
@@ -177,12 +176,23 @@ impl Vehicle {
         -self.moving_mass_height_m * pitch_rad.tan() + moment / (self.moving_mass_kg * GRAVITY_M_S2 * pitch_rad.cos())
     }
 
-    fn neutral_volume_m3(&self, ocean: &Ocean, bottom_m: f64, error_kg: f64) -> f64 {
-        let depth_m = 0.5 * bottom_m;
-        let water = ocean.water(depth_m, 0.0);
+    /// Ballast volume that makes the vehicle neutral in mid-water, cc.
+    pub fn neutral_ballast_cc(&self, ocean: &Ocean) -> f64 {
+        let (water, pressure_pa) = self.mid_water(ocean);
+        1e6 * (self.mass_kg / water.density_kg_m3 - self.hull_volume_m3(pressure_pa, water.temperature_c))
+    }
+
+    fn neutral_volume_m3(&self, ocean: &Ocean, heavy_kg: f64) -> f64 {
+        let (water, pressure_pa) = self.mid_water(ocean);
         let unit = Vehicle { displaced_volume_m3: 1.0, ..self.clone() };
-        (self.mass_kg - error_kg)
-            / (water.density_kg_m3 * unit.hull_volume_m3(ocean.pressure_pa(depth_m), water.temperature_c))
+        let relative = unit.hull_volume_m3(pressure_pa, water.temperature_c);
+        (self.mass_kg - heavy_kg) / (water.density_kg_m3 * relative)
+    }
+
+    /// Water and pressure in the middle of the usual range of dives: most of the thermocline above, little below.
+    fn mid_water(&self, ocean: &Ocean) -> (Water, f64) {
+        let depth_m = 0.5 * self.depth_limit_m.min(200.0);
+        (ocean.water(depth_m, 0.0), ocean.pressure_pa(depth_m))
     }
 
     /// The vehicle file, as a glider's owner would have it.
@@ -255,11 +265,11 @@ fn rounded(value: f64, decimals: i32) -> f64 {
     (value * scale).round() / scale
 }
 
-/// The angle that the moment goes by: the angle of attack itself while the flow is attached; beyond, it fades to 0 across the flow and changes sign astern.
+/// The angle that the moment goes by: the angle of attack itself while the flow is attached; beyond, its sine, so that
+/// the tail turns the glider into the flow from wherever it comes.
 pub fn attached_angle(angle_rad: f64) -> f64 {
-    let size = angle_rad.abs();
-    if size <= ATTACHED_RAD {
+    if angle_rad.abs() <= ATTACHED_RAD {
         return angle_rad;
     }
-    angle_rad.signum() * ATTACHED_RAD * (FRAC_PI_2 - size) / (FRAC_PI_2 - ATTACHED_RAD)
+    ATTACHED_RAD * angle_rad.sin() / ATTACHED_RAD.sin()
 }

@@ -32,7 +32,7 @@ fn seed_decides_ocean_vehicle_and_mission_whatever_is_hidden() {
 
 #[test]
 fn logs_look_like_a_gliders() {
-    for seed in 0..12 {
+    for seed in (0..12).chain([1003]) {
         let mut flight: Vec<Instant> = Vec::new();
         let sea = generate_observed(&Options::seeded(seed), |now| flight.push(*now));
         let log = &sea.log;
@@ -48,7 +48,8 @@ fn logs_look_like_a_gliders() {
         assert!(gliding.len() as f64 > 0.93 * below as f64, "seed {seed}: {} of {below}", gliding.len());
         let fastest = gliding.iter().map(|now| now.speed_m_s).fold(0.0, f64::max);
         assert!((0.3..0.65).contains(&fastest), "seed {seed}: {fastest} m/s");
-        assert!(gliding.iter().all(|now| now.pitch_rad.abs() < 0.8));
+        let steepest = flight.iter().map(|now| now.pitch_rad.abs()).fold(0.0, f64::max);
+        assert!(steepest < 1.2, "seed {seed}: {steepest} rad");
     }
 }
 
