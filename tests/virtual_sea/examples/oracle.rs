@@ -7,7 +7,7 @@
 //! lead over the best other name. `no` leaves the speed out and pins a. An effect is named beyond a chi-square of 12.
 //! With an uncatalogued effect nothing right can be named; the table shows what it looks like.
 
-use glidepolar_virtual_sea::effects::{TABLE, parse_requests};
+use glidepolar_virtual_sea::catalogue::{TABLE, parse_requests};
 use glidepolar_virtual_sea::ocean::GRAVITY_M_S2;
 use glidepolar_virtual_sea::vehicle::Vehicle;
 use glidepolar_virtual_sea::{Options, Sea, generate};

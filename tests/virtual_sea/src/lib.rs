@@ -5,18 +5,19 @@
 //! not repeated by the other. Seed and effect name give a log, the vehicle file that its owner believes in, and the truth:
 //!
 //! ```
-//! use glidepolar_virtual_sea::{Options, effects, generate};
-//! let sea = generate(&Options { effects: effects::parse_requests("leak=0.008")?, hours: 1.0, ..Options::seeded(7) });
+//! use glidepolar_virtual_sea::{Options, catalogue, generate};
+//! let sea = generate(&Options { effects: catalogue::parse_requests("leak=0.008")?, hours: 1.0, ..Options::seeded(7) });
 //! assert_eq!(sea.truth.parameter("leak_kg_per_hour"), Some(0.008));
 //! assert_eq!(sea.log.time_s[0], 0.0);
-//! # Ok::<(), effects::RequestError>(())
+//! # Ok::<(), catalogue::RequestError>(())
 //! ```
 //!
-//! What each effect is, exactly, stands in one table: [`effects::TABLE`]. What is always there, hidden effect or not:
+//! What each effect is, exactly, stands in one table: [`catalogue::TABLE`]. What is always there, hidden effect or not:
 //! internal waves of 10 min to 6 h that heave the stratification with them, shear, turbulence, unsteady flight with
 //! added mass, lift that leans in a bank, measurement noise, slow wander of the pitch sensor, gaps. Not there: waves at
 //! the surface, hull temperature lagging the water's, thermal lag of the conductivity cell, lateral motion.
 
+pub mod catalogue;
 pub mod effects;
 pub mod flight;
 pub mod log;
@@ -28,7 +29,8 @@ pub mod sensors;
 pub mod truth;
 pub mod vehicle;
 
-use effects::{Hidden, Request};
+use catalogue::Request;
+use effects::Hidden;
 use flight::{Instant, Voyage};
 use log::Log;
 use ocean::{Ocean, Weather};
@@ -99,7 +101,7 @@ pub fn generate_observed(options: &Options, mut observe: impl FnMut(&Instant)) -
     let hull = options.hull.unwrap_or(drawn_hull);
     let vehicle = hull.draw(random, &ocean);
     let believed = vehicle.believed(random);
-    let effects = effects::draw(&options.effects, &vehicle, seed, options.hours);
+    let effects = catalogue::draw(&options.effects, &vehicle, seed, options.hours);
     let hidden = Hidden::of(&effects, &vehicle);
     let legs = pilot::plan(&vehicle, &ocean, &mut stream(seed, Part::Mission), options.hours, options.dives.max(1));
 

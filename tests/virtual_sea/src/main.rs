@@ -2,7 +2,7 @@
 
 use clap::{Parser, ValueEnum};
 use glidepolar_virtual_sea::vehicle::Hull;
-use glidepolar_virtual_sea::{Options, effects, generate, log};
+use glidepolar_virtual_sea::{Options, catalogue, generate, log};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -53,7 +53,7 @@ enum HullName {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     if arguments.list {
-        print!("{}", effects::markdown());
+        print!("{}", catalogue::markdown());
         return ExitCode::SUCCESS;
     }
     match run(&arguments) {
@@ -67,7 +67,7 @@ fn main() -> ExitCode {
 
 fn run(arguments: &Arguments) -> Result<(), String> {
     let options = Options {
-        effects: effects::parse_requests(&arguments.effect).map_err(|error| error.to_string())?,
+        effects: catalogue::parse_requests(&arguments.effect).map_err(|error| error.to_string())?,
         speed: matches!(arguments.speed, YesNo::Yes),
         hours: arguments.hours,
         dives: arguments.dives,

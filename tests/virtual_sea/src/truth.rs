@@ -1,6 +1,6 @@
 //! What really happened, kept apart from what the analyst is given.
 
-use crate::effects::Drawn;
+use crate::catalogue::Drawn;
 use crate::ocean::Ocean;
 use crate::sensors::Quality;
 use crate::vehicle::{Hull, Vehicle};

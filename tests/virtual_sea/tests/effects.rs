@@ -1,6 +1,7 @@
 //! Every effect against a computation by hand: in the force balance of true steady flight, and in what the log reads.
 
-use glidepolar_virtual_sea::effects::{Hidden, TABLE, parse_requests};
+use glidepolar_virtual_sea::catalogue::{TABLE, parse_requests};
+use glidepolar_virtual_sea::effects::Hidden;
 use glidepolar_virtual_sea::flight::Instant;
 use glidepolar_virtual_sea::ocean::{GRAVITY_M_S2, Weather};
 use glidepolar_virtual_sea::sensors::Quality;
