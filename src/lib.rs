@@ -31,6 +31,7 @@ pub mod plan;
 #[cfg(feature = "report")]
 pub mod report;
 pub mod simulate;
+pub mod track;
 pub mod vehicle;
 pub mod water;
 

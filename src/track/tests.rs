@@ -1,0 +1,106 @@
+use super::*;
+use crate::vehicle::Vehicle;
+
+fn samples(heading_deg: f64, dives: u32) -> Vec<Sample> {
+    // Straight glides of one hour, one sample in ten seconds.
+    (0..dives)
+        .flat_map(|dive| {
+            (0..=360).map(move |i| Sample {
+                time_s: f64::from(dive) * 4000.0 + f64::from(i) * 10.0,
+                dive,
+                depth_m: 50.0,
+                pitch_rad: -25f64.to_radians(),
+                heading_rad: heading_deg.to_radians(),
+                ballast_m3: -200e-6,
+                density_kg_m3: 1025.0,
+                temperature_C: 15.0,
+            })
+        })
+        .collect()
+}
+
+fn glider() -> Parameters<f64> {
+    Vehicle::load("slocum-049").unwrap().parameters().unwrap()
+}
+
+fn horizontal_m_s(p: &Parameters<f64>) -> f64 {
+    let water = Surroundings { density_kg_m3: 1025.0, pressure_Pa: 0.0, temperature_C: 15.0, time_s: 0.0 };
+    let attitude = Attitude { pitch_rad: -25f64.to_radians(), net_mass_kg: p.net_mass_kg(-200e-6, &water) };
+    at_pitch(p, &water, attitude).unwrap().horizontal_velocity_m_s
+}
+
+#[test]
+fn a_straight_glide_goes_where_it_points() {
+    let p = glider();
+    let settings = Settings { declination_rad: -10f64.to_radians(), ..Settings::default() };
+    let track = reckon(&p, &[], &samples(100.0, 1), &settings);
+    let way = horizontal_m_s(&p) * 3600.0;
+    let dive = &track.dives[0];
+    assert!((dive.east_m - way).abs() < 1e-6 * way && dive.north_m.abs() < 1e-6 * way, "{dive:?}");
+    // Across the way the compass alone errs.
+    assert!((dive.north_se_m - way * 3f64.to_radians()).abs() < 1e-6 * way, "{dive:?}");
+    assert!(dive.east_se_m < 1e-6 * way);
+    assert_eq!(track.points.len(), 361);
+}
+
+#[test]
+fn an_uncertain_polar_errs_along_the_way() {
+    let p = glider();
+    let moved = Parameters { b: p.b * 1.1, ..p };
+    let track = reckon(&p, &[moved], &samples(0.0, 1), &Settings { heading_error_rad: 0.0, ..Settings::default() });
+    let expected = (horizontal_m_s(&p) - horizontal_m_s(&moved)).abs() * 3600.0;
+    assert!((track.dives[0].north_se_m / expected - 1.0).abs() < 1e-9, "{:?}", track.dives[0]);
+}
+
+#[test]
+fn fixes_around_a_dive_give_the_current_that_carried_it() {
+    let p = glider();
+    let mut track = reckon(&p, &[], &samples(90.0, 2), &Settings::default());
+    // 0.1 m/s east and -0.05 m/s north on top, in degrees at 43 S, where a minute of latitude is 1851.3 m.
+    let way = horizontal_m_s(&p) * 3600.0;
+    let mut fixes = vec![Fix { time_s: 0.0, lat_deg: -43.0, lon_deg: 179.99 }];
+    for (time_s, ways, drift_s) in [(3600.0, 1.0, 3600.0), (4000.0, 1.0, 4000.0), (7600.0, 2.0, 7600.0)] {
+        let (east, north) = (ways * way + 0.1 * drift_s, -0.05 * drift_s);
+        let lat_deg = -43.0 + north / 111_097.0;
+        let lon_deg = (179.99 + east / 81_541.0 + 180.0) % 360.0 - 180.0;
+        fixes.push(Fix { time_s, lat_deg, lon_deg });
+    }
+    track.set_currents(&fixes);
+    for dive in &track.dives {
+        let current = dive.current.expect("fixes lie on both sides");
+        assert!((current.east_m_s - 0.1).abs() < 1e-3 && (current.north_m_s + 0.05).abs() < 1e-3, "{current:?}");
+    }
+    // Without a fix between the dives neither has a current of its own.
+    track.dives.iter_mut().for_each(|dive| dive.current = None);
+    track.set_currents(&[fixes[0], fixes[3]]);
+    assert!(track.dives.iter().all(|dive| dive.current.is_none()));
+}
+
+#[test]
+fn turns_and_gaps_are_counted_and_not_flown() {
+    let p = glider();
+    let mut log = samples(90.0, 1);
+    for sample in &mut log[100..110] {
+        // Nose down and light: no glide.
+        sample.ballast_m3 = 200e-6;
+    }
+    for sample in &mut log[200..] {
+        sample.time_s += 1000.0;
+    }
+    let track = reckon(&p, &[], &log, &Settings::default());
+    let dive = &track.dives[0];
+    assert_eq!(dive.without_glide, 10);
+    assert_eq!(dive.gaps_s, 1010.0);
+    // Eleven of 360 intervals touch the turn, the outer two by half; one is the gap.
+    let expected = horizontal_m_s(&p) * 10.0 * (360.0 - 10.0 - 1.0);
+    assert!((dive.east_m / expected - 1.0).abs() < 1e-9, "{} against {expected}", dive.east_m);
+}
+
+#[test]
+fn degrees_become_metres_of_the_ellipsoid() {
+    let at = |lat_deg: f64, lon_deg: f64| Fix { time_s: 0.0, lat_deg, lon_deg };
+    // A degree of latitude at 45 deg is 111132 m, a degree of longitude at the equator 111319.49 m.
+    assert!((displacement_m(&at(44.5, 0.0), &at(45.5, 0.0))[1] - 111_132.0).abs() < 2.0);
+    assert!((displacement_m(&at(0.0, -0.5), &at(0.0, 0.5))[0] - 111_319.49).abs() < 0.01);
+    assert!((displacement_m(&at(60.0, 0.0), &at(60.0, 1.0))[0] - 55_800.0).abs() < 1.0);
+}
