@@ -172,7 +172,8 @@ impl Campaign {
     }
 
     fn read_runs(&mut self, file: &Path) -> Result<(), InputError> {
-        let table = Table::read(file)?;
+        let (table, malformed) = Table::read_what_fits(file)?;
+        self.rejected.extend(malformed.into_iter().map(|(run_id, error)| Rejected { run_id, error }));
         table.require(&REQUIRED)?;
         for (column, kinds) in NEEDED_BY {
             if table.rows().any(|row| kinds.contains(&row.text("kind"))) {

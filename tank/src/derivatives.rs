@@ -578,10 +578,12 @@ pub fn from_sweep(hull: &Hull, fit: &crate::fits::SweepFit) -> [Estimate; 2] {
     [slope, estimate(-e.d.value * scale, (e.d.se * scale).powi(2), dof(2, 0), "1")]
 }
 
-/// The scatter between steady runs, from the sweep's fits, as Y' and N'.
+/// The scatter between steady runs as Y' and N': runs are never set to quite the same angle, and the moment tells by how
+/// much.
 pub fn between_runs(hull: &Hull, fit: &crate::fits::SweepFit) -> BetweenRuns {
     let scale = hull.frontal_area_m2() / hull.geometry.loa_m.powi(2);
-    [fit.fits[0].between_runs * scale, fit.fits[2].between_runs * scale]
+    let e = &fit.estimates;
+    [(e.a.value + e.b.value).abs() * fit.setting_rad * scale, e.d.value.abs() * fit.setting_rad * scale]
 }
 
 /// Oscillation and sweep side by side.

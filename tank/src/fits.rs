@@ -19,6 +19,9 @@ pub struct SweepFit {
     pub fits: [Fit; 3],
     /// a, b, c, d with intervals.
     pub estimates: HullFit,
+    /// Standard deviation of the angle to which runs are set, as the scatter of the moment between runs shows it; zero
+    /// where points know no errors of their own \[rad\].
+    pub setting_rad: f64,
     /// Repeats against the model, for CL, CD and CM, where runs were repeated.
     pub lack_of_fit: [Option<LackOfFit>; 3],
     /// Other forms of the model on the same points.
@@ -73,6 +76,7 @@ pub fn fit(sweep: &Sweep, range_deg: f64) -> Result<SweepFit, TooFewPoints> {
     Ok(SweepFit {
         range_deg,
         estimates: estimates(&fits, range_deg),
+        setting_rad: if sweep.has_errors() { setting_rad(&fits[2]) } else { 0.0 },
         lack_of_fit: [0, 1, 2].map(|i| lack_of_fit(sweep, &rows, &fits[i])),
         adequacy: adequacy::of(sweep, &rows),
         ranges: ranges(sweep, range_deg),
@@ -110,7 +114,7 @@ fn coefficients(sweep: &Sweep, rows: &[usize]) -> Option<[Fit; 3]> {
     if sweep.has_errors() {
         // Runs are never set to quite the same angle. The moment, least noisy and steepest, tells by how much; drag feels
         // it the more the larger the angle.
-        let setting_rad = moment.between_runs / moment.parameters[0].abs();
+        let setting_rad = setting_rad(&moment);
         let mut problem = problem(sweep, rows, 1, MODEL[1]);
         for (variance, row) in problem.variance.iter_mut().zip(rows) {
             *variance += (2.0 * drag.parameters[1] * sweep.points[*row].alpha_rad() * setting_rad).powi(2);
@@ -118,6 +122,11 @@ fn coefficients(sweep: &Sweep, rows: &[usize]) -> Option<[Fit; 3]> {
         drag = problem.solve(Scatter::BetweenRuns)?;
     }
     Some([lift, drag, moment])
+}
+
+/// Standard deviation of the angle to which runs are set, as the moment shows it \[rad\].
+fn setting_rad(moment: &Fit) -> f64 {
+    moment.between_runs / moment.parameters[0].abs()
 }
 
 fn estimates(fits: &[Fit; 3], range_deg: f64) -> HullFit {

@@ -129,7 +129,7 @@ fn steady(history: &History, found: Found) -> Steady {
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let n = speeds.len();
     let duration_s = time[n - 1] - time[0];
-    let end = ((END_S / history.interval_s()) as usize).clamp(1, n / 4);
+    let end = ((END_S / history.interval_s()) as usize).clamp(1, (n / 4).max(1));
     let gained = mean(&speeds[n - end..]) - mean(&speeds[..end]);
     Steady {
         readings: Mean3::of(window.of3(history.channels()), history.interval_s()),

@@ -1,8 +1,9 @@
 //! The reduction from end to end, in the order in which a tank engineer does it.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
-use glidepolar::input::{InputError, Place};
+use glidepolar::input::{InputError, Place, printable};
 use rayon::prelude::*;
 
 use crate::campaign::{Campaign, Kind, Rejected, Run};
@@ -118,6 +119,13 @@ impl<'a> Reduction<'a> {
     fn of(campaign: &'a Campaign, readings: &'a [Option<Readings>]) -> Self {
         let mut reduction = Reduction { campaign, readings, zeros: Zeros::default(), warnings: Vec::new() };
         reduction.warnings.extend(campaign.notices.iter().cloned());
+        let mut unused: BTreeMap<&str, usize> = BTreeMap::new();
+        for column in reduction.usable().flat_map(|(_, readings)| &readings.unused) {
+            *unused.entry(column).or_default() += 1;
+        }
+        for (column, runs) in unused {
+            reduction.warnings.push(format!("column {} of {runs} runs is not used", printable(column)));
+        }
         let zeros = Zeros::of(reduction.usable());
         reduction.zeros = zeros;
         if reduction.zeros.zeros.is_empty() {
@@ -212,7 +220,8 @@ impl<'a> Reduction<'a> {
         run_results: &mut [RunResults],
     ) -> HullResults {
         let statics = self.steady(common, Kind::Static, Some(index));
-        let turns = self.steady(common, Kind::Arc, Some(index));
+        let mut turns = self.steady(common, Kind::Arc, Some(index));
+        statics::share_noise(&mut turns, &statics);
         let oscillations = self.oscillations(index);
         for run in statics.iter().chain(&turns) {
             note_steps(run, run_results);

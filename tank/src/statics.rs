@@ -241,6 +241,18 @@ pub fn sweep(common: &Common, runs: &[SteadyRun], hull: &Hull) -> Sweep {
     Sweep { points, shared }
 }
 
+/// Gives every one of `runs` the noise that steady runs at its speed show together: the spectral density at frequency zero
+/// is theirs in common, the length of the window each one's own. Turns are short and few, and tell it poorly themselves.
+pub fn share_noise(runs: &mut [SteadyRun], others: &[SteadyRun]) {
+    let density = |run: &SteadyRun| (run.run.speed_m_s, run.covariance * run.steady.duration_s);
+    let known: Vec<(f64, Matrix3<f64>)> = runs.iter().chain(others).map(density).collect();
+    for run in runs {
+        let alike = || known.iter().filter(|(speed, _)| *speed == run.run.speed_m_s);
+        let sum: Matrix3<f64> = alike().map(|(_, density)| density).sum();
+        run.covariance = sum / (alike().count() as f64 * run.steady.duration_s);
+    }
+}
+
 fn point(run: &SteadyRun, map: &Matrix3<f64>, hull: &Hull) -> Point {
     let coefficients = map * run.steps.water();
     let covariance = map * run.covariance * map.transpose();

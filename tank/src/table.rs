@@ -18,6 +18,9 @@ struct Row {
     cells: Vec<String>,
 }
 
+/// Rows that do not fit the header: first cell, and what is wrong.
+pub type Malformed = Vec<(String, InputError)>;
+
 /// One row of a table, to ask for cells by column name.
 #[derive(Debug, Clone, Copy)]
 pub struct Cells<'a> {
@@ -31,6 +34,18 @@ impl Table {
     /// # Errors
     /// Where the file cannot be read, is empty, or a row has more or fewer cells than the header.
     pub fn read(file: &Path) -> Result<Table, InputError> {
+        let (table, malformed) = Table::read_what_fits(file)?;
+        match malformed.into_iter().next() {
+            Some((_, error)) => Err(error),
+            None => Ok(table),
+        }
+    }
+
+    /// Reads a file, and keeps apart the rows with more or fewer cells than the header: their first cell, and what is wrong.
+    ///
+    /// # Errors
+    /// Where the file cannot be read or is empty.
+    pub fn read_what_fits(file: &Path) -> Result<(Table, Malformed), InputError> {
         let bytes = std::fs::read(file).map_err(|error| InputError::io(file, &error))?;
         let text = String::from_utf8(bytes).map_err(|error| {
             let offset = error.utf8_error().valid_up_to();
@@ -40,7 +55,7 @@ impl Table {
         Table::parse(file, text.trim_start_matches('\u{feff}'))
     }
 
-    fn parse(file: &Path, text: &str) -> Result<Table, InputError> {
+    fn parse(file: &Path, text: &str) -> Result<(Table, Malformed), InputError> {
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
             .flexible(true)
@@ -73,25 +88,17 @@ impl Table {
             )
             .help("write numbers with a decimal point and separate columns with commas"));
         }
-        for row in &rows {
-            if row.cells.len() != header.cells.len() {
-                let problem =
-                    format!("{} cells where the header names {} columns", row.cells.len(), header.cells.len());
-                let error = InputError::new(Place::line(file, row.line), problem);
-                return Err(if row.cells.len() > header.cells.len() {
-                    error.help("decimal commas? write numbers with a decimal point")
-                } else {
-                    error.help("leave cells that do not apply empty, but keep their commas")
-                });
-            }
-        }
+        let width = header.cells.len();
+        let (rows, malformed): (Vec<Row>, Vec<Row>) = rows.into_iter().partition(|row| row.cells.len() == width);
+        let malformed =
+            malformed.into_iter().map(|row| (row.cells[0].clone(), wrong_width(file, &row, width))).collect();
         for (i, name) in header.cells.iter().enumerate() {
             if header.cells[..i].contains(name) {
                 let place = Place::line(file, header.line).column(i + 1);
                 return Err(InputError::new(place, format!("column {} stands twice", printable(name))));
             }
         }
-        Ok(Table { file: file.to_owned(), header: header.cells, rows })
+        Ok((Table { file: file.to_owned(), header: header.cells, rows }, malformed))
     }
 
     /// Whether a column of this name is there.
@@ -123,6 +130,16 @@ impl Table {
             None => Ok(()),
             Some(missing) => Err(missing_column(Place::line(&self.file, 1), missing, &self.header)),
         }
+    }
+}
+
+fn wrong_width(file: &Path, row: &Row, width: usize) -> InputError {
+    let problem = format!("{} cells where the header names {width} columns", row.cells.len());
+    let error = InputError::new(Place::line(file, row.line), problem);
+    if row.cells.len() > width {
+        error.help("decimal commas, or a comma in a note without quotes? write numbers with a decimal point")
+    } else {
+        error.help("leave cells that do not apply empty, but keep their commas")
     }
 }
 
@@ -199,7 +216,8 @@ mod tests {
     use super::*;
 
     fn parse(text: &str) -> Result<Table, String> {
-        Table::parse(Path::new("t.csv"), text).map_err(|error| error.to_string())
+        let (table, malformed) = Table::parse(Path::new("t.csv"), text).map_err(|error| error.to_string())?;
+        malformed.first().map_or(Ok(table), |(_, error)| Err(error.to_string()))
     }
 
     #[test]

@@ -33,6 +33,8 @@ pub enum NoWindow {
         "no steady part: the speed holds within {tolerance_percent:.1} % of {speed_m_s:.3} m/s for {held_s:.1} s, expected at least {needed_s:.1} s"
     )]
     NotSteady { speed_m_s: f64, tolerance_percent: f64, held_s: f64, needed_s: f64 },
+    #[error("{samples} samples in the steady part, expected at least {FEWEST_SAMPLES}: sample faster")]
+    TooCoarse { samples: usize },
     #[error("the model is never at rest: expected a record at zero speed")]
     NeverAtRest,
 }
@@ -45,6 +47,8 @@ const BLOCK_S: f64 = 0.1;
 const GUARD_S: f64 = 0.5;
 /// Shortest steady part \[s\].
 const SHORTEST_S: f64 = 3.0;
+/// Fewest samples of which a mean has a standard error.
+const FEWEST_SAMPLES: usize = 16;
 /// Way over which the flow about the hull develops after the run-up, hull lengths: the wake reaches its length in one, and
 /// a tenth of the force that is missing then is down to half a per cent of it after three.
 const DEVELOPMENT_LENGTHS: f64 = 3.0;
@@ -135,6 +139,9 @@ pub fn steady(history: &History, hull_length_m: f64) -> Result<Found, NoWindow> 
     let dropped = (development as usize).min((MOST_DEVELOPMENT * plateau.len() as f64) as usize);
     let mut window = Window { from: plateau.from + dropped, to: plateau.to };
     drop_transients(history, &mut window);
+    if window.len() < FEWEST_SAMPLES {
+        return Err(NoWindow::TooCoarse { samples: window.len() });
+    }
     let slope_t = history
         .channels()
         .iter()

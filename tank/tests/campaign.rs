@@ -117,6 +117,7 @@ fn one_bad_row_never_loses_the_campaign() {
         ("an unknown kind", ",static,".to_owned(), ",statc,".to_owned(), "did you mean static"),
         ("a duplicate", run.clone() + ",", other.clone() + ",", "stands in line"),
         ("no speed", ",2.0,".to_owned(), ",,".to_owned(), "speed_m_s is 0"),
+        ("a decimal comma", ",2.0,".to_owned(), ",2,0,".to_owned(), "14 cells where the header names 13"),
         ("text for a number", ",12.0,".to_owned(), ",twelve,".to_owned(), "yaw_deg is `twelve`"),
     ] {
         spoilt.change_table(|text| text.replace(&row(text), &row(text).replacen(&from, &to, 1)));
@@ -161,6 +162,25 @@ fn a_manifest_that_cannot_be_right_is_refused() {
     fs::write(spoilt.folder.join("campaign.toml"), "").unwrap();
     let error = reduce_campaign(&spoilt.folder, &Options { range_deg: 10.0, strict: false }, &|_| ());
     assert!(error.unwrap_err().to_string().contains("the file is empty"));
+}
+
+/// A column more is no harm, and is told of once.
+#[test]
+fn extra_columns_are_ignored_with_a_notice() {
+    let spoilt = Spoilt::new(13);
+    let run = run_of(&spoilt.folder, "static", 12.0);
+    spoilt.change_run(&run, |text| {
+        let mut lines = text.lines();
+        let header = lines.next().unwrap().to_owned() + ",wave_m\n";
+        lines.fold(header, |all, line| all + line + ",not a number\n")
+    });
+    let results = reduce(&spoilt.folder);
+    assert!(results.rejected.is_empty());
+    assert!(
+        results.warnings.iter().any(|w| w.contains("column wave_m of 1 runs is not used")),
+        "{:?}",
+        results.warnings
+    );
 }
 
 /// Without zero runs each run's own rest is its zero, and the report says so.

@@ -209,7 +209,15 @@ fn adequacy(results: &Results) -> Section {
     );
     let mut lack = Table::new(
         "Repeats against the model: ratio of mean squares; a small probability means that the model misses by more than repeats scatter.",
-        ["Hull", "coefficient", "F", "degrees of freedom", "probability", "scatter between runs"],
+        [
+            "Hull",
+            "coefficient",
+            "F",
+            "degrees of freedom",
+            "probability",
+            "scatter between runs",
+            "as a setting error [deg]",
+        ],
     );
     let mut ranges = Table::new(
         "The coefficients against the range of angles.",
@@ -226,6 +234,7 @@ fn adequacy(results: &Results) -> Section {
                 l.map_or(Cell::from("-"), |l| Cell::from(format!("{} and {}", l.misfit_dof, l.repeat_dof))),
                 l.map_or(Cell::from("-"), |l| Cell::number(l.p_value, 2)),
                 Cell::number(fit.fits[i].between_runs, 2),
+                if i == 2 { Cell::number(fit.setting_rad.to_degrees(), 2) } else { Cell::from("") },
             ]);
         }
         for r in &fit.ranges {
