@@ -11,6 +11,9 @@ use crate::results::{HullResults, Results};
 use crate::sweep::NAMES;
 use crate::trend::COEFFICIENTS;
 
+/// Runs that a page draws at most, those with notices apart.
+const MOST_DRAWN: usize = 600;
+
 /// Makes the page of a reduction. `inputs` are the files that describe it; the runs' own files are many and stay unlisted.
 ///
 /// # Errors
@@ -29,13 +32,28 @@ pub fn report(results: &Results, inputs: &[std::path::PathBuf]) -> Result<Report
     }
     report = report.section(theory(results)).section(adequacy(results)).section(steps(results));
     if !results.runs.is_empty() {
-        let mut runs = Section::new("Every run, with the window that was used").folded();
-        for run in &results.runs {
-            runs = runs.figure(figures::run(run));
-        }
-        report = report.section(runs);
+        report = report.section(runs(results));
     }
     Ok(report)
+}
+
+/// Every run's history; of very many those with notices and some of the rest, so that a browser can still show the page.
+fn runs(results: &Results) -> Section {
+    let all = results.runs.len();
+    let every = all.div_ceil(MOST_DRAWN);
+    let mut section = if every == 1 {
+        Section::new("Every run, with the window that was used").folded()
+    } else {
+        Section::new("Runs, with the window that was used").folded().text(format!(
+            "Of {all} runs those with notices and one in {every} of the others are drawn; steps.csv has the windows of all steady ones."
+        ))
+    };
+    for (i, run) in results.runs.iter().enumerate() {
+        if i % every == 0 || !run.notices.is_empty() {
+            section = section.figure(figures::run(run));
+        }
+    }
+    section
 }
 
 fn findings(results: &Results) -> Vec<String> {
