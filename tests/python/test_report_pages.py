@@ -17,6 +17,8 @@ CHROMIUM = next(filter(None, map(shutil.which, ["chromium", "chromium-browser", 
 WIDTHS = {"desktop": 1100, "phone": 390}
 SCHEMES = {"light": 1, "dark": 0}
 
+ROOT = Path(__file__).parents[2]
+
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium: apt-get install chromium")
 
 
@@ -24,6 +26,14 @@ pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium: apt-get i
 REPORTS = {
     "example": ("GLIDEPOLAR_REPORT_EXAMPLE",),
     "glide": ("GLIDEPOLAR_COMMAND", "glide", "slocum-049", "--quiet", "--out"),
+    "points": (
+        "GLIDEPOLAR_TANK_REDUCE",
+        ROOT / "tank/data/suboff_roddy1990.csv",
+        "--hull",
+        ROOT / "tank/data/suboff.toml",
+        "--quiet",
+        "--out",
+    ),
 }
 
 
