@@ -30,8 +30,8 @@ pub(super) struct MissionArguments {
     /// Write the mission as the glider's own flight log to FILE (CSV)
     #[arg(long, value_name = "FILE", requires = "mission")]
     pub log: Option<PathBuf>,
-    /// Write page, figures and the table of legs of the mission to DIR
-    #[arg(long, value_name = "DIR", requires = "mission")]
+    /// Write report.html and its figures to DIR, of a mission its table of legs, too
+    #[arg(long, value_name = "DIR", help_heading = "Output")]
     pub out: Option<PathBuf>,
 }
 

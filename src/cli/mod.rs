@@ -8,6 +8,7 @@
 pub mod assemble;
 pub mod glide;
 mod glide_page;
+mod history_page;
 mod mission;
 mod mission_page;
 pub mod plan;

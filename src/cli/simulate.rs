@@ -5,10 +5,12 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
+use super::history_page::History;
 use super::mission::{self, Frame, MissionArguments};
-use super::{CliError, Output};
+use super::{CliError, Output, vehicle_input};
 use crate::dynamics::Actuation;
 use crate::input::InputError;
+use crate::report::InputFile;
 use crate::simulate::{COLUMNS, Row, Schedule, Settings, fly};
 use crate::vehicle::Vehicle;
 
@@ -26,7 +28,11 @@ const INTERVAL_S: f64 = 1.0;
 #[command(after_help = "Examples:\n  \
     glidepolar simulate slocum-graver --stop 1000 --csv history.csv\n  \
     glidepolar simulate my-glider.toml --inputs commands.csv --stop 3600 --interval 10 --csv history.csv\n  \
+<<<<<<< HEAD
     glidepolar simulate slocum-049 --mission missions/rising-seabed.toml --out voyage/\n  \
+=======
+    glidepolar simulate slocum-049 --mission missions/rising-seabed.toml --legs legs.csv\n  \
+>>>>>>> 4e0e554 (Draw simulations and missions as a page)
     glidepolar simulate --mission-keys\n\n\
     A mission says how deep, at which pitch and with how much ballast, when to surface, and what seabed and water the\n\
     glider meets. Without mission and inputs the glider goes on in its steady glide. The table of inputs has a column `time` and columns named\n\
@@ -93,7 +99,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         };
         return mission::run(name, file, &arguments.mission, &frame);
     }
-    let parameters = Vehicle::load(name)?.parameters()?;
+    let vehicle = Vehicle::load(name)?;
+    let parameters = vehicle.parameters()?;
     let schedule = match &arguments.inputs {
         None => Schedule::default(),
         Some(path) => {
@@ -103,9 +110,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     };
     let mut table = arguments.csv.as_ref().map(|_| COLUMNS.join(",") + "\n");
     let mut summary = Summary::default();
+    let mut history = arguments.mission.out.as_ref().map(|_| History::default());
     fly(&parameters, &schedule, &settings, |row| {
         if let Some(table) = &mut table {
             push(table, row);
+        }
+        if let Some(history) = &mut history {
+            history.add(row);
         }
         summary.add(row);
         true
@@ -113,6 +124,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     .map_err(|error| CliError::Failed(error.to_string()))?;
     if let (Some(path), Some(table)) = (&arguments.csv, table) {
         arguments.output.write(path, table.as_bytes())?;
+    }
+    if let (Some(out), Some(history)) = (&arguments.mission.out, history) {
+        let mut page = history.page(&vehicle.name).input(vehicle_input(name)?);
+        if let Some(inputs) = &arguments.inputs {
+            page = page.input(InputFile::read(inputs)?);
+        }
+        page.write(&arguments.output.folder(out)?)?;
     }
     if arguments.output.shows_tables() {
         summary.print();

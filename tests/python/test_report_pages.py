@@ -26,6 +26,16 @@ pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium: apt-get i
 REPORTS = {
     "example": ("GLIDEPOLAR_REPORT_EXAMPLE",),
     "glide": ("GLIDEPOLAR_COMMAND", "glide", "slocum-049", "--quiet", "--out"),
+    "mission": (
+        "GLIDEPOLAR_COMMAND",
+        "simulate",
+        "slocum-049",
+        "--mission",
+        ROOT / "missions/rising-seabed.toml",
+        "--quiet",
+        "--out",
+    ),
+    "history": ("GLIDEPOLAR_COMMAND", "simulate", "slocum-graver", "--quiet", "--out"),
     "points": (
         "GLIDEPOLAR_TANK_REDUCE",
         ROOT / "tank/data/suboff_roddy1990.csv",
