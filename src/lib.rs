@@ -20,6 +20,8 @@ pub mod coefficients;
 pub mod diagnose;
 pub mod dynamics;
 pub mod estimate;
+#[cfg(feature = "report")]
+pub mod fmu_archive;
 pub mod glide;
 pub mod hull_tests;
 pub mod input;

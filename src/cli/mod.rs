@@ -6,6 +6,7 @@
 //! calls it and shows what came back.
 
 pub mod assemble;
+mod export_fmu;
 pub mod glide;
 mod glide_page;
 mod history_page;
@@ -41,6 +42,7 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Assemble(assemble::Arguments),
+    ExportFmu(export_fmu::Arguments),
     Glide(glide::Arguments),
     Plan(plan::Arguments),
     Simulate(simulate::Arguments),
@@ -161,6 +163,7 @@ pub fn main() -> ExitCode {
 fn run(cli: Cli) -> Result<(), CliError> {
     match cli.command {
         Command::Assemble(arguments) => assemble::run(&arguments),
+        Command::ExportFmu(arguments) => export_fmu::run(&arguments),
         Command::Glide(arguments) => glide::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),

@@ -1,0 +1,307 @@
+//! A vehicle packed as an FMU without a compiler: the built library stays as it is, the vehicle goes into the archive's
+//! resources, and the start values of the model description follow it.
+//!
+//! Works on an archive that `cargo xtask fmu` packed. Knows of the FMU its folders and how its description is written.
+
+use glidepolar_archive::Archive;
+
+use crate::dynamics::{PARAMETERS, Parameters};
+use crate::glide::{Start, start, start_in};
+use crate::simulate::schedule::INPUT_NAMES;
+use crate::vehicle::{MissingKeys, Vehicle};
+use crate::water::WaterColumn;
+
+const DESCRIPTION: &str = "modelDescription.xml";
+const VEHICLE: &str = "resources/vehicle.toml";
+const COLUMN: &str = "resources/water_column.csv";
+const PAGE: &str = "documentation/index.html";
+
+/// What the token of an archive with a vehicle of its own ends with: the library then knows that its defaults are not
+/// what the description says.
+const OWN_VEHICLE: &str = "+vehicle";
+
+/// A water column with the text that it was read from.
+#[derive(Debug, Clone, Copy)]
+pub struct Water<'a> {
+    /// The column.
+    pub column: &'a WaterColumn,
+    /// The text of its table.
+    pub text: &'a str,
+}
+
+/// Why a vehicle could not be packed.
+#[derive(Debug, thiserror::Error)]
+pub enum PackError {
+    /// The template is not one of this project's FMUs.
+    #[error("the template is no FMU of this project: {0}; pack one with `cargo xtask fmu`")]
+    Template(String),
+    /// The vehicle file lacks what motion needs.
+    #[error(transparent)]
+    MissingKeys(#[from] MissingKeys),
+    /// A figure of the vehicle lies outside what the FMU takes.
+    #[error("{name} = {value} {unit} lies outside the FMU's bounds, {min} to {max}")]
+    OutOfBounds {
+        /// The parameter.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// Its unit.
+        unit: &'static str,
+        /// Smallest value.
+        min: f64,
+        /// Largest value.
+        max: f64,
+    },
+}
+
+/// The template with this vehicle in it, in this water where one travels along.
+///
+/// # Errors
+/// Where the template is none, or the vehicle cannot fly in it.
+pub fn pack(template: &Archive, vehicle: &Vehicle, water: Option<Water<'_>>) -> Result<Archive, PackError> {
+    let parameters = vehicle.parameters()?;
+    check_bounds(&parameters)?;
+    let text = |name: &str| {
+        let bytes = template.get(name).ok_or_else(|| PackError::Template(format!("it has no {name}")))?;
+        String::from_utf8(bytes.to_vec()).map_err(|_| PackError::Template(format!("{name} is not UTF-8")))
+    };
+    let mut description = Description::read(&text(DESCRIPTION)?);
+    description.mark_own_vehicle()?;
+    for (name, value) in starts(&parameters, water) {
+        description.set_start(name, &written(value))?;
+    }
+    description.set_start("water_source", if water.is_some() { "1" } else { "0" })?;
+    description.set_text_if_stated("vehicle_name", &vehicle.name);
+
+    let mut archive = template.clone();
+    let mut insert = |name: &str, contents: String| {
+        archive.insert(name, contents).map_err(|fault| PackError::Template(fault.to_string()))
+    };
+    insert(DESCRIPTION, description.text())?;
+    insert(VEHICLE, vehicle.to_toml())?;
+    insert(PAGE, with_notice(&text(PAGE)?, &vehicle.name, water.is_some()))?;
+    match water {
+        Some(water) => insert(COLUMN, water.text.to_owned())?,
+        None => drop(archive.remove(COLUMN)),
+    }
+    Ok(archive)
+}
+
+fn check_bounds(parameters: &Parameters<f64>) -> Result<(), PackError> {
+    for (row, value) in PARAMETERS.iter().zip(parameters.as_array()) {
+        if !(row.min..=row.max).contains(&value) {
+            let (name, unit, min, max) = (row.name, row.unit, row.min, row.max);
+            return Err(PackError::OutOfBounds { name, value, unit, min, max });
+        }
+    }
+    Ok(())
+}
+
+/// Every start value that follows from the vehicle and its water, by the FMU's name for it.
+fn starts(parameters: &Parameters<f64>, water: Option<Water<'_>>) -> Vec<(&'static str, f64)> {
+    let Start { state, inputs } = match water {
+        Some(water) => start_in(parameters, |depth_m| water.column.at(depth_m)),
+        None => start(parameters),
+    };
+    // A row that the FMU does not publish is a matter of logs.
+    let published = PARAMETERS.iter().zip(parameters.as_array()).filter(|(row, _)| row.name != "pressure_lag_s");
+    let mut starts: Vec<_> = published.map(|(row, value)| (row.name, value)).collect();
+    starts.extend(INPUT_NAMES.into_iter().zip(inputs.as_array()));
+    starts.extend([
+        ("x_m", state.x_m),
+        ("depth_m", state.depth_m),
+        ("pitch_rad", state.pitch_rad),
+        ("pitch_rate_rad_s", state.pitch_rate_rad_s),
+        ("v1_m_s", state.v1_m_s),
+        ("v3_m_s", state.v3_m_s),
+        ("moving_mass_position_m", state.moving_mass_1_m),
+        ("ballast_mass_kg", state.ballast_mass_kg),
+        ("energy_J", state.energy_J),
+    ]);
+    starts
+}
+
+/// A number in the shortest form that reads back as the same number.
+fn written(value: f64) -> String {
+    format!("{value:?}").trim_end_matches(".0").to_owned()
+}
+
+/// A model description, line by line: each element stands on a line of its own, as the FMU's generator writes it.
+struct Description {
+    lines: Vec<String>,
+}
+
+impl Description {
+    fn read(text: &str) -> Self {
+        Description { lines: text.lines().map(str::to_owned).collect() }
+    }
+
+    fn text(self) -> String {
+        self.lines.join("\n") + "\n"
+    }
+
+    /// Marks the token, which FMI 2.0 calls guid.
+    fn mark_own_vehicle(&mut self) -> Result<(), PackError> {
+        let root = self.lines.iter_mut().find(|line| line.contains("<fmiModelDescription"));
+        let root = root.ok_or_else(|| PackError::Template("its description has no root element".to_owned()))?;
+        for attribute in ["guid", "instantiationToken"] {
+            if let Some(token) = attribute_of(root, attribute) {
+                if !token.ends_with(OWN_VEHICLE) {
+                    set_attribute(root, attribute, &format!("{token}{OWN_VEHICLE}"));
+                }
+                return Ok(());
+            }
+        }
+        Err(PackError::Template("its description has no token".to_owned()))
+    }
+
+    /// Sets the start value of a variable: an attribute of its element in FMI 3.0, of the element below it in FMI 2.0.
+    fn set_start(&mut self, name: &str, value: &str) -> Result<(), PackError> {
+        let mark = format!(" name=\"{name}\"");
+        let place = self.lines.iter().position(|line| line.contains(&mark));
+        let lines = place.map(|place| &mut self.lines[place..]).unwrap_or_default();
+        match lines.iter_mut().take(2).find(|line| attribute_of(line, "start").is_some()) {
+            Some(line) => {
+                set_attribute(line, "start", value);
+                Ok(())
+            }
+            None => Err(PackError::Template(format!("its description gives {name} no start value"))),
+        }
+    }
+
+    /// Sets the start of a text, where the description states one.
+    fn set_text_if_stated(&mut self, name: &str, value: &str) {
+        let mark = format!(" name=\"{name}\"");
+        let Some(place) = self.lines.iter().position(|line| line.contains(&mark)) else { return };
+        for line in self.lines[place..].iter_mut().take(2) {
+            let attribute = if line.contains("<Start ") { "value" } else { "start" };
+            if attribute_of(line, attribute).is_some() {
+                set_attribute(line, attribute, &escaped(value));
+            }
+        }
+    }
+}
+
+/// The value of an attribute, as it stands between its quotes.
+fn attribute_of<'a>(line: &'a str, attribute: &str) -> Option<&'a str> {
+    let (_, rest) = line.split_once(&format!(" {attribute}=\""))?;
+    rest.split_once('"').map(|(value, _)| value)
+}
+
+fn set_attribute(line: &mut String, attribute: &str, value: &str) {
+    let mark = format!(" {attribute}=\"");
+    let range = line.split_once(&mark).and_then(|(before, rest)| {
+        let from = before.len() + mark.len();
+        rest.find('"').map(|length| from..from + length)
+    });
+    if let Some(range) = range {
+        line.replace_range(range, value);
+    }
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// The page with a word at its top on what differs from it.
+fn with_notice(page: &str, vehicle: &str, has_water: bool) -> String {
+    let water = if has_water { ", and water of its own, <code>resources/water_column.csv</code>" } else { "" };
+    let notice = format!(
+        "<p id=\"own-vehicle\"><b>This archive carries a vehicle of its own: {}</b> \
+         (<code>resources/vehicle.toml</code>){water}. Its start values stand in modelDescription.xml; the figures on this \
+         page are those of the vehicle that comes with the program.</p>",
+        escaped(vehicle)
+    );
+    let earlier = page.find("<p id=\"own-vehicle\">").and_then(|from| {
+        let length = page[from..].find("</p>")?;
+        Some(from..from + length + "</p>".len())
+    });
+    let mut page = page.to_owned();
+    match (earlier, page.find("</h1>")) {
+        (Some(range), _) => page.replace_range(range, &notice),
+        (None, Some(title)) => page.insert_str(title + "</h1>".len(), &format!("\n{notice}")),
+        (None, None) => (),
+    }
+    page
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    fn template(standard: &str) -> Archive {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("modelDescription");
+        let read = |path: &str| std::fs::read_to_string(folder.join(path)).unwrap();
+        let mut archive = Archive::new();
+        archive.insert(DESCRIPTION, read(&format!("{standard}/modelDescription.xml"))).unwrap();
+        archive.insert(PAGE, read("documentation/index.html")).unwrap();
+        archive.insert("binaries/x86_64-linux/UnderwaterGlider.so", "machine code").unwrap();
+        archive
+    }
+
+    fn description(archive: &Archive) -> String {
+        String::from_utf8(archive.get(DESCRIPTION).unwrap().to_vec()).unwrap()
+    }
+
+    fn start_of(description: &str, name: &str) -> f64 {
+        let (_, rest) = description.split_once(&format!(" name=\"{name}\"")).unwrap();
+        attribute_of(rest, "start").unwrap().parse().unwrap()
+    }
+
+    #[test]
+    fn start_values_are_those_of_the_vehicle_and_of_its_glide() {
+        let rogue = Vehicle::load("rogue").unwrap();
+        for standard in ["fmi2", "fmi3"] {
+            let template = template(standard);
+            let packed = pack(&template, &rogue, None).unwrap();
+            let text = description(&packed);
+            let start = start(&rogue.parameters().unwrap());
+            assert_eq!(start_of(&text, "hull_mass_kg"), 8.22);
+            assert_eq!(start_of(&text, "pitch_rad"), start.state.pitch_rad);
+            assert_eq!(start_of(&text, "moving_mass_command_m"), start.inputs.moving_mass_command_m);
+            assert_eq!(start_of(&text, "water_density_kg_m3"), 1000.0);
+            assert!(text.contains("}+vehicle\""));
+            // Nothing but starts and the token differs: as many lines, the same names.
+            assert_eq!(text.lines().count(), description(&template).lines().count());
+            assert_eq!(packed.get(VEHICLE).unwrap(), rogue.to_toml().as_bytes());
+            assert_eq!(packed.get("binaries/x86_64-linux/UnderwaterGlider.so"), Some(b"machine code".as_slice()));
+            // Packed again, nothing is marked twice.
+            assert_eq!(pack(&packed, &rogue, None).unwrap(), packed);
+        }
+    }
+
+    #[test]
+    fn the_default_vehicle_gives_the_template_s_own_starts() {
+        let vehicle = Vehicle::load("slocum-graver").unwrap();
+        let template = template("fmi3");
+        let packed = description(&pack(&template, &vehicle, None).unwrap());
+        assert_eq!(packed.replace("+vehicle", ""), description(&template));
+    }
+
+    #[test]
+    fn water_that_travels_along_decides_the_start() {
+        let table = "depth_m,density_kg_m3,temperature_C\n0,1020,15\n100,1028,5\n";
+        let column = WaterColumn::parse(table, Path::new("water.csv")).unwrap();
+        let vehicle = Vehicle::load("slocum-graver").unwrap();
+        let water = Water { column: &column, text: table };
+        let packed = pack(&template("fmi3"), &vehicle, Some(water)).unwrap();
+        assert_eq!(packed.get(COLUMN), Some(table.as_bytes()));
+        let text = description(&packed);
+        assert_eq!(start_of(&text, "water_source"), 1.0);
+        assert_eq!(start_of(&text, "water_density_kg_m3"), column.at(10.0).density_kg_m3);
+        assert!(packed.get(PAGE).unwrap().windows(16).any(|part| part == b"water of its own"));
+        assert_eq!(pack(&packed, &vehicle, None).unwrap().get(COLUMN), None);
+    }
+
+    #[test]
+    fn what_is_no_fmu_of_ours_is_refused() {
+        let vehicle = Vehicle::load("rogue").unwrap();
+        let error = pack(&Archive::new(), &vehicle, None).unwrap_err().to_string();
+        assert!(error.contains("it has no modelDescription.xml"), "{error}");
+        let mut other = template("fmi3");
+        other.insert(DESCRIPTION, "<fmiModelDescription guid=\"x\">\n</fmiModelDescription>").unwrap();
+        let error = pack(&other, &vehicle, None).unwrap_err().to_string();
+        assert!(error.contains("no start value"), "{error}");
+    }
+}
