@@ -24,7 +24,11 @@ pub mod estimate;
 pub mod fmu_archive;
 pub mod glide;
 pub mod hull_tests;
+#[cfg(feature = "sea")]
+pub mod identify;
 pub mod input;
+#[cfg(feature = "sea")]
+pub mod log;
 pub mod mechanisms;
 pub mod number;
 #[cfg(feature = "report")]

@@ -10,6 +10,7 @@
 
 use super::{GlideError, SteadyGlide, complete, steady_flow};
 use crate::Number;
+use crate::dynamics::forces::Flow;
 use crate::dynamics::{Parameters, Surroundings};
 use num_dual::{Derivative, DualSVec64};
 
@@ -22,6 +23,26 @@ pub struct Attitude<T> {
     pub net_mass_kg: T,
 }
 
+/// Angles that cost drag and nothing else.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Deflection<T> {
+    /// Roll \[rad\].
+    pub roll_rad: T,
+    /// Rudder angle \[rad\].
+    pub rudder_rad: T,
+}
+
+/// Angle of attack and speed of a steady glide, and where the next solution nearby may start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Flight<T> {
+    /// Angle of attack \[rad\].
+    pub angle_of_attack_rad: T,
+    /// Speed through the water \[m/s\].
+    pub speed_m_s: T,
+    /// The solution as a first guess for one nearby: angle of attack and logarithm of the dynamic pressure.
+    pub guess: [f64; 2],
+}
+
 /// The steady glide of a glider of this net mass at this pitch.
 ///
 /// # Errors
@@ -31,29 +52,61 @@ pub fn at_pitch<T: Number>(
     water: &Surroundings<T>,
     attitude: Attitude<T>,
 ) -> Result<SteadyGlide<T>, GlideError> {
-    let plain = parameters.map(T::value);
-    let plain_water = Surroundings {
-        density_kg_m3: water.density_kg_m3.value(),
-        pressure_Pa: water.pressure_Pa.value(),
-        temperature_C: water.temperature_C.value(),
-        time_s: water.time_s.value(),
+    let straight = Deflection { roll_rad: T::constant(0.0), rudder_rad: T::constant(0.0) };
+    let flight = flight_at_pitch(parameters, water, attitude, straight, None)?;
+    let alpha = flight.angle_of_attack_rad;
+    Ok(complete(parameters, water, alpha, attitude.pitch_rad - alpha, flight.speed_m_s))
+}
+
+/// As [`at_pitch`], for fits that ask often: rolled and steering, from a first guess where one is known, angle of attack
+/// and speed alone. Allocates nothing.
+///
+/// # Errors
+/// As [`at_pitch`].
+pub fn flight_at_pitch<T: Number>(
+    parameters: &Parameters<T>,
+    water: &Surroundings<T>,
+    attitude: Attitude<T>,
+    deflection: Deflection<T>,
+    guess: Option<[f64; 2]>,
+) -> Result<Flight<T>, GlideError> {
+    let plain = Asked {
+        parameters: &parameters.map(T::value),
+        water: Surroundings {
+            density_kg_m3: water.density_kg_m3.value(),
+            pressure_Pa: water.pressure_Pa.value(),
+            temperature_C: water.temperature_C.value(),
+            time_s: water.time_s.value(),
+        },
+        attitude: Attitude { pitch_rad: attitude.pitch_rad.value(), net_mass_kg: attitude.net_mass_kg.value() },
+        deflection: Deflection { roll_rad: deflection.roll_rad.value(), rudder_rad: deflection.rudder_rad.value() },
     };
-    let plain_attitude = Attitude { pitch_rad: attitude.pitch_rad.value(), net_mass_kg: attitude.net_mass_kg.value() };
-    let solution = solve(&plain, &plain_water, plain_attitude).ok_or(GlideError::NoBalance {
-        pitch_deg: plain_attitude.pitch_rad.to_degrees(),
-        net_mass_kg: plain_attitude.net_mass_kg,
-    })?;
+    let solution = guess.and_then(|guess| solve(&plain, guess)).or_else(|| solve(&plain, first_guess(&plain)?)).ok_or(
+        GlideError::NoBalance {
+            pitch_deg: plain.attitude.pitch_rad.to_degrees(),
+            net_mass_kg: plain.attitude.net_mass_kg,
+        },
+    )?;
 
     let [mut alpha, mut log_q] = solution.unknowns.map(T::constant);
     if T::HAS_DERIVATIVES {
-        let residual = balance(parameters, water, attitude, [alpha, log_q]);
+        let asked = Asked { parameters, water: *water, attitude, deflection };
+        let residual = balance(&asked, [alpha, log_q]);
         let [step_alpha, step_log_q] = solve_2(solution.jacobian, residual);
         alpha -= step_alpha;
         log_q -= step_log_q;
     }
     let density = parameters.true_density_kg_m3(water.density_kg_m3);
-    let speed = (log_q.exp() * 2.0 / density).sqrt();
-    Ok(complete(parameters, water, alpha, attitude.pitch_rad - alpha, speed))
+    let speed_m_s = (log_q.exp() * 2.0 / density).sqrt();
+    Ok(Flight { angle_of_attack_rad: alpha, speed_m_s, guess: solution.unknowns })
+}
+
+/// All that the question holds.
+struct Asked<'a, T> {
+    parameters: &'a Parameters<T>,
+    water: Surroundings<T>,
+    attitude: Attitude<T>,
+    deflection: Deflection<T>,
 }
 
 struct Solution {
@@ -61,30 +114,37 @@ struct Solution {
     jacobian: [[f64; 2]; 2],
 }
 
-fn solve(parameters: &Parameters<f64>, water: &Surroundings<f64>, attitude: Attitude<f64>) -> Option<Solution> {
+fn solve(asked: &Asked<'_, f64>, guess: [f64; 2]) -> Option<Solution> {
     const TOLERANCE: f64 = 1e-13;
     const MAX_STEPS: usize = 50;
-    let Attitude { pitch_rad, net_mass_kg } = attitude;
+    let Attitude { pitch_rad, net_mass_kg } = asked.attitude;
     let heavy = net_mass_kg.signum();
     if !(pitch_rad.is_finite() && net_mass_kg != 0.0 && net_mass_kg.is_finite()) {
         return None;
     }
-    let lifted = parameters.map(DualSVec64::<2>::from);
-    let lifted_water = Surroundings {
-        density_kg_m3: water.density_kg_m3.into(),
-        pressure_Pa: water.pressure_Pa.into(),
-        temperature_C: water.temperature_C.into(),
-        time_s: water.time_s.into(),
+    let lifted_parameters = asked.parameters.map(DualSVec64::<2>::from);
+    let lifted = Asked {
+        parameters: &lifted_parameters,
+        water: Surroundings {
+            density_kg_m3: asked.water.density_kg_m3.into(),
+            pressure_Pa: asked.water.pressure_Pa.into(),
+            temperature_C: asked.water.temperature_C.into(),
+            time_s: asked.water.time_s.into(),
+        },
+        attitude: Attitude { pitch_rad: pitch_rad.into(), net_mass_kg: net_mass_kg.into() },
+        deflection: Deflection {
+            roll_rad: asked.deflection.roll_rad.into(),
+            rudder_rad: asked.deflection.rudder_rad.into(),
+        },
     };
-    let lifted_attitude = Attitude { pitch_rad: pitch_rad.into(), net_mass_kg: net_mass_kg.into() };
 
-    let mut unknowns = first_guess(parameters, water, attitude)?;
+    let mut unknowns = guess;
     let mut last = f64::INFINITY;
     for _ in 0..MAX_STEPS {
         let seeded = [0, 1].map(|i| {
             DualSVec64::<2>::new(unknowns[i], Derivative::derivative_generic(nalgebra::Const, nalgebra::U1, i))
         });
-        let residual = balance(&lifted, &lifted_water, lifted_attitude, seeded);
+        let residual = balance(&lifted, seeded);
         let slope = |i: usize, j: usize| residual[i].eps.0.map_or(0.0, |eps| eps[j]);
         let jacobian = [[slope(0, 0), slope(0, 1)], [slope(1, 0), slope(1, 1)]];
         let [step_alpha, step_log_q] = solve_2(jacobian, residual.map(|r| r.re));
@@ -108,13 +168,13 @@ fn solve(parameters: &Parameters<f64>, water: &Surroundings<f64>, attitude: Atti
 }
 
 /// Drag over lift at the path angle that the pitch alone suggests, then the speed that carries the weight.
-fn first_guess(parameters: &Parameters<f64>, water: &Surroundings<f64>, attitude: Attitude<f64>) -> Option<[f64; 2]> {
-    let p = parameters;
+fn first_guess(asked: &Asked<'_, f64>) -> Option<[f64; 2]> {
+    let (p, attitude) = (asked.parameters, &asked.attitude);
     let tangent = attitude.pitch_rad.tan();
     let alpha = if p.a_per_rad == 0.0 { 0.0 } else { -(p.b + p.CL0 * tangent) / (p.a_per_rad * tangent) };
     let alpha = alpha.clamp(-0.15, 0.15);
     let xi = attitude.pitch_rad - alpha;
-    let flow = steady_flow(p, water, alpha, 0.3, xi);
+    let flow = steady_flow(p, &asked.water, alpha, 0.3, xi);
     let q = flow.density_kg_m3 * 0.3 * 0.3 * 0.5;
     let coefficients = p.coefficients(alpha, q, &flow);
     let resultant = coefficients.lift.hypot(coefficients.drag);
@@ -122,18 +182,23 @@ fn first_guess(parameters: &Parameters<f64>, water: &Surroundings<f64>, attitude
     (q > 0.0 && q.is_finite()).then(|| [alpha, q.ln()])
 }
 
-fn balance<T: Number>(
-    parameters: &Parameters<T>,
-    water: &Surroundings<T>,
-    attitude: Attitude<T>,
-    [alpha, log_q]: [T; 2],
-) -> [T; 2] {
+fn balance<T: Number>(asked: &Asked<'_, T>, [alpha, log_q]: [T; 2]) -> [T; 2] {
+    let Asked { parameters, water, attitude, deflection } = asked;
     let q = log_q.exp();
     let xi = attitude.pitch_rad - alpha;
     let weight = attitude.net_mass_kg * parameters.gravity_m_s2;
-    // Which leg it is follows from the weight, not from an iterate's path.
-    let leg = T::constant(-attitude.net_mass_kg.value().signum());
-    let flow = steady_flow(parameters, water, alpha, T::constant(1.0), leg);
+    // Which leg it is follows from the weight, not from an iterate's path; the coefficients read no speed but its sign.
+    let sink = T::constant(attitude.net_mass_kg.value().signum());
+    let flow = Flow {
+        v1_m_s: T::constant(1.0),
+        v3_m_s: alpha,
+        pitch_rate_rad_s: T::constant(0.0),
+        sink_m_s: sink,
+        density_kg_m3: parameters.true_density_kg_m3(water.density_kg_m3),
+        time_s: water.time_s,
+        roll_rad: deflection.roll_rad,
+        rudder_rad: deflection.rudder_rad,
+    };
     let coefficients = parameters.coefficients(alpha, q, &flow);
     let (sin, cos) = xi.sin_cos();
     [

@@ -1,0 +1,40 @@
+//! Flight logs: what a glider recorded of itself, from a file to samples that a fit can use.
+//!
+//! ```text
+//! CSV, Seaglider NetCDF, Slocum/OG1 NetCDF -> FlightLog -> clean -> density -> vertical velocity -> legs -> Observation
+//! per-glide table                          ------------------------------------------------------> Observation
+//! ```
+//! - [`FlightLog`]: columns, one row per sample, a missing value is NaN.
+//! - [`open`]: any of the files above, told by name and content, read piece by piece.
+//! - [`Preparation`]: cleaning, density, vertical velocity, legs; what it did to the data stands in its [`Notes`].
+//! - [`Observation`]: one sample of one leg, ready for a fit.
+//!
+//! Knows nothing of vehicles or of hydrodynamics.
+
+mod channels;
+mod clean;
+mod csv;
+mod density;
+mod glide_table;
+mod netcdf;
+mod observation;
+mod og1;
+mod open;
+mod prepare;
+mod seaglider;
+mod segment;
+mod vertical_velocity;
+
+pub use channels::{CHANNELS, Channel, ChannelInfo, FlightLog};
+pub use clean::Notes;
+pub use csv::CsvLog;
+pub use density::{absolute_salinity_g_kg, conservative_temperature_C, in_situ_density_kg_m3};
+pub use glide_table::read_glide_table;
+pub use observation::{DBAR_PA, Observation};
+pub use open::{Columns, LogPieces, Opened, open};
+pub use prepare::{Preparation, Prepared, Settings};
+pub use segment::{Leg, legs};
+pub use vertical_velocity::{Velocity, vertical_velocity};
+
+#[cfg(test)]
+mod tests;

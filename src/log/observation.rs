@@ -1,0 +1,54 @@
+//! One sample of a flight, as the glider's instruments read it, on the leg to which it belongs.
+
+/// Pascal in a decibar.
+pub const DBAR_PA: f64 = 1e4;
+
+/// One sample, or the mean of a leg. What was not measured is NaN.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Observation {
+    /// Time since the start of the log \[s\].
+    pub time_s: f64,
+    /// Gauge pressure \[dbar\].
+    pub pressure_dbar: f64,
+    /// Its rate of change \[dbar/s\].
+    pub pressure_rate_dbar_s: f64,
+    /// Water temperature \[degC\].
+    pub temperature_C: f64,
+    /// In-situ density \[kg/m3\].
+    pub density_kg_m3: f64,
+    /// Pitch \[rad\].
+    pub pitch_rad: f64,
+    /// Roll \[rad\].
+    pub roll_rad: f64,
+    /// Rudder angle \[rad\].
+    pub rudder_rad: f64,
+    /// Heading \[rad\].
+    pub heading_rad: f64,
+    /// Ballast volume \[m3\].
+    pub ballast_m3: f64,
+    /// Battery position, positive forward \[m\].
+    pub battery_forward_m: f64,
+    /// Downward velocity from the pressure \[m/s\].
+    pub sink_m_s: f64,
+    /// Its standard error from the noise of the pressure \[m/s\].
+    pub sink_se_m_s: f64,
+    /// Rate of change of the downward velocity \[m/s2\].
+    pub sink_rate_m_s2: f64,
+    /// Measured speed through the water \[m/s\].
+    pub speed_m_s: f64,
+    /// Which leg, counted from 0; odd and even say nothing.
+    pub leg: u32,
+    /// Which dive: a descent and the ascent after it.
+    pub dive: u32,
+    /// Which unbroken stretch of samples: legs that follow one another without a gap share it.
+    pub stretch: u32,
+    /// Whether a steady glide can be expected: away from turns, surface and moving motors.
+    pub steady: bool,
+}
+
+impl Observation {
+    /// Whether the glider descends on this leg, by its pitch.
+    pub fn descends(&self) -> bool {
+        self.pitch_rad < 0.0
+    }
+}

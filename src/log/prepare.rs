@@ -1,0 +1,378 @@
+//! From raw pieces of a log to observations: mended, with in-situ density, vertical velocity and legs.
+//!
+//! Pieces are cut at turning points: what follows the last one waits for the next piece, so that a log of any length
+//! passes through a bounded memory.
+
+use super::channels::{Channel, FlightLog};
+use super::clean::{Notes, despike, fill, fill_angle, median_step, order};
+use super::density::{in_situ_density_kg_m3, practical_salinity};
+use super::observation::{DBAR_PA, Observation};
+use super::segment::legs;
+use super::vertical_velocity::vertical_velocity;
+
+/// What the preparation goes by.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// Density where the log gives none \[kg/m3\].
+    pub density_kg_m3: Option<f64>,
+    /// Acceleration of gravity \[m/s2\].
+    pub gravity_m_s2: f64,
+    /// Half window of the filter for vertical velocity \[s\].
+    pub half_window_s: f64,
+    /// Least height of a leg \[dbar\].
+    pub least_leg_dbar: f64,
+    /// Pressure above which the glider is taken to be at the surface \[dbar\].
+    pub surface_dbar: f64,
+    /// Time after a turn, or after a move of the ballast, from which the glide is steady \[s\].
+    pub settle_s: f64,
+    /// Time before a turn up to which it is \[s\].
+    pub before_turn_s: f64,
+    /// Time around a move of a motor that is left out \[s\].
+    pub motor_margin_s: f64,
+    /// Longest gap in a slow channel over which a straight line is drawn \[s\]; four sampling intervals where that is more.
+    pub longest_fill_s: f64,
+    /// Longest time between two samples of one stretch \[s\]; ten sampling intervals where that is more.
+    pub longest_gap_s: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings {
+            density_kg_m3: None,
+            gravity_m_s2: 9.81,
+            half_window_s: 4.0,
+            least_leg_dbar: 4.0,
+            surface_dbar: 3.0,
+            settle_s: 30.0,
+            before_turn_s: 8.0,
+            motor_margin_s: 6.0,
+            longest_fill_s: 120.0,
+            longest_gap_s: 60.0,
+        }
+    }
+}
+
+/// Rate of the ballast volume from which on its pump is taken to run \[cc/s\].
+const BALLAST_MOVES_CC_S: f64 = 0.5;
+
+/// Rate of the battery from which on its motor is taken to run \[m/s\].
+const BATTERY_MOVES_M_S: f64 = 0.0005;
+
+/// More samples than this wait for a turning point at most; a stretch without any is cut there.
+const LONGEST_WAIT: usize = 500_000;
+
+/// The result for one piece.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Prepared {
+    /// Samples, in the order of time.
+    pub observations: Vec<Observation>,
+}
+
+/// A preparation under way.
+#[derive(Debug, Clone)]
+pub struct Preparation {
+    settings: Settings,
+    notes: Notes,
+    waiting: FlightLog,
+    first_time_s: f64,
+    last_time_s: f64,
+    noise_dbar: Vec<f64>,
+    counters: Counters,
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Counters {
+    leg: u32,
+    dive: u32,
+    stretch: u32,
+    dive_name: Option<i64>,
+    last_descends: Option<bool>,
+}
+
+impl Preparation {
+    /// Starts one.
+    pub fn new(settings: Settings) -> Self {
+        Preparation {
+            settings,
+            notes: Notes::default(),
+            waiting: FlightLog::default(),
+            first_time_s: f64::NAN,
+            last_time_s: f64::NAN,
+            noise_dbar: Vec::new(),
+            counters: Counters::default(),
+        }
+    }
+
+    /// What was found in the log and done about it so far.
+    pub fn notes(&self) -> &Notes {
+        &self.notes
+    }
+
+    /// Noise of one sample of pressure, the median over the stretches \[dbar\].
+    pub fn pressure_noise_dbar(&self) -> f64 {
+        let mut noise = self.noise_dbar.clone();
+        if noise.is_empty() { f64::NAN } else { super::clean::median(&mut noise) }
+    }
+
+    /// The filter for the vertical velocity in a sentence.
+    pub fn filter(&self) -> String {
+        format!(
+            "slope of the least-squares line through the pressure within +-{} s of each sample (one sample on each side at least), over the in-situ density and g = {} m/s2",
+            self.settings.half_window_s, self.settings.gravity_m_s2
+        )
+    }
+
+    /// Takes the next piece; what is finished of it is added to `out`.
+    pub fn push(&mut self, mut piece: FlightLog, out: &mut Vec<Observation>) {
+        order(&mut piece, self.last_time_s, &mut self.notes);
+        if piece.is_empty() {
+            return;
+        }
+        despike(&mut piece, &mut self.notes);
+        let time = piece.column(Channel::Time);
+        self.last_time_s = time[time.len() - 1];
+        if self.first_time_s.is_nan() {
+            self.first_time_s = time[0];
+        }
+        self.waiting.append(&piece);
+        let cut = self.last_turn();
+        self.process(cut, out);
+    }
+
+    /// Ends the log.
+    pub fn finish(&mut self, out: &mut Vec<Observation>) {
+        let rest = self.waiting.len();
+        self.process(rest, out);
+    }
+
+    /// Up to where the waiting samples can be worked on: the last turning point but the very last leg.
+    fn last_turn(&self) -> usize {
+        let n = self.waiting.len();
+        let breaks = self.breaks(&self.waiting);
+        let start = breaks.last().copied().unwrap_or(0);
+        let pressure = pressure_dbar(&self.waiting, &self.settings);
+        let (rows, known) = known(&pressure[start..]);
+        match legs(&known, self.settings.least_leg_dbar).last() {
+            Some(last) if last.first > 0 => start + rows[last.first],
+            _ if start > 0 => start,
+            _ if n > LONGEST_WAIT => n,
+            _ => 0,
+        }
+    }
+
+    /// Rows at which a new stretch begins, the first row not among them.
+    fn breaks(&self, log: &FlightLog) -> Vec<usize> {
+        let time = log.column(Channel::Time);
+        let longest = self.settings.longest_gap_s.max(10.0 * median_step(time));
+        (1..time.len()).filter(|&i| time[i] - time[i - 1] > longest).collect()
+    }
+
+    fn process(&mut self, rows: usize, out: &mut Vec<Observation>) {
+        if rows == 0 {
+            return;
+        }
+        let rest = self.waiting.tail(rows);
+        let mut log = std::mem::replace(&mut self.waiting, rest);
+        let keep: Vec<bool> = (0..log.len()).map(|i| i < rows).collect();
+        log.retain(&keep);
+
+        let breaks = self.breaks(&log);
+        self.notes.add("gaps in the record, the legs cut there", breaks.len());
+        let bounds: Vec<usize> = std::iter::once(0).chain(breaks).chain([log.len()]).collect();
+        for pair in bounds.windows(2) {
+            let mut stretch = log.tail(pair[0]);
+            let keep: Vec<bool> = (0..stretch.len()).map(|i| i < pair[1] - pair[0]).collect();
+            stretch.retain(&keep);
+            self.stretch(stretch, out);
+        }
+    }
+
+    /// One unbroken stretch of samples.
+    fn stretch(&mut self, mut log: FlightLog, out: &mut Vec<Observation>) {
+        let s = self.settings.clone();
+        let pressure = pressure_dbar(&log, &s);
+        let keep: Vec<bool> = pressure.iter().map(|p| p.is_finite()).collect();
+        self.notes.add("rows without pressure, left out", keep.iter().filter(|&&keep| !keep).count());
+        log.set(Channel::Pressure, pressure);
+        log.retain(&keep);
+        if log.len() < 5 {
+            return;
+        }
+        self.fill_slow_channels(&mut log);
+        let density = density_kg_m3(&log, &s);
+        let pressure = log.column(Channel::Pressure);
+        let time = log.column(Channel::Time);
+        let velocity = vertical_velocity(time, pressure, s.half_window_s);
+        self.noise_dbar.push(velocity.noise_dbar);
+        let moving = motors(&log, &s);
+        let legs = legs(pressure, s.least_leg_dbar);
+        let stretch = self.counters.stretch;
+        self.counters.stretch += 1;
+
+        let mut dropped = 0;
+        for leg in &legs {
+            self.counters.open_leg(leg.descends, &log, leg.first);
+            let (start_s, end_s) = (time[leg.first], time[leg.end - 1]);
+            let first = if leg.first == 0 { 0 } else { leg.first + 1 };
+            for i in first..leg.end {
+                let per_dbar = DBAR_PA / (density[i] * s.gravity_m_s2);
+                let ballast_cc = log.at(Channel::Ballast, i);
+                let pitch_rad = log.at(Channel::Pitch, i);
+                let sink_m_s = velocity.rate_dbar_s[i] * per_dbar;
+                let usable = [ballast_cc, pitch_rad, sink_m_s, density[i]].iter().all(|value| value.is_finite());
+                if !usable {
+                    dropped += 1;
+                    continue;
+                }
+                let under_way = (pitch_rad < 0.0) == leg.descends && (sink_m_s > 0.0) == leg.descends;
+                let after_turn = time[i] - start_s >= s.settle_s && end_s - time[i] >= s.before_turn_s;
+                let battery = log.at(Channel::BatteryPosition, i);
+                // A Seaglider counts its pitch mass positive nose up, that is aft.
+                let battery_forward_m = if battery.is_finite() { battery } else { -log.at(Channel::PitchMass, i) };
+                out.push(Observation {
+                    time_s: time[i] - self.first_time_s,
+                    pressure_dbar: pressure[i],
+                    pressure_rate_dbar_s: velocity.rate_dbar_s[i],
+                    temperature_C: log.at(Channel::Temperature, i),
+                    density_kg_m3: density[i],
+                    pitch_rad,
+                    roll_rad: log.at(Channel::Roll, i),
+                    rudder_rad: log.at(Channel::Rudder, i),
+                    heading_rad: log.at(Channel::Heading, i),
+                    ballast_m3: ballast_cc * 1e-6,
+                    battery_forward_m,
+                    sink_m_s,
+                    sink_se_m_s: velocity.se_dbar_s[i] * per_dbar,
+                    sink_rate_m_s2: velocity.acceleration_dbar_s2[i] * per_dbar,
+                    speed_m_s: log.at(Channel::Speed, i),
+                    leg: self.counters.leg,
+                    dive: self.counters.dive,
+                    stretch,
+                    steady: under_way && after_turn && !moving[i] && pressure[i] > s.surface_dbar,
+                });
+            }
+            self.counters.leg += 1;
+        }
+        self.notes.add("rows on a leg without pitch, ballast volume, density or vertical velocity, left out", dropped);
+    }
+
+    fn fill_slow_channels(&self, log: &mut FlightLog) {
+        let time = log.column(Channel::Time).to_vec();
+        let longest = self.settings.longest_fill_s.max(4.0 * median_step(&time));
+        for channel in [
+            Channel::Pitch,
+            Channel::Ballast,
+            Channel::Density,
+            Channel::Temperature,
+            Channel::Salinity,
+            Channel::Conductivity,
+            Channel::Roll,
+            Channel::Rudder,
+            Channel::BatteryPosition,
+            Channel::PitchMass,
+        ] {
+            if !log.column(channel).is_empty() {
+                fill(&time, log.column_mut(channel), longest);
+            }
+        }
+        if !log.column(Channel::Heading).is_empty() {
+            fill_angle(&time, log.column_mut(Channel::Heading), longest);
+        }
+    }
+}
+
+impl Counters {
+    /// A descent opens a dive, and so does an ascent that follows an ascent; where the log numbers its dives, it is
+    /// believed.
+    fn open_leg(&mut self, descends: bool, log: &FlightLog, row: usize) {
+        let number = log.at(Channel::Dive, (row + 1).min(log.len() - 1));
+        if number.is_finite() {
+            let name = Some(number as i64);
+            if self.dive_name.is_some() && self.dive_name != name {
+                self.dive += 1;
+            }
+            self.dive_name = name;
+        } else if self.last_descends.is_some_and(|last| descends || !last) {
+            self.dive += 1;
+        }
+        self.last_descends = Some(descends);
+    }
+}
+
+/// The rows with a pressure, and their pressures.
+fn known(pressure: &[f64]) -> (Vec<usize>, Vec<f64>) {
+    pressure.iter().enumerate().filter(|(_, p)| p.is_finite()).map(|(i, &p)| (i, p)).unzip()
+}
+
+/// Pressure, or what the depth says where there is none: `rho g z` with the density of the row, 1025 kg/m3 without.
+fn pressure_dbar(log: &FlightLog, settings: &Settings) -> Vec<f64> {
+    (0..log.len())
+        .map(|i| {
+            let pressure = log.at(Channel::Pressure, i);
+            if pressure.is_finite() {
+                return pressure;
+            }
+            let density = log.at(Channel::Density, i);
+            let density = if density.is_finite() { density } else { settings.density_kg_m3.unwrap_or(1025.0) };
+            log.at(Channel::Depth, i) * density * settings.gravity_m_s2 / DBAR_PA
+        })
+        .collect()
+}
+
+/// In-situ density: as recorded, or by TEOS-10, or as the user gave it.
+fn density_kg_m3(log: &FlightLog, settings: &Settings) -> Vec<f64> {
+    let mut position = (f64::NAN, f64::NAN);
+    let mut density: Vec<f64> = (0..log.len())
+        .map(|i| {
+            let recorded = log.at(Channel::Density, i);
+            if recorded.is_finite() {
+                return recorded;
+            }
+            let (latitude, longitude) = (log.at(Channel::Latitude, i), log.at(Channel::Longitude, i));
+            if latitude.is_finite() && longitude.is_finite() {
+                position = (latitude, longitude);
+            }
+            let (temperature, pressure) = (log.at(Channel::Temperature, i), log.at(Channel::Pressure, i));
+            let salinity = log.at(Channel::Salinity, i);
+            let salinity = if salinity.is_finite() {
+                salinity
+            } else {
+                practical_salinity(log.at(Channel::Conductivity, i), temperature, pressure)
+            };
+            in_situ_density_kg_m3(salinity, temperature, pressure, position.0, position.1)
+        })
+        .collect();
+    if let Some(given) = settings.density_kg_m3 {
+        if density.iter().all(|value| !value.is_finite()) {
+            density.fill(given);
+        }
+    }
+    fill(log.column(Channel::Time), &mut density, settings.longest_fill_s);
+    density
+}
+
+/// Rows at which a motor moves or has just moved.
+fn motors(log: &FlightLog, settings: &Settings) -> Vec<bool> {
+    let time = log.column(Channel::Time);
+    let mut moving = vec![false; log.len()];
+    let mut mark = |from_s: f64, to_s: f64| {
+        let first = time.partition_point(|&t| t < from_s);
+        let end = time.partition_point(|&t| t <= to_s);
+        moving[first..end].fill(true);
+    };
+    let (before, after) = (settings.motor_margin_s, settings.settle_s.max(settings.motor_margin_s));
+    for i in 1..log.len() {
+        let dt = time[i] - time[i - 1];
+        let rate = |channel: Channel| (log.at(channel, i) - log.at(channel, i - 1)).abs() / dt;
+        if rate(Channel::Ballast) > BALLAST_MOVES_CC_S {
+            mark(time[i - 1] - before, time[i] + after);
+        }
+        if rate(Channel::BatteryPosition) > BATTERY_MOVES_M_S || rate(Channel::PitchMass) > BATTERY_MOVES_M_S {
+            mark(time[i - 1] - before, time[i] + before);
+        }
+        if log.at(Channel::MotorMoving, i) > 0.5 {
+            mark(time[i], time[i]);
+        }
+    }
+    moving
+}

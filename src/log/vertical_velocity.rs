@@ -1,0 +1,95 @@
+//! Vertical velocity from pressure, by a stated filter with its own uncertainty.
+//!
+//! The rate of pressure is the slope of the least-squares line through the samples within `+-h` of each sample, and
+//! through one sample on each side at least. With `p` in dbar and the in-situ density,
+//! `w = 1e4 dp/dt / (rho g)`, positive down. The filter's answer to a change is that of a moving average of `w` with
+//! the parabolic weights `1 - (t/h)^2`: half of an oscillation of the period 2.5 h (10 s for `h` = 4 s) is seen. Its standard
+//! error is `sigma_p / sqrt(sum (t - mean t)^2)`, where `sigma_p`, the noise of one pressure sample, is estimated from
+//! second differences, which a steady glide does not enter: for three samples of spacing `a`, `b`,
+//! `e = p1 - (b p0 + a p2)/(a + b)` has the variance `sigma_p^2 (1 + (a^2 + b^2)/(a + b)^2)`.
+
+use super::clean::median;
+
+/// What the filter gives.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Velocity {
+    /// Rate of change of the pressure \[dbar/s\], NaN at the ends of a stretch.
+    pub rate_dbar_s: Vec<f64>,
+    /// Its standard error from the noise of the pressure \[dbar/s\].
+    pub se_dbar_s: Vec<f64>,
+    /// Rate of change of that rate \[dbar/s2\], from the samples within `+-3 h`.
+    pub acceleration_dbar_s2: Vec<f64>,
+    /// Noise of one sample of pressure \[dbar\].
+    pub noise_dbar: f64,
+}
+
+/// The rate of pressure on one unbroken stretch of samples; `half_window_s` is `h`.
+pub fn vertical_velocity(time_s: &[f64], pressure_dbar: &[f64], half_window_s: f64) -> Velocity {
+    let n = time_s.len();
+    let mut velocity = Velocity {
+        rate_dbar_s: vec![f64::NAN; n],
+        se_dbar_s: vec![f64::NAN; n],
+        acceleration_dbar_s2: vec![f64::NAN; n],
+        noise_dbar: noise(time_s, pressure_dbar),
+    };
+    let (mut low, mut high) = (0, 0);
+    for i in 1..n.saturating_sub(1) {
+        while time_s[i] - time_s[low] > half_window_s && low + 1 < i {
+            low += 1;
+        }
+        high = high.max(i + 1);
+        while high + 1 < n && time_s[high + 1] - time_s[i] <= half_window_s {
+            high += 1;
+        }
+        let (slope, spread) = slope(&time_s[low..=high], &pressure_dbar[low..=high]);
+        velocity.rate_dbar_s[i] = slope;
+        velocity.se_dbar_s[i] = velocity.noise_dbar / spread.sqrt();
+    }
+    let (mut low, mut high) = (1, 1);
+    for i in 1..n.saturating_sub(1) {
+        while time_s[i] - time_s[low] > 3.0 * half_window_s && low + 1 < i {
+            low += 1;
+        }
+        high = high.max(i);
+        while high + 2 < n && time_s[high + 1] - time_s[i] <= 3.0 * half_window_s {
+            high += 1;
+        }
+        if high > low + 1 {
+            let (acceleration, _) = slope(&time_s[low..=high], &velocity.rate_dbar_s[low..=high]);
+            velocity.acceleration_dbar_s2[i] = acceleration;
+        }
+    }
+    velocity
+}
+
+/// Slope of the least-squares line, and the sum of squares of the abscissa about its mean.
+fn slope(x: &[f64], y: &[f64]) -> (f64, f64) {
+    let n = x.len() as f64;
+    // Counted from the first value, so that Unix times lose no digits.
+    let (x0, y0) = (x[0], y[0]);
+    let (mut sx, mut sy, mut sxx, mut sxy) = (0.0, 0.0, 0.0, 0.0);
+    for (&x, &y) in x.iter().zip(y) {
+        let (x, y) = (x - x0, y - y0);
+        sx += x;
+        sy += y;
+        sxx += x * x;
+        sxy += x * y;
+    }
+    let spread = sxx - sx * sx / n;
+    ((sxy - sx * sy / n) / spread, spread)
+}
+
+/// Noise of one sample, from the median of second differences: a normal variable's median size is 0.6745 sigma.
+fn noise(time_s: &[f64], pressure_dbar: &[f64]) -> f64 {
+    let mut errors: Vec<f64> = time_s
+        .windows(3)
+        .zip(pressure_dbar.windows(3))
+        .map(|(t, p)| {
+            let (a, b) = (t[1] - t[0], t[2] - t[1]);
+            let error = p[1] - (b * p[0] + a * p[2]) / (a + b);
+            error.abs() / (1.0 + (a * a + b * b) / ((a + b) * (a + b))).sqrt()
+        })
+        .filter(|error| error.is_finite())
+        .collect();
+    if errors.is_empty() { f64::NAN } else { median(&mut errors) / 0.6745 }
+}
