@@ -10,6 +10,7 @@ mod export_fmu;
 pub mod glide;
 mod glide_page;
 mod history_page;
+pub mod identify;
 mod mission;
 mod mission_page;
 pub mod plan;
@@ -45,6 +46,7 @@ enum Command {
     ExportFmu(export_fmu::Arguments),
     Glide(glide::Arguments),
     Plan(plan::Arguments),
+    Identify(identify::Arguments),
     Simulate(simulate::Arguments),
     Vehicles(vehicles::Arguments),
 }
@@ -166,6 +168,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::ExportFmu(arguments) => export_fmu::run(&arguments),
         Command::Glide(arguments) => glide::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
+        Command::Identify(arguments) => identify::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Vehicles(arguments) => vehicles::run(&arguments),
     }

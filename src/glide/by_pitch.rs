@@ -12,7 +12,7 @@ use super::{GlideError, SteadyGlide, complete, steady_flow};
 use crate::Number;
 use crate::dynamics::forces::Flow;
 use crate::dynamics::{Parameters, Surroundings};
-use num_dual::{Derivative, DualSVec64};
+use num_dual::Dual64;
 
 /// What a glider in a steady glide measures of itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,52 +53,71 @@ pub fn at_pitch<T: Number>(
     attitude: Attitude<T>,
 ) -> Result<SteadyGlide<T>, GlideError> {
     let straight = Deflection { roll_rad: T::constant(0.0), rudder_rad: T::constant(0.0) };
-    let flight = flight_at_pitch(parameters, water, attitude, straight, None)?;
+    let flight = Glider::new(*parameters).flight(water, attitude, straight, None)?;
     let alpha = flight.angle_of_attack_rad;
     Ok(complete(parameters, water, alpha, attitude.pitch_rad - alpha, flight.speed_m_s))
 }
 
-/// As [`at_pitch`], for fits that ask often: rolled and steering, from a first guess where one is known, angle of attack
-/// and speed alone. Allocates nothing.
-///
-/// # Errors
-/// As [`at_pitch`].
-pub fn flight_at_pitch<T: Number>(
-    parameters: &Parameters<T>,
-    water: &Surroundings<T>,
-    attitude: Attitude<T>,
-    deflection: Deflection<T>,
-    guess: Option<[f64; 2]>,
-) -> Result<Flight<T>, GlideError> {
-    let plain = Asked {
-        parameters: &parameters.map(T::value),
-        water: Surroundings {
-            density_kg_m3: water.density_kg_m3.value(),
-            pressure_Pa: water.pressure_Pa.value(),
-            temperature_C: water.temperature_C.value(),
-            time_s: water.time_s.value(),
-        },
-        attitude: Attitude { pitch_rad: attitude.pitch_rad.value(), net_mass_kg: attitude.net_mass_kg.value() },
-        deflection: Deflection { roll_rad: deflection.roll_rad.value(), rudder_rad: deflection.rudder_rad.value() },
-    };
-    let solution = guess.and_then(|guess| solve(&plain, guess)).or_else(|| solve(&plain, first_guess(&plain)?)).ok_or(
-        GlideError::NoBalance {
-            pitch_deg: plain.attitude.pitch_rad.to_degrees(),
-            net_mass_kg: plain.attitude.net_mass_kg,
-        },
-    )?;
+/// A glider that is asked often, as fits do: its parameters in every kind of number that the solution needs.
+#[derive(Debug, Clone, Copy)]
+pub struct Glider<T> {
+    /// Its parameters.
+    pub parameters: Parameters<T>,
+    plain: Parameters<f64>,
+    with_slopes: Parameters<Dual64>,
+}
 
-    let [mut alpha, mut log_q] = solution.unknowns.map(T::constant);
-    if T::HAS_DERIVATIVES {
-        let asked = Asked { parameters, water: *water, attitude, deflection };
-        let residual = balance(&asked, [alpha, log_q]);
-        let [step_alpha, step_log_q] = solve_2(solution.jacobian, residual);
-        alpha -= step_alpha;
-        log_q -= step_log_q;
+impl<T: Number> Glider<T> {
+    /// A glider of these parameters.
+    pub fn new(parameters: Parameters<T>) -> Self {
+        let plain = parameters.map(T::value);
+        Glider { parameters, plain, with_slopes: plain.map(Dual64::from) }
     }
-    let density = parameters.true_density_kg_m3(water.density_kg_m3);
-    let speed_m_s = (log_q.exp() * 2.0 / density).sqrt();
-    Ok(Flight { angle_of_attack_rad: alpha, speed_m_s, guess: solution.unknowns })
+
+    /// As [`at_pitch`]: rolled and steering, from a first guess where one is known, angle of attack and speed alone.
+    /// Allocates nothing.
+    ///
+    /// # Errors
+    /// As [`at_pitch`].
+    pub fn flight(
+        &self,
+        water: &Surroundings<T>,
+        attitude: Attitude<T>,
+        deflection: Deflection<T>,
+        guess: Option<[f64; 2]>,
+    ) -> Result<Flight<T>, GlideError> {
+        let plain = Asked {
+            parameters: &self.plain,
+            water: Surroundings {
+                density_kg_m3: water.density_kg_m3.value(),
+                pressure_Pa: water.pressure_Pa.value(),
+                temperature_C: water.temperature_C.value(),
+                time_s: water.time_s.value(),
+            },
+            attitude: Attitude { pitch_rad: attitude.pitch_rad.value(), net_mass_kg: attitude.net_mass_kg.value() },
+            deflection: Deflection { roll_rad: deflection.roll_rad.value(), rudder_rad: deflection.rudder_rad.value() },
+        };
+        let solution = guess
+            .and_then(|guess| solve(&plain, &self.with_slopes, guess))
+            .or_else(|| solve(&plain, &self.with_slopes, first_guess(&plain)?))
+            .ok_or(GlideError::NoBalance {
+                pitch_deg: plain.attitude.pitch_rad.to_degrees(),
+                net_mass_kg: plain.attitude.net_mass_kg,
+            })?;
+
+        let parameters = &self.parameters;
+        let [mut alpha, mut log_q] = solution.unknowns.map(T::constant);
+        if T::HAS_DERIVATIVES {
+            let asked = Asked { parameters, water: *water, attitude, deflection };
+            let residual = balance(&asked, [alpha, log_q]);
+            let [step_alpha, step_log_q] = solve_2(solution.jacobian, residual);
+            alpha -= step_alpha;
+            log_q -= step_log_q;
+        }
+        let density = parameters.true_density_kg_m3(water.density_kg_m3);
+        let speed_m_s = (log_q.exp() * 2.0 / density).sqrt();
+        Ok(Flight { angle_of_attack_rad: alpha, speed_m_s, guess: solution.unknowns })
+    }
 }
 
 /// All that the question holds.
@@ -114,17 +133,17 @@ struct Solution {
     jacobian: [[f64; 2]; 2],
 }
 
-fn solve(asked: &Asked<'_, f64>, guess: [f64; 2]) -> Option<Solution> {
-    const TOLERANCE: f64 = 1e-13;
+fn solve(asked: &Asked<'_, f64>, with_slopes: &Parameters<Dual64>, guess: [f64; 2]) -> Option<Solution> {
+    // Each step squares the error: after one of this size the rest is rounding.
+    const TOLERANCE: f64 = 1e-8;
     const MAX_STEPS: usize = 50;
     let Attitude { pitch_rad, net_mass_kg } = asked.attitude;
     let heavy = net_mass_kg.signum();
     if !(pitch_rad.is_finite() && net_mass_kg != 0.0 && net_mass_kg.is_finite()) {
         return None;
     }
-    let lifted_parameters = asked.parameters.map(DualSVec64::<2>::from);
     let lifted = Asked {
-        parameters: &lifted_parameters,
+        parameters: with_slopes,
         water: Surroundings {
             density_kg_m3: asked.water.density_kg_m3.into(),
             pressure_Pa: asked.water.pressure_Pa.into(),
@@ -141,13 +160,12 @@ fn solve(asked: &Asked<'_, f64>, guess: [f64; 2]) -> Option<Solution> {
     let mut unknowns = guess;
     let mut last = f64::INFINITY;
     for _ in 0..MAX_STEPS {
-        let seeded = [0, 1].map(|i| {
-            DualSVec64::<2>::new(unknowns[i], Derivative::derivative_generic(nalgebra::Const, nalgebra::U1, i))
-        });
-        let residual = balance(&lifted, seeded);
-        let slope = |i: usize, j: usize| residual[i].eps.0.map_or(0.0, |eps| eps[j]);
-        let jacobian = [[slope(0, 0), slope(0, 1)], [slope(1, 0), slope(1, 1)]];
-        let [step_alpha, step_log_q] = solve_2(jacobian, residual.map(|r| r.re));
+        // One slope at a time: two short passes are quicker than one with both.
+        let [alpha, log_q] = unknowns;
+        let by_alpha = balance(&lifted, [Dual64::from(alpha).derivative(), log_q.into()]);
+        let by_log_q = balance(&lifted, [alpha.into(), Dual64::from(log_q).derivative()]);
+        let jacobian = [[by_alpha[0].eps, by_log_q[0].eps], [by_alpha[1].eps, by_log_q[1].eps]];
+        let [step_alpha, step_log_q] = solve_2(jacobian, by_alpha.map(|r| r.re));
         let size = step_alpha.abs().max(step_log_q.abs());
         if !size.is_finite() {
             return None;

@@ -19,7 +19,7 @@ use crate::Number;
 use crate::dynamics::forces::Flow;
 use crate::dynamics::{Parameters, Surroundings};
 
-pub use by_pitch::{Attitude, Deflection, Flight, at_pitch, flight_at_pitch};
+pub use by_pitch::{Attitude, Deflection, Flight, Glider, at_pitch};
 pub use closed_form::{PathLimits, at_path, shallowest};
 pub use start::{Start, start, start_in};
 

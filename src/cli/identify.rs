@@ -1,0 +1,260 @@
+//! `glidepolar identify`: the inverse process, from a flight log to coefficients and trim.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::{CliError, Output};
+use crate::identify::{Identification, IdentifyError, Report, Request, Trim, identify};
+use crate::input::{InputError, Place};
+use crate::log::{Channel, Columns, Observation, Opened, Preparation, Settings, open};
+use crate::vehicle::Vehicle;
+
+/// Glide polar, ballast offset and more from flight logs, with what the data cannot tell
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    glidepolar identify p5420*.nc --vehicle seaglider\n  \
+    glidepolar identify flight.csv --vehicle slocum-graver --speed-column U_dvl_m_s\n  \
+    glidepolar identify flight.csv --vehicle my-glider.toml --free hull_compressibility_per_Pa\n\n\
+    LOG is a CSV file, Seaglider basestation files of consecutive dives, a Slocum or OG1 NetCDF time series, or a table\n\
+    with one row per descent or ascent.")]
+pub struct Arguments {
+    /// Flight logs; several files are one log, in this order
+    #[arg(required = true, value_name = "LOG")]
+    logs: Vec<PathBuf>,
+    /// Vehicle file or name of a built-in vehicle
+    #[arg(long, value_name = "VEHICLE")]
+    vehicle: String,
+    #[command(flatten)]
+    reading: Reading,
+    /// What the baseline takes for the net weight; default: neutral for a built-in vehicle, vehicle for a file
+    #[arg(long, value_enum)]
+    trim: Option<TrimChoice>,
+    /// Fit this parameter, too (repeat); a, b, c or ballast_offset_kg: fit it whatever the data say
+    #[arg(long, value_name = "NAME")]
+    free: Vec<String>,
+    /// Hold this parameter (repeat)
+    #[arg(long, value_name = "NAME=VALUE", allow_hyphen_values = true)]
+    pin: Vec<String>,
+    #[command(flatten)]
+    output: Output,
+}
+
+/// How logs are read; the same for every command that takes one.
+#[derive(Debug, Clone, Args)]
+pub struct Reading {
+    /// Column that holds the measured speed through the water [m/s]
+    #[arg(long, value_name = "NAME", help_heading = "Log")]
+    pub speed_column: Option<String>,
+    /// Take a channel from this column (repeat): pitch_rad=pitch_corr_rad
+    #[arg(long, value_name = "CHANNEL=COLUMN", help_heading = "Log")]
+    pub column: Vec<String>,
+    /// In-situ density where the log gives none [kg/m3]
+    #[arg(long, value_name = "RHO", help_heading = "Log")]
+    pub density: Option<f64>,
+    /// Half window of the filter for vertical velocity [s]
+    #[arg(long, value_name = "S", default_value_t = 4.0, help_heading = "Log")]
+    pub half_window_s: f64,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum TrimChoice {
+    /// From the vehicle's mass and displaced volume
+    Vehicle,
+    /// Neutral at ballast volume zero in the mean water of the log
+    Neutral,
+}
+
+/// Samples of a log, and how they were come by.
+pub struct Log {
+    /// Samples in the order of time.
+    pub observations: Vec<Observation>,
+    /// How the vertical velocity was measured.
+    pub w_filter: String,
+    /// What was found in the log and done about it.
+    pub notes: Vec<String>,
+}
+
+/// Samples of a CSV file that are read at once.
+const PIECE_ROWS: usize = 200_000;
+
+impl Reading {
+    /// Reads logs into samples.
+    ///
+    /// # Errors
+    /// What cannot be read, and where nothing is left to use.
+    pub fn read(&self, logs: &[PathBuf], vehicle: &Vehicle) -> Result<Log, CliError> {
+        let mut columns = Columns::default();
+        for choice in &self.column {
+            columns.choose_text(choice).map_err(CliError::Usage)?;
+        }
+        if let Some(name) = &self.speed_column {
+            columns.choose(Channel::Speed, name);
+        }
+        if !(0.1..=600.0).contains(&self.half_window_s) {
+            return Err(CliError::Usage(format!(
+                "--half-window-s {} is no window: expected 0.1 to 600 s",
+                self.half_window_s
+            )));
+        }
+        if let Some(density) = self.density.filter(|density| !(900.0..=1300.0).contains(density)) {
+            return Err(CliError::Usage(format!(
+                "--density {density} is no density of water: expected 900 to 1300 kg/m3"
+            )));
+        }
+        let settings = Settings {
+            density_kg_m3: self.density,
+            gravity_m_s2: vehicle.glide_parameters().gravity_m_s2,
+            half_window_s: self.half_window_s,
+            ..Settings::default()
+        };
+        let mut preparation = Preparation::new(settings);
+        let mut observations = Vec::new();
+        let mut tables = false;
+        for path in logs {
+            match open(path, &columns)? {
+                Opened::Series(mut series) => {
+                    while let Some(piece) = series.next_piece(PIECE_ROWS)? {
+                        preparation.push(piece, &mut observations);
+                    }
+                }
+                Opened::Glides(mut glides) => {
+                    tables = true;
+                    if let Some(density) = self.density {
+                        glides
+                            .iter_mut()
+                            .filter(|g| !g.density_kg_m3.is_finite())
+                            .for_each(|g| g.density_kg_m3 = density);
+                    }
+                    if glides.iter().any(|glide| !glide.density_kg_m3.is_finite()) {
+                        let error = InputError::new(Place::file(path), "no density: expected a column `density_kg_m3`");
+                        return Err(error.help("give it with --density").into());
+                    }
+                    observations.extend(glides);
+                }
+            }
+        }
+        preparation.finish(&mut observations);
+        if observations.is_empty() {
+            let problem = "no leg with pressure, pitch, ballast volume and density on it";
+            let help =
+                "is there a density (or temperature with salinity or conductivity)? if not, give it with --density";
+            return Err(InputError::new(Place::file(&logs[0]), problem).help(help).into());
+        }
+        let w_filter = if tables { "the column w_m_s of the table".to_owned() } else { preparation.filter() };
+        Ok(Log { observations, w_filter, notes: preparation.notes().sentences() })
+    }
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    let vehicle = Vehicle::load(&arguments.vehicle)?;
+    let log = arguments.reading.read(&arguments.logs, &vehicle)?;
+    let trim = match arguments.trim {
+        Some(TrimChoice::Vehicle) => Trim::Vehicle,
+        Some(TrimChoice::Neutral) => Trim::Neutral,
+        None if vehicle.is_builtin => Trim::Neutral,
+        None => Trim::Vehicle,
+    };
+    let request = Request { trim, free: arguments.free.clone(), pin: pins(&arguments.pin)? };
+    let found = identify(&vehicle, &log.observations, &request)?;
+    let report = found.report(&vehicle, log.w_filter, log.notes);
+    if arguments.output.shows_tables() {
+        print(&report, &found);
+    }
+    arguments.output.write_json(&report)
+}
+
+fn pins(texts: &[String]) -> Result<Vec<(String, f64)>, CliError> {
+    texts
+        .iter()
+        .map(|text| {
+            text.split_once('=')
+                .and_then(|(name, value)| Some((name.to_owned(), value.parse::<f64>().ok().filter(|v| v.is_finite())?)))
+                .ok_or_else(|| CliError::Usage(format!("--pin {text}: expected NAME=VALUE with a number")))
+        })
+        .collect()
+}
+
+impl From<IdentifyError> for CliError {
+    fn from(error: IdentifyError) -> Self {
+        match error {
+            IdentifyError::NoSamples | IdentifyError::CannotFly { .. } | IdentifyError::TooFewDives { .. } => {
+                CliError::Failed(error.to_string())
+            }
+            IdentifyError::UnknownParameter(name) => {
+                let known = crate::dynamics::PARAMETERS.iter().map(|row| row.name);
+                let hint = crate::input::nearest(&name, known).map(|near| format!("; did you mean `{near}`?"));
+                CliError::Usage(format!(
+                    "there is no parameter `{}`{}",
+                    crate::input::printable(&name),
+                    hint.unwrap_or_default()
+                ))
+            }
+            other => CliError::Usage(other.to_string()),
+        }
+    }
+}
+
+fn print(report: &Report, found: &Identification) {
+    println!("{} glides, {} steady samples, {} dives", report.n_glides, report.n_samples, found.dives.len());
+    println!("baseline: {}", report.trim_meaning);
+    println!();
+    println!("{:<30} {:>12} {:>11}   {:>12} {:>12}  unit", "parameter", "value", "se", "95 % from", "to");
+    for (name, quantity) in &report.parameters {
+        let Some(q) = quantity else { continue };
+        match report.pinned.get(name) {
+            Some(pin) => println!("{name:<30} {:>12}   held: {}", figure(q.value), pin.source),
+            None => println!(
+                "{name:<30} {:>12} {:>11}   {:>12} {:>12}  {}",
+                figure(q.value),
+                figure(q.se),
+                figure(q.ci95[0]),
+                figure(q.ci95[1]),
+                q.unit
+            ),
+        }
+    }
+    for (name, pin) in &report.pinned {
+        println!("  {name} is held: {}", pin.reason);
+    }
+    println!();
+    let fit = &report.fit;
+    let line = |what: &str, seen: Option<f64>, held: Option<f64>| {
+        let mm = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |v| format!("{:.1}", v * 1e3));
+        if seen.is_some() {
+            println!("{what:<34} {:>8} {:>10}  mm/s", mm(seen), mm(held));
+        }
+    };
+    println!("{:<34} {:>8} {:>10}", "", "fitted", "held out");
+    line("vertical velocity, rms", Some(fit.w_rms_m_s), fit.w_rms_holdout_m_s);
+    line("  after a 9-point mean", fit.w_rms_9_point_m_s, fit.w_rms_9_point_holdout_m_s);
+    line("speed, rms", fit.speed_rms_m_s, fit.speed_rms_holdout_m_s);
+    line("speed, mean of measured less model", fit.speed_bias_m_s, fit.speed_bias_holdout_m_s);
+    if let Some(legs) = &report.legs_apart {
+        println!();
+        println!(
+            "legs apart, trim as it is: b = {:.3} on descents, {:.3} on ascents (w rms {:.1} mm/s); together, with an offset of {:.0} g: b = {:.3} (w rms {:.1} mm/s)",
+            legs.descent_b,
+            legs.ascent_b,
+            legs.w_rms_m_s * 1e3,
+            legs.ballast_offset_kg * 1e3,
+            legs.joint_b,
+            legs.joint_w_rms_m_s * 1e3
+        );
+    }
+    for warning in &report.warnings {
+        println!("warning: {warning}");
+    }
+    for note in &report.notes {
+        println!("note: {note}");
+    }
+}
+
+/// Four significant digits, as short as they can be written.
+fn figure(value: f64) -> String {
+    if value != 0.0 && !(1e-3..1e5).contains(&value.abs()) {
+        return format!("{value:.3e}");
+    }
+    let places = if value == 0.0 { 1 } else { (3 - value.abs().log10().floor() as i32).clamp(0, 6) };
+    format!("{value:.*}", places as usize)
+}

@@ -1,0 +1,429 @@
+//! The whole identification of one log: trim, what is free and what is pinned, the fit, its errors, the hold-out, the
+//! legs apart, and everything that has to be said about it.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::data::{Dive, by_dive};
+use super::holdout::hold_out;
+use super::identifiability::{Pin, ProfilePoint, is_identified, profile, slocum_lift_slope_per_rad};
+use super::joint::{Fit, IdentifyError, Question, fit};
+use super::quantity::estimate;
+use super::residuals::{Score, ScoreSums, residuals};
+use super::trim::Trim;
+use super::uncertainty::{condition_number, correlation, model_covariance};
+use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
+use crate::hull_tests::Estimate;
+use crate::log::Observation;
+use crate::vehicle::Vehicle;
+
+/// What a user asks for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Request {
+    /// What the baseline takes for the net weight.
+    pub trim: Trim,
+    /// Parameters to free besides a, b, c and the ballast offset; naming one of these frees it whatever the data say.
+    pub free: Vec<String>,
+    /// Parameters to hold, with their values.
+    pub pin: Vec<(String, f64)>,
+}
+
+/// The result.
+#[derive(Debug, Clone)]
+pub struct Identification {
+    /// The net weight of the baseline.
+    pub trim: Trim,
+    /// The baseline.
+    pub baseline: Parameters<f64>,
+    /// The fit.
+    pub fit: Fit,
+    /// The same question, to be asked again.
+    pub question: Question,
+    /// Steady samples, dive by dive.
+    pub dives: Vec<Dive>,
+    /// Parameters that were held although one would like to know them, by short name.
+    pub pinned: BTreeMap<String, Pin>,
+    /// The fit on the samples that it saw.
+    pub score: Score,
+    /// The same on dives that it did not see.
+    pub held_out: Option<Score>,
+    /// Descents and ascents fitted apart, each without a ballast offset.
+    pub legs: Option<LegsApart>,
+    /// The profile of the lift slope.
+    pub profile: Vec<ProfilePoint>,
+    /// What a user has to know.
+    pub warnings: Vec<String>,
+}
+
+/// Descents and ascents fitted apart, as the tank paper does, beside both together with one ballast offset.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LegsApart {
+    /// b of the descents alone, trim as it is.
+    pub descent_b: f64,
+    /// b of the ascents alone, trim as it is.
+    pub ascent_b: f64,
+    /// Vertical velocity of both fits, root mean square \[m/s\].
+    pub w_rms_m_s: f64,
+    /// b of both legs together, with one ballast offset.
+    pub joint_b: f64,
+    /// The ballast offset \[kg\].
+    pub ballast_offset_kg: f64,
+    /// Vertical velocity of the joint fit, root mean square \[m/s\].
+    pub joint_w_rms_m_s: f64,
+}
+
+/// Short names of the rows that people know under them.
+pub const SHORT_NAMES: &[(&str, &str)] = &[("a", "a_per_rad"), ("c", "c_per_rad2"), ("d", "d_per_rad")];
+
+/// The short name of a row, or its own.
+pub fn short_name(row: &str) -> &str {
+    SHORT_NAMES.iter().find(|(_, long)| *long == row).map_or(row, |(short, _)| short)
+}
+
+/// The row of a short or long name.
+pub fn long_name(name: &str) -> &str {
+    SHORT_NAMES.iter().find(|(short, _)| *short == name).map_or(name, |(_, long)| long)
+}
+
+/// Identifies what the log can tell of the vehicle.
+///
+/// # Errors
+/// Without steady samples, with unknown names, or where the baseline cannot fly.
+pub fn identify(
+    vehicle: &Vehicle,
+    observations: &[Observation],
+    request: &Request,
+) -> Result<Identification, IdentifyError> {
+    let mut dives = by_dive(observations);
+    if dives.is_empty() {
+        return Err(IdentifyError::NoSamples);
+    }
+    let mut baseline = request.trim.baseline(&vehicle.glide_parameters(), observations);
+    let has_speed = dives.iter().flat_map(|dive| &dive.observations).any(|o| o.speed_m_s.is_finite());
+
+    let mut warnings = Vec::new();
+    let mut pinned = BTreeMap::new();
+    let mut free: Vec<&str> = vec!["a_per_rad", "b", "c_per_rad2", "ballast_offset_kg"];
+    let asked: Vec<&str> = request.free.iter().map(|name| long_name(name)).collect();
+    free.extend(
+        asked.iter().copied().filter(|name| !["a_per_rad", "b", "c_per_rad2", "ballast_offset_kg"].contains(name)),
+    );
+
+    for (name, value) in &request.pin {
+        let row = parameter_index(long_name(name)).ok_or_else(|| IdentifyError::UnknownParameter(name.clone()))?;
+        *baseline.at(row) = *value;
+        free.retain(|free| *free != PARAMETERS[row].name);
+        let pin = Pin { value: *value, source: "given by the user".to_owned(), reason: "held as asked".to_owned() };
+        pinned.insert(short_name(PARAMETERS[row].name).to_owned(), pin);
+    }
+    if !has_speed && free.contains(&"a_per_rad") && !asked.contains(&"a_per_rad") {
+        let (value, source) = outside_lift_slope(vehicle);
+        baseline.a_per_rad = value;
+        baseline.ascent_a_ratio = 1.0;
+        free.retain(|name| *name != "a_per_rad");
+        let reason = "vertical velocity alone does not tell the lift slope: what a smaller angle of attack changes, a \
+                      larger b takes back; a measured speed through the water would tell it"
+            .to_owned();
+        pinned.insert("a".to_owned(), Pin { value, source, reason });
+    }
+    if !has_speed && asked.contains(&"a_per_rad") {
+        warnings.push(
+            "a was freed by the user without a measured speed: its interval is that of a perfect model, the value means little"
+                .to_owned(),
+        );
+    }
+    // One polar for both legs: what differs between them is asked for by name.
+    for ratio in ["ascent_a_ratio", "ascent_b_ratio", "ascent_c_ratio"] {
+        let row = parameter_index(ratio).expect("a row of the table");
+        if !free.contains(&ratio) {
+            *baseline.at(row) = 1.0;
+        }
+    }
+
+    // Parameters that the data do not tell are pinned, the worst first, until all that are left can be told.
+    let mut question = Question::new(baseline, &free)?;
+    let mut fitted = fit(&question, &mut dives)?;
+    loop {
+        let unknown = (0..fitted.free.len())
+            .filter(|&i| !is_identified(&fitted, i) && !asked.contains(&PARAMETERS[fitted.free[i]].name))
+            // b and the trim are what is left when nothing else can be told.
+            .filter(|&i| !["b", "ballast_offset_kg"].contains(&PARAMETERS[fitted.free[i]].name))
+            .max_by_key(|&i| u8::from(PARAMETERS[fitted.free[i]].name == "c_per_rad2"));
+        let Some(position) = unknown.filter(|_| dives.len() >= 2) else { break };
+        let row = fitted.free[position];
+        let info = &PARAMETERS[row];
+        let (value, source) = match info.name {
+            "a_per_rad" => outside_lift_slope(vehicle),
+            _ => (baseline.as_array()[row], format!("vehicle `{}`", vehicle.name)),
+        };
+        let reason = format!(
+            "these data leave it open: fitted freely it would be {:.3} +- {:.3} {}",
+            fitted.value(row),
+            fitted.se(position),
+            info.unit
+        );
+        pinned.insert(short_name(info.name).to_owned(), Pin { value, source, reason });
+        *baseline.at(row) = value;
+        free.retain(|name| *name != info.name);
+        question = Question::new(baseline, &free)?;
+        fitted = fit(&question, &mut dives)?;
+    }
+
+    let mut sums = ScoreSums::default();
+    for dive in &dives {
+        sums.add(&dive.observations, &residuals(&fitted.parameters, &dive.observations));
+    }
+    let held_out = hold_out(&question, &dives)?;
+    let legs = legs_apart(&question, &fitted, &dives);
+    let a = fitted.parameters.a_per_rad;
+    let values: Vec<f64> = [0.3, 0.45, 0.6, 0.8, 1.0, 1.3, 1.8, 2.6].iter().map(|factor| factor * a).collect();
+    let profile = profile(&question, &fitted.parameters, "a_per_rad", &values, &dives).unwrap_or_default();
+
+    warn(&mut warnings, &fitted, &dives, has_speed);
+    Ok(Identification {
+        trim: request.trim,
+        baseline,
+        fit: fitted,
+        question,
+        dives,
+        pinned,
+        score: sums.score(),
+        held_out,
+        legs,
+        profile,
+        warnings,
+    })
+}
+
+/// A lift slope from outside the log: the user's own vehicle, or the build-up for a winged Slocum.
+fn outside_lift_slope(vehicle: &Vehicle) -> (f64, String) {
+    let parameters = vehicle.glide_parameters();
+    if vehicle.is_builtin && vehicle.name.to_lowercase().contains("slocum") {
+        let source = "build-up of a winged Slocum: wing of aspect ratio 7 swept by 43 deg, hull 3.8 per rad on 0.1 m2";
+        return (slocum_lift_slope_per_rad(parameters.frontal_area_m2), source.to_owned());
+    }
+    (parameters.a_per_rad, format!("vehicle `{}`", vehicle.name))
+}
+
+/// The tank paper's own comparison: each leg fitted with the trim as it is, then both with one offset.
+fn legs_apart(question: &Question, joint: &Fit, dives: &[Dive]) -> Option<LegsApart> {
+    let offset = parameter_index("ballast_offset_kg")?;
+    let leg = |descends: bool| -> Option<(f64, f64, usize)> {
+        let mut of_leg: Vec<Dive> = dives
+            .iter()
+            .map(|dive| dive.observations.iter().filter(|o| o.descends() == descends).copied().collect::<Vec<_>>())
+            .filter(|samples| !samples.is_empty())
+            .map(Dive::new)
+            .collect();
+        if of_leg.len() < 2 {
+            return None;
+        }
+        let mut baseline = question.baseline;
+        baseline.b = joint.parameters.b;
+        let free = vec![parameter_index("b")?];
+        let apart = Question { baseline, free, ..question.clone() };
+        let found = fit(&apart, &mut of_leg).ok()?;
+        Some((found.parameters.b, found.tally.sink.sum_of_squares, found.tally.sink.n))
+    };
+    joint.free.contains(&offset).then_some(())?;
+    let (descent, ascent) = (leg(true)?, leg(false)?);
+    Some(LegsApart {
+        descent_b: descent.0,
+        ascent_b: ascent.0,
+        w_rms_m_s: ((descent.1 + ascent.1) / (descent.2 + ascent.2) as f64).sqrt(),
+        joint_b: joint.parameters.b,
+        ballast_offset_kg: joint.parameters.ballast_offset_kg,
+        joint_w_rms_m_s: joint.tally.sink.rms(),
+    })
+}
+
+fn warn(warnings: &mut Vec<String>, fitted: &Fit, dives: &[Dive], has_speed: bool) {
+    if !has_speed {
+        warnings.push(
+            "no measured speed: vertical velocity alone; speeds and glide angles rest on the pinned lift slope".into(),
+        );
+    }
+    if fitted.tally.unflyable > 0 {
+        warnings.push(format!(
+            "at {} of {} samples no glide exists at the recorded pitch and net mass; they count as predicted at rest",
+            fitted.tally.unflyable, fitted.tally.sink.n
+        ));
+    }
+    if dives.len() < 8 {
+        warnings.push(format!("only {} dives: standard errors, which compare dives, are rough", dives.len()));
+    }
+    if !fitted.converged {
+        warnings.push("the solver stopped before the minimum was certain".into());
+    }
+    let condition = condition_number(&super::Gram::sum(fitted.free.len(), &fitted.grams).normal_matrix());
+    if condition > 1e4 {
+        warnings.push(format!("condition number {condition:.0}: some combination of the parameters is hardly seen"));
+    }
+    for (i, &row) in fitted.free.iter().enumerate() {
+        let (value, info) = (fitted.value(row), &PARAMETERS[row]);
+        if value <= info.min || value >= info.max {
+            warnings.push(format!("`{}` ran to its bound {value}", info.name));
+        }
+        if info.name == "a_per_rad" && (value <= 1.0 || value >= 60.0) {
+            warnings.push(format!(
+                "a lift slope of {value:.1} +- {:.1} per rad is none that a glider has; check pitch and speed",
+                fitted.se(i)
+            ));
+        }
+    }
+    let angles = dives.iter().flat_map(|dive| residuals(&fitted.parameters, &dive.observations));
+    let (n, small) = angles
+        .map(|r| r.angle_of_attack_rad)
+        .filter(|a| a.is_finite())
+        .fold((0, 0), |(n, small), a| (n + 1, small + u32::from(a.abs() < 0.5f64.to_radians())));
+    if n > 0 && 2 * small > n {
+        warnings.push(
+            "the angle of attack is below 0.5 deg on most samples, impossible for a glider that its wings carry: does the pitch sensor read too large?"
+                .into(),
+        );
+    }
+}
+
+/// The result in the form of `identify --json`.
+#[derive(Debug, Clone, Serialize)]
+pub struct Report {
+    /// Name and version of the form.
+    pub schema: &'static str,
+    /// `joint` or `iterative`.
+    pub method: &'static str,
+    /// Vehicle.
+    pub vehicle: String,
+    /// What the baseline takes for the net weight.
+    pub trim: Trim,
+    /// The same in a sentence.
+    pub trim_meaning: &'static str,
+    /// Legs with steady samples.
+    pub n_glides: usize,
+    /// Steady samples.
+    pub n_samples: usize,
+    /// Identified parameters; `d` is null where it was not.
+    pub parameters: BTreeMap<String, Option<Estimate>>,
+    /// Their correlations.
+    pub correlation: CorrelationTable,
+    /// Condition number of the Jacobian, columns scaled to one length.
+    pub condition_number: f64,
+    /// Whether the data tell a parameter.
+    pub identifiable: BTreeMap<String, bool>,
+    /// What was held, at which value, from where and why.
+    pub pinned: BTreeMap<String, Pin>,
+    /// How good the fit is.
+    pub fit: FitQuality,
+    /// Descents and ascents fitted apart.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub legs_apart: Option<LegsApart>,
+    /// Profile of the lift slope.
+    pub lift_slope_profile: Vec<ProfilePoint>,
+    /// What a user has to know.
+    pub warnings: Vec<String>,
+    /// What was found in the log and done about it.
+    pub notes: Vec<String>,
+}
+
+/// Correlations with the names of their rows.
+#[derive(Debug, Clone, Serialize)]
+pub struct CorrelationTable {
+    /// Names.
+    pub names: Vec<String>,
+    /// Rows.
+    pub matrix: Vec<Vec<f64>>,
+}
+
+/// How good a fit is.
+#[derive(Debug, Clone, Serialize)]
+pub struct FitQuality {
+    /// Vertical velocity, root mean square \[m/s\].
+    pub w_rms_m_s: f64,
+    /// The same on dives that the fit did not see.
+    pub w_rms_holdout_m_s: Option<f64>,
+    /// After a running mean over nine samples.
+    pub w_rms_9_point_m_s: Option<f64>,
+    /// The same on dives that the fit did not see.
+    pub w_rms_9_point_holdout_m_s: Option<f64>,
+    /// Speed, root mean square \[m/s\].
+    pub speed_rms_m_s: Option<f64>,
+    /// Speed, mean of measured less predicted \[m/s\].
+    pub speed_bias_m_s: Option<f64>,
+    /// On dives that the fit did not see.
+    pub speed_rms_holdout_m_s: Option<f64>,
+    /// On dives that the fit did not see.
+    pub speed_bias_holdout_m_s: Option<f64>,
+    /// Pitch from the balance of moments, root mean square \[rad\].
+    pub pitch_rms_rad: Option<f64>,
+    /// How the vertical velocity is measured.
+    pub w_filter: String,
+    /// How many neighbouring samples say together what one independent sample would.
+    pub correlated_samples: f64,
+}
+
+impl Identification {
+    /// In the form of `identify --json`; `w_filter` says how the vertical velocity was measured.
+    pub fn report(&self, vehicle: &Vehicle, w_filter: String, notes: Vec<String>) -> Report {
+        let fit = &self.fit;
+        let n = fit.free.len();
+        let freedom = (self.dives.len() as f64 - 1.0).max(1.0);
+        let name = |row: usize| short_name(PARAMETERS[row].name).to_owned();
+        let mut parameters: BTreeMap<String, Option<Estimate>> = BTreeMap::from([("d".to_owned(), None)]);
+        let mut identifiable = BTreeMap::new();
+        for (i, &row) in fit.free.iter().enumerate() {
+            let quantity = estimate(fit.value(row), fit.se(i), freedom, PARAMETERS[row].unit);
+            parameters.insert(name(row), Some(quantity));
+            identifiable.insert(name(row), is_identified(fit, i));
+        }
+        for (short, pin) in &self.pinned {
+            let row = parameter_index(long_name(short)).expect("a pinned parameter is a row");
+            let held =
+                Estimate { value: pin.value, se: 0.0, ci95: [pin.value; 2], unit: PARAMETERS[row].unit.to_owned() };
+            parameters.insert(short.clone(), Some(held));
+            identifiable.insert(short.clone(), false);
+        }
+        let correlations = correlation(&fit.covariance);
+        let held = self.held_out;
+        let legs: std::collections::BTreeSet<u32> =
+            self.dives.iter().flat_map(|dive| dive.observations.iter().map(|o| o.leg)).collect();
+        Report {
+            schema: "glidepolar.identify/1",
+            method: "joint",
+            vehicle: vehicle.name.clone(),
+            trim: self.trim,
+            trim_meaning: self.trim.sentence(),
+            n_glides: legs.len(),
+            n_samples: self.score.n,
+            parameters,
+            correlation: CorrelationTable {
+                names: fit.free.iter().map(|&row| name(row)).collect(),
+                matrix: (0..n).map(|i| (0..n).map(|j| correlations[(i, j)]).collect()).collect(),
+            },
+            condition_number: condition_number(&super::Gram::sum(n, &fit.grams).normal_matrix()),
+            identifiable,
+            pinned: self.pinned.clone(),
+            fit: FitQuality {
+                w_rms_m_s: self.score.w_rms_m_s,
+                w_rms_holdout_m_s: held.map(|score| score.w_rms_m_s),
+                w_rms_9_point_m_s: self.score.w_rms_9_point_m_s,
+                w_rms_9_point_holdout_m_s: held.and_then(|score| score.w_rms_9_point_m_s),
+                speed_rms_m_s: self.score.speed_rms_m_s,
+                speed_bias_m_s: self.score.speed_bias_m_s,
+                speed_rms_holdout_m_s: held.and_then(|score| score.speed_rms_m_s),
+                speed_bias_holdout_m_s: held.and_then(|score| score.speed_bias_m_s),
+                pitch_rms_rad: None,
+                w_filter,
+                correlated_samples: fit.tally.sink.correlated_samples(),
+            },
+            legs_apart: self.legs.clone(),
+            lift_slope_profile: self.profile.clone(),
+            warnings: self.warnings.clone(),
+            notes,
+        }
+    }
+
+    /// Covariance as if the residuals were independent, for comparison with the one by dives.
+    pub fn naive_covariance(&self) -> nalgebra::DMatrix<f64> {
+        model_covariance(self.fit.free.len(), &self.fit.grams)
+    }
+}

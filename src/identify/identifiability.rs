@@ -1,0 +1,140 @@
+//! What the data can tell and what they cannot: parameters that must be pinned, why, and the profile that shows it.
+//!
+//! *Lift slope from vertical velocity alone.* In a steady glide `CD = -CL tan xi` and `q A CL = W cos xi`. With small
+//! angle of attack the sink rate at a given pitch is `sin^3|xi| W / (q A CD)`-like: it fixes the drag at that pitch, and
+//! the lift slope only moves `xi` against the pitch by `alpha = b/(a tan|xi|)`. What a smaller `alpha` changes, a larger
+//! `b` takes back. The derivation is in `docs/inverse.md`. A statistical error may look small there; it is the error of
+//! the model that then decides, and the speed goes wrong by far more than the vertical velocity shows. So without a
+//! measured speed the lift slope is pinned, always, unless the user frees it.
+
+use serde::Serialize;
+
+use super::data::Dive;
+use super::joint::{Fit, IdentifyError, Question, fit};
+use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
+
+/// A parameter that was held, at what, and why.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Pin {
+    /// Its value.
+    pub value: f64,
+    /// Where the value comes from.
+    pub source: String,
+    /// Why it is not fitted.
+    pub reason: String,
+}
+
+/// Lift slope of a winged Slocum by build-up, on its frontal area \[1/rad\].
+///
+/// Wing of aspect ratio 7, swept by 43 deg (Merckelbach et al. 2019), after Polhamus:
+/// `2 pi A / (2 + sqrt(A^2 (1 + tan^2 sweep) + 4))` = 3.73 per rad; hull 3.8 per rad; both on 0.1 m2.
+pub fn slocum_lift_slope_per_rad(frontal_area_m2: f64) -> f64 {
+    const ASPECT_RATIO: f64 = 7.0;
+    const SWEEP_DEG: f64 = 43.0;
+    const HULL_PER_RAD: f64 = 3.8;
+    const REFERENCE_AREA_M2: f64 = 0.1;
+    let tangent = SWEEP_DEG.to_radians().tan();
+    let root = (ASPECT_RATIO * ASPECT_RATIO * (1.0 + tangent * tangent) + 4.0).sqrt();
+    let wing = 2.0 * std::f64::consts::PI * ASPECT_RATIO / (2.0 + root);
+    (wing + HULL_PER_RAD) * REFERENCE_AREA_M2 / frontal_area_m2
+}
+
+/// How far a parameter must be known to count as identified: half of its 95 % interval against its own size, or
+/// against what is usual where its natural value is none.
+pub fn is_identified(fit: &Fit, position: usize) -> bool {
+    let row = fit.free[position];
+    let half = 2.0 * fit.se(position);
+    let info = &PARAMETERS[row];
+    let usual = match info.name {
+        "a_per_rad" => 0.5 * fit.value(row).abs(),
+        "b" => fit.value(row).abs(),
+        "c_per_rad2" => 15.0_f64.max(fit.value(row).abs()).min(40.0),
+        "ballast_offset_kg" => 0.5,
+        "hull_compressibility_per_Pa" => 2e-10,
+        "hull_thermal_expansion_per_K" => 7e-5,
+        "ballast_scale" | "pitch_scale" | "pressure_scale" | "climb_dive_drag_ratio" => 0.25,
+        "pitch_offset_rad" => 0.1,
+        "vertical_current_m_s" => 0.05,
+        "drag_exponent" => 0.3,
+        _ => f64::INFINITY,
+    };
+    let at_bound = fit.value(row) <= info.min || fit.value(row) >= info.max;
+    half.is_finite() && half <= usual && !at_bound
+}
+
+/// One point of a profile: the parameter held, all others fitted again.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ProfilePoint {
+    /// The value held.
+    pub value: f64,
+    /// Vertical velocity, root mean square \[m/s\].
+    pub w_rms_m_s: f64,
+    /// Mean speed that the model gives \[m/s\].
+    pub mean_speed_m_s: f64,
+    /// Minus twice the logarithm of the likelihood against that of the best point, correlation of the residuals
+    /// allowed for; 3.84 bounds the 95 % interval.
+    pub deviance: f64,
+}
+
+/// Most samples on which a profile is taken.
+const PROFILE_SAMPLES: usize = 3000;
+
+/// The profile of a parameter over the given values.
+///
+/// # Errors
+/// As [`fit`].
+pub fn profile(
+    question: &Question,
+    best: &Parameters<f64>,
+    name: &str,
+    values: &[f64],
+    dives: &[Dive],
+) -> Result<Vec<ProfilePoint>, IdentifyError> {
+    let row = parameter_index(name).ok_or_else(|| IdentifyError::UnknownParameter(name.to_owned()))?;
+    let mut dives = thinned(dives, PROFILE_SAMPLES);
+    let free: Vec<usize> = question.free.iter().copied().filter(|&free| free != row).collect();
+    let mut points = Vec::new();
+    let mut start = *best;
+    for &value in values {
+        *start.at(row) = value;
+        let held = Question { baseline: start, free: free.clone(), several_starts: false, ..question.clone() };
+        let found = fit(&held, &mut dives)?;
+        start = found.parameters;
+        let speeds = dives.iter().flat_map(|dive| super::residuals(&found.parameters, &dive.observations));
+        let (n, sum) = speeds
+            .map(|r| r.predicted_speed_m_s)
+            .filter(|speed| speed.is_finite())
+            .fold((0usize, 0.0), |(n, sum), speed| (n + 1, sum + speed));
+        points.push((
+            ProfilePoint {
+                value,
+                w_rms_m_s: found.tally.sink.rms(),
+                mean_speed_m_s: sum / n as f64,
+                deviance: f64::NAN,
+            },
+            found.tally,
+        ));
+    }
+    // The number of independent samples is that of the best point for all, so that only the fit makes the difference.
+    let ratio = |s: &super::Scatter| s.n as f64 / s.correlated_samples();
+    let best = points.iter().min_by(|x, y| x.0.w_rms_m_s.total_cmp(&y.0.w_rms_m_s)).map(|point| point.1);
+    let Some(best) = best else { return Ok(Vec::new()) };
+    let term =
+        |s: &super::Scatter, count: f64| if s.n == 0 { 0.0 } else { count * (s.sum_of_squares / s.n as f64).ln() };
+    let log_likelihood = |tally: &super::Tally| {
+        term(&tally.sink, ratio(&best.sink))
+            + if tally.speed.n > 0 { term(&tally.speed, ratio(&best.speed)) } else { 0.0 }
+    };
+    let least = points.iter().map(|point| log_likelihood(&point.1)).fold(f64::INFINITY, f64::min);
+    Ok(points
+        .into_iter()
+        .map(|(point, tally)| ProfilePoint { deviance: log_likelihood(&tally) - least, ..point })
+        .collect())
+}
+
+/// Dives of which only every so many samples are kept.
+pub(super) fn thinned(dives: &[Dive], most: usize) -> Vec<Dive> {
+    let samples: usize = dives.iter().map(|dive| dive.observations.len()).sum();
+    let every = samples.div_ceil(most).max(1);
+    dives.iter().map(|dive| Dive::new(dive.observations.iter().copied().step_by(every).collect())).collect()
+}

@@ -1,0 +1,355 @@
+//! The joint identification: any of the model's parameters, from all samples at once, by nonlinear least squares.
+//!
+//! ```text
+//! minimise  sum ((w - w_model) / s_w)^2 + sum ((U - U_model) / s_U)^2
+//! ```
+//! `s` is the scatter of a quantity times the root of the number of neighbouring samples that say together what one
+//! independent sample would; both are estimated from the residuals and the fit repeated. Levenberg-Marquardt from
+//! several starts, on a part of the samples first. Standard errors: [`Fit::covariance`].
+
+use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
+use nalgebra::DMatrix;
+use nalgebra_lm as lm;
+
+use super::data::Dive;
+use super::evaluate::{MOST_FREE, Tally, Weights, evaluate};
+use super::gram::Gram;
+use super::uncertainty::jackknife;
+use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
+
+/// What is to be fitted, and how.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Question {
+    /// Values of all parameters; those that are not free keep them, those that are start there.
+    pub baseline: Parameters<f64>,
+    /// Rows of [`PARAMETERS`] that are free.
+    pub free: Vec<usize>,
+    /// Whether the measured speed takes part, where there is one.
+    pub use_speed: bool,
+    /// Whether to try other starts than the baseline.
+    pub several_starts: bool,
+}
+
+impl Question {
+    /// The usual one: these parameters by name, speed and several starts included.
+    ///
+    /// # Errors
+    /// A name that is no parameter, one that is given twice, or too many of them.
+    pub fn new(baseline: Parameters<f64>, free: &[&str]) -> Result<Self, IdentifyError> {
+        let mut rows = Vec::new();
+        for name in free {
+            let row = parameter_index(name).ok_or_else(|| IdentifyError::UnknownParameter((*name).to_owned()))?;
+            if rows.contains(&row) {
+                return Err(IdentifyError::Twice((*name).to_owned()));
+            }
+            rows.push(row);
+        }
+        if rows.len() > MOST_FREE {
+            return Err(IdentifyError::TooMany { asked: rows.len() });
+        }
+        Ok(Question { baseline, free: rows, use_speed: true, several_starts: true })
+    }
+}
+
+/// Why nothing could be identified.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum IdentifyError {
+    /// No steady sample at all.
+    #[error(
+        "no steady sample: no leg of the log is high and long enough, or the motors never rest; is the pressure in dbar, the ballast volume positive when it makes the glider more buoyant, the pitch positive nose up?"
+    )]
+    NoSamples,
+    /// Fewer dives than a standard error needs.
+    #[error(
+        "{found} dives with steady samples, at least {needed} are needed to tell {parameters} parameters from the sea"
+    )]
+    TooFewDives {
+        /// How many there are.
+        found: usize,
+        /// How many there should be.
+        needed: usize,
+        /// Free parameters.
+        parameters: usize,
+    },
+    /// No such row.
+    #[error("there is no parameter `{0}`")]
+    UnknownParameter(String),
+    /// One parameter asked for twice.
+    #[error("the parameter `{0}` is asked for twice")]
+    Twice(String),
+    /// More than the solver takes.
+    #[error("{asked} parameters are free, {MOST_FREE} can be")]
+    TooMany {
+        /// How many were asked for.
+        asked: usize,
+    },
+    /// The glider that the baseline describes does not fly the way the log does.
+    #[error(
+        "at {unflyable} of {samples} samples no glide exists at the recorded pitch and the vehicle's net mass: the baseline is far from this glider; check mass and volume of the vehicle, or use --trim neutral"
+    )]
+    CannotFly {
+        /// Samples without a glide.
+        unflyable: usize,
+        /// All samples.
+        samples: usize,
+    },
+}
+
+/// The result of a fit.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// All parameters, the fitted ones in place.
+    pub parameters: Parameters<f64>,
+    /// Rows of [`PARAMETERS`] that were free.
+    pub free: Vec<usize>,
+    /// By what the residuals were divided.
+    pub weights: Weights,
+    /// How the residuals scatter.
+    pub tally: Tally,
+    /// Products of residuals and slopes, one matrix a dive.
+    pub grams: Vec<Gram>,
+    /// Sum of squared weighted residuals: minus twice the logarithm of the likelihood, up to a constant.
+    pub chi2: f64,
+    /// Covariance of the free parameters, dives as the independent unit.
+    pub covariance: DMatrix<f64>,
+    /// Evaluations of all samples.
+    pub evaluations: usize,
+    /// Whether the minimum was reached within the limits of the solver.
+    pub converged: bool,
+}
+
+impl Fit {
+    /// A fitted parameter's place among the free ones.
+    pub fn position(&self, name: &str) -> Option<usize> {
+        let row = parameter_index(name)?;
+        self.free.iter().position(|&free| free == row)
+    }
+
+    /// A parameter's value, fitted or not.
+    pub fn value(&self, row: usize) -> f64 {
+        self.parameters.as_array()[row]
+    }
+
+    /// The standard error of the free parameter at this position.
+    pub fn se(&self, position: usize) -> f64 {
+        self.covariance[(position, position)].max(0.0).sqrt()
+    }
+}
+
+/// Samples per quantity on which the starts are tried.
+const SAMPLES_OF_A_START: usize = 400;
+
+/// Fits the parameters to the dives.
+///
+/// # Errors
+/// Without samples, or where the baseline is no description of this glider at all.
+pub fn fit(question: &Question, dives: &mut [Dive]) -> Result<Fit, IdentifyError> {
+    let samples: usize = dives.iter().map(|dive| dive.observations.len()).sum();
+    if samples == 0 {
+        return Err(IdentifyError::NoSamples);
+    }
+    let n = question.free.len();
+    let mut grams = vec![Gram::new(n); dives.len()];
+    let has_speed = question.use_speed && dives.iter().flat_map(|d| &d.observations).any(|o| o.speed_m_s.is_finite());
+    let mut weights = Weights { sink_m_s: 0.01, speed_m_s: if has_speed { 0.03 } else { f64::INFINITY } };
+
+    let mut solver = Solver { question, dives, grams: &mut grams, evaluations: 0, converged: true };
+    // Coarse: every start on a few samples, then the best one with the scatter that it shows.
+    let every = (samples / SAMPLES_OF_A_START).max(1);
+    let mut best = solver.best_start(weights, every);
+    weights = scatter(solver.tally(&best, weights, every), weights);
+    best = solver.minimise(&best, weights, every.div_ceil(3), 1e-4);
+    // Fine: all samples, the scatter from all residuals.
+    let tally = solver.tally(&best, weights, 1);
+    if 2 * tally.unflyable > samples {
+        return Err(IdentifyError::CannotFly { unflyable: tally.unflyable, samples });
+    }
+    weights = scatter(tally, weights);
+    best = solver.minimise(&best, weights, 1, 1e-5);
+    let tally = solver.tally(&best, weights, 1);
+    let (evaluations, converged) = (solver.evaluations, solver.converged);
+
+    let chi2 = Gram::sum(n, &grams).sum_of_squares();
+    let covariance = jackknife(n, &grams);
+    Ok(Fit {
+        parameters: best,
+        free: question.free.clone(),
+        weights,
+        tally,
+        grams,
+        chi2,
+        covariance,
+        evaluations,
+        converged,
+    })
+}
+
+/// The weights that the residuals themselves suggest, correlation of neighbours included.
+fn scatter(tally: Tally, before: Weights) -> Weights {
+    let effective = |s: &super::evaluate::Scatter, before: f64| {
+        if s.n < 2 || !before.is_finite() {
+            return before;
+        }
+        // A floor against data without any noise: a tenth of a millimetre per second.
+        s.rms().max(1e-4)
+    };
+    Weights { sink_m_s: effective(&tally.sink, before.sink_m_s), speed_m_s: effective(&tally.speed, before.speed_m_s) }
+}
+
+struct Solver<'a> {
+    question: &'a Question,
+    dives: &'a mut [Dive],
+    grams: &'a mut [Gram],
+    evaluations: usize,
+    converged: bool,
+}
+
+impl Solver<'_> {
+    fn tally(&mut self, at: &Parameters<f64>, weights: Weights, every: usize) -> Tally {
+        self.evaluations += 1;
+        evaluate(at, &self.question.free, weights, self.dives, self.grams, every)
+    }
+
+    fn best_start(&mut self, weights: Weights, every: usize) -> Parameters<f64> {
+        let mut best = (f64::INFINITY, self.question.baseline);
+        for start in starts(self.question) {
+            let found = self.minimise(&start, weights, every, 1e-3);
+            self.tally(&found, weights, every);
+            let cost = Gram::sum(self.question.free.len(), &*self.grams).sum_of_squares();
+            if cost < best.0 {
+                best = (cost, found);
+            }
+        }
+        best.1
+    }
+
+    fn minimise(&mut self, start: &Parameters<f64>, weights: Weights, every: usize, tolerance: f64) -> Parameters<f64> {
+        let n = self.question.free.len();
+        if n == 0 {
+            return *start;
+        }
+        let values = start.as_array();
+        let x = lm::DVector::from_fn(n, |i, _| values[self.question.free[i]]);
+        let mut problem = Problem {
+            base: *start,
+            free: &self.question.free,
+            weights,
+            every,
+            dives: self.dives,
+            grams: self.grams,
+            x: x.clone(),
+            residuals: lm::DVector::zeros(0),
+            jacobian: lm::DMatrix::zeros(0, 0),
+            evaluations: 0,
+        };
+        problem.set_params(&x);
+        let solver = LevenbergMarquardt::new()
+            .with_ftol(tolerance * tolerance)
+            .with_xtol(tolerance)
+            .with_gtol(1e-12)
+            .with_patience(20)
+            .with_stepbound(1.0);
+        let (problem, report) = solver.minimize(problem);
+        let evaluations = problem.evaluations;
+        let found = problem.parameters();
+        self.evaluations += evaluations;
+        self.converged = report.termination.was_successful();
+        found
+    }
+}
+
+/// The baseline, and starts around it: local minima are common here.
+fn starts(question: &Question) -> Vec<Parameters<f64>> {
+    let mut starts = vec![question.baseline];
+    if !question.several_starts {
+        return starts;
+    }
+    let free = |name: &str| parameter_index(name).is_some_and(|row| question.free.contains(&row));
+    for (a, b, offset_kg) in [(1.0, 0.6, 0.1), (1.0, 1.5, -0.1), (2.0, 2.5, 0.0)] {
+        let mut start = question.baseline;
+        if free("a_per_rad") {
+            start.a_per_rad *= a;
+        }
+        if free("b") {
+            start.b *= b;
+        }
+        if free("ballast_offset_kg") {
+            start.ballast_offset_kg += offset_kg;
+        }
+        if start != question.baseline {
+            starts.push(start);
+        }
+    }
+    starts
+}
+
+/// The problem as the solver sees it: a few rows that stand for all.
+struct Problem<'a> {
+    base: Parameters<f64>,
+    free: &'a [usize],
+    weights: Weights,
+    every: usize,
+    dives: &'a mut [Dive],
+    grams: &'a mut [Gram],
+    x: lm::DVector<f64>,
+    residuals: lm::DVector<f64>,
+    jacobian: lm::DMatrix<f64>,
+    evaluations: usize,
+}
+
+/// Weight of a step beyond a bound, against the span of a parameter's meaning.
+const BOUND_WEIGHT: f64 = 1e6;
+
+impl Problem<'_> {
+    /// The parameters at `x`, held within their bounds.
+    fn parameters(&self) -> Parameters<f64> {
+        let mut parameters = self.base;
+        for (&row, &value) in self.free.iter().zip(self.x.iter()) {
+            *parameters.at(row) = value.clamp(PARAMETERS[row].min, PARAMETERS[row].max);
+        }
+        parameters
+    }
+}
+
+impl LeastSquaresProblem<f64, lm::Dyn, lm::Dyn> for Problem<'_> {
+    type ResidualStorage = lm::storage::Owned<f64, lm::Dyn>;
+    type JacobianStorage = lm::storage::Owned<f64, lm::Dyn, lm::Dyn>;
+    type ParameterStorage = lm::storage::Owned<f64, lm::Dyn>;
+
+    fn set_params(&mut self, x: &lm::DVector<f64>) {
+        self.x.copy_from(x);
+        let n = self.free.len();
+        let parameters = self.parameters();
+        evaluate(&parameters, self.free, self.weights, self.dives, self.grams, self.every);
+        self.evaluations += 1;
+        let mut total = Gram::sum(n, &*self.grams);
+        // Beyond a bound the samples see the bound itself; a residual of its own leads back.
+        let mut row = vec![0.0; n + 1];
+        for (i, &index) in self.free.iter().enumerate() {
+            let bounds = &PARAMETERS[index];
+            let beyond = x[i] - x[i].clamp(bounds.min, bounds.max);
+            if beyond != 0.0 {
+                let weight = BOUND_WEIGHT / (bounds.max - bounds.min);
+                row.fill(0.0);
+                row[i] = weight;
+                row[n] = weight * beyond;
+                total.add_row(&row);
+            }
+        }
+        let (jacobian, residuals) = total.compressed();
+        self.jacobian = lm::DMatrix::from_iterator(n + 1, n, jacobian.iter().copied());
+        self.residuals = lm::DVector::from_iterator(n + 1, residuals.iter().copied());
+    }
+
+    fn params(&self) -> lm::DVector<f64> {
+        self.x.clone()
+    }
+
+    fn residuals(&self) -> Option<lm::DVector<f64>> {
+        Some(self.residuals.clone())
+    }
+
+    fn jacobian(&self) -> Option<lm::DMatrix<f64>> {
+        Some(self.jacobian.clone())
+    }
+}

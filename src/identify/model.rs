@@ -1,0 +1,80 @@
+//! From parameters to what the instruments should have read: one steady glide for each sample.
+//!
+//! ```text
+//! pitch    = pitch_scale read + pitch_offset               pressure = pressure_scale (read + lag d(read)/dt)
+//! net mass = by masses, volumes and the water around       (alpha, V) = the steady glide of that pitch and net mass
+//! sink     = V sin(alpha - pitch) + vertical current       sink read = sink / pressure_scale - lag d(sink read)/dt
+//! ```
+
+use crate::Number;
+use crate::dynamics::{Parameters, Surroundings};
+use crate::glide::{Attitude, Deflection, Glider};
+use crate::log::{DBAR_PA, Observation};
+
+/// What the instruments should have read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Prediction<T> {
+    /// Downward velocity as the pressure sensor shows it \[m/s\].
+    pub sink_m_s: T,
+    /// Speed through the water \[m/s\].
+    pub speed_m_s: T,
+    /// Angle of attack \[rad\].
+    pub angle_of_attack_rad: T,
+    /// Where the solution for a nearby parameter set may start.
+    pub guess: [f64; 2],
+}
+
+/// The prediction for one sample; nothing where the glider cannot glide at all at this pitch and net mass.
+pub fn predict<T: Number>(
+    glider: &Glider<T>,
+    observed: &Observation,
+    guess: Option<[f64; 2]>,
+) -> Option<Prediction<T>> {
+    let parameters = &glider.parameters;
+    let water = surroundings(parameters, observed);
+    let pitch_rad = true_pitch_rad(parameters, observed.pitch_rad);
+    let net_mass_kg = parameters.net_mass_kg(T::constant(observed.ballast_m3), &water);
+    let deflection = Deflection {
+        roll_rad: T::constant(or_zero(observed.roll_rad)),
+        rudder_rad: T::constant(or_zero(observed.rudder_rad)),
+    };
+    let flight = glider.flight(&water, Attitude { pitch_rad, net_mass_kg }, deflection, guess).ok()?;
+    let through_water = flight.speed_m_s * (flight.angle_of_attack_rad - pitch_rad).sin();
+    Some(Prediction {
+        sink_m_s: sink_read_m_s(parameters, through_water, observed.sink_rate_m_s2),
+        speed_m_s: flight.speed_m_s,
+        angle_of_attack_rad: flight.angle_of_attack_rad,
+        guess: flight.guess,
+    })
+}
+
+/// The water around a sample, the errors of the pressure sensor taken off.
+pub(super) fn surroundings<T: Number>(parameters: &Parameters<T>, observed: &Observation) -> Surroundings<T> {
+    let lag = parameters.pressure_lag_s * or_zero(observed.pressure_rate_dbar_s);
+    let temperature_C = if observed.temperature_C.is_finite() {
+        T::constant(observed.temperature_C)
+    } else {
+        parameters.reference_temperature_C
+    };
+    Surroundings {
+        density_kg_m3: T::constant(observed.density_kg_m3),
+        pressure_Pa: parameters.pressure_scale * (lag + or_zero(observed.pressure_dbar)) * DBAR_PA,
+        temperature_C,
+        time_s: T::constant(observed.time_s),
+    }
+}
+
+/// The pitch behind the pitch that is read.
+pub(super) fn true_pitch_rad<T: Number>(parameters: &Parameters<T>, read_rad: f64) -> T {
+    parameters.pitch_scale * read_rad + parameters.pitch_offset_rad
+}
+
+/// The downward velocity that the pressure sensor shows when the glider sinks through the water at this rate.
+pub(super) fn sink_read_m_s<T: Number>(parameters: &Parameters<T>, through_water_m_s: T, sink_rate_m_s2: f64) -> T {
+    (through_water_m_s + parameters.vertical_current_m_s) / parameters.pressure_scale
+        - parameters.pressure_lag_s * or_zero(sink_rate_m_s2)
+}
+
+pub(super) fn or_zero(value: f64) -> f64 {
+    if value.is_finite() { value } else { 0.0 }
+}
