@@ -14,6 +14,7 @@ pub mod holdout;
 pub mod identifiability;
 pub mod joint;
 pub mod model;
+pub mod paper;
 mod quantity;
 mod residuals;
 mod trim;
