@@ -5,15 +5,19 @@
 //! balance of a steady glide is `CD = CL tan gamma` and `W = q A (CL cos gamma + CD sin gamma)`, and
 //! `q = rho/2 (w / sin gamma)^2`. The paper names the functions and does not print them; these follow:
 //! ```text
-//! f0  (4)  a S T alpha^3 + (a S - c) alpha^2 + a T alpha - b = 0,    T = tan t, S = 1 + T^2     tan gamma to second order
+//! f0  (4)  c T alpha^3 + (a - c) alpha^2 + (a + b) T alpha - b = 0,    T = tan t     from tan alpha = alpha
 //! f1  (5)  a = (W sin^2 gamma / (rho/2 A w^2) - (b + c alpha^2) sin gamma) / (alpha cos gamma)   exact
 //! f2  (6)  b = a alpha tan gamma - c alpha^2                                                    exact
 //! f3  (7)  c = (a alpha tan gamma - b) / alpha^2                                                exact
 //! ```
+//! (4) is `(b + c alpha^2)(1 - T tan alpha) = a alpha (T + tan alpha)`, the glide equation, with `alpha` for `tan alpha`.
+//!
 //! What it hides: (6) makes the glide equation hold, so (7) gives back the c that went into (6), always: per glide, c
 //! never leaves its first value. And (4) solves the equation that (6) has just made true of the old angle, so that the
-//! angle of attack stays where the first guess put it, but for the error of the cubic. Per glide the scheme turns the
-//! first guess into numbers that fit any data. Over a campaign the regression of CD on alpha^2 moves c, alpha stays.
+//! angle of attack stays where the first guess put it. With (4) exact, every angle would be a fixed point; with the
+//! cubic it creeps by its error, a part in some hundreds, in every round, and would do so for ever. The scheme therefore
+//! stops when a round moves less than [`STILL`]. Per glide it turns the first guess into numbers that fit any data. Over
+//! a campaign the regression of CD on alpha^2 moves b and c together.
 
 use serde::Serialize;
 
@@ -101,9 +105,8 @@ pub fn mean_glides(parameters: &Parameters<f64>, observations: &[Observation]) -
         if steady.is_empty() {
             continue;
         }
-        let mean = |value: &dyn Fn(&Observation) -> f64| {
-            steady.iter().map(|o| value(o)).sum::<f64>() / steady.len() as f64
-        };
+        let mean =
+            |value: &dyn Fn(&Observation) -> f64| steady.iter().map(|o| value(o)).sum::<f64>() / steady.len() as f64;
         let weight = |o: &Observation| {
             parameters.net_mass_kg(o.ballast_m3, &super::model::surroundings(parameters, o)) * parameters.gravity_m_s2
         };
@@ -175,7 +178,7 @@ pub fn campaign(
         let round: Vec<SolvedGlide> =
             of_leg.iter().filter_map(|glide| solve_glide(glide, frontal_area_m2, now)).collect();
         let Some(next) = regress(&round) else { break };
-        converged = moved(now, next) < STILL_CAMPAIGN;
+        converged = moved(now, next) < STILL;
         (now, solved) = (next, round);
         history.push(next);
         if converged {
@@ -193,20 +196,20 @@ pub fn campaign(
     })
 }
 
-const MOST_ROUNDS: usize = 200;
-const STILL: f64 = 1e-12;
-const STILL_CAMPAIGN: f64 = 1e-6;
+const MOST_ROUNDS: usize = 100;
+
+/// Relative change of a coefficient below which a round is the last: the two digits that the paper gives.
+pub const STILL: f64 = 5e-3;
 
 fn moved(from: Coefficients, to: Coefficients) -> f64 {
     let relative = |x: f64, y: f64| (y - x).abs() / x.abs().max(1e-3);
     relative(from.a, to.a).max(relative(from.b, to.b)).max(relative(from.c, to.c))
 }
 
-/// (4): the smallest positive root of the cubic, by Newton's method from the root of its linear part, which lies above
-/// or below it by little.
+/// (4): the positive root of the cubic next to that of its linear part, by Newton's method.
 fn f0(t: f64, Coefficients { a, b, c }: Coefficients) -> Option<f64> {
-    let (tangent, square) = (t.tan(), 1.0 + t.tan() * t.tan());
-    let (p3, p2, p1) = (a * square * tangent, a * square - c, a * tangent);
+    let tangent = t.tan();
+    let (p3, p2, p1) = (c * tangent, a - c, (a + b) * tangent);
     let mut alpha = b / p1;
     for _ in 0..100 {
         let value = ((p3 * alpha + p2) * alpha + p1) * alpha - b;
