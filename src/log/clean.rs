@@ -51,7 +51,7 @@ pub(super) fn order(log: &mut FlightLog, last_time_s: f64, notes: &mut Notes) {
     let mut i = 0;
     while i < time.len() {
         let t = time[i] + shift;
-        if !(t <= last) {
+        if last.is_nan() || t > last {
             (mended[i], last) = (t, t);
             i += 1;
             continue;

@@ -40,7 +40,7 @@ pub(super) fn practical_salinity(conductivity_S_m: f64, temperature_C: f64, pres
 
 /// Absolute Salinity \[g/kg\]: Reference Salinity, in the Baltic its own formula.
 pub fn absolute_salinity_g_kg(practical_salinity: f64, latitude_deg: f64, longitude_deg: f64) -> f64 {
-    if !(practical_salinity >= 0.0) {
+    if practical_salinity.is_nan() || practical_salinity < 0.0 {
         return f64::NAN;
     }
     if in_the_baltic(latitude_deg, longitude_deg) {

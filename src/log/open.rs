@@ -50,7 +50,7 @@ impl Columns {
 /// What a file turned out to be.
 pub enum Opened {
     /// A time series, to be read in pieces.
-    Series(LogPieces),
+    Series(Box<LogPieces>),
     /// A table with one row per leg.
     Glides(Vec<Observation>),
 }
@@ -60,7 +60,7 @@ pub enum LogPieces {
     /// CSV, from line to line.
     Csv(Box<CsvLog>),
     /// NetCDF, whole.
-    Whole(Option<FlightLog>),
+    Whole(Option<Box<FlightLog>>),
 }
 
 impl LogPieces {
@@ -71,7 +71,7 @@ impl LogPieces {
     pub fn next_piece(&mut self, rows: usize) -> Result<Option<FlightLog>, InputError> {
         match self {
             LogPieces::Csv(log) => log.next_piece(rows),
-            LogPieces::Whole(log) => Ok(log.take()),
+            LogPieces::Whole(log) => Ok(log.take().map(|log| *log)),
         }
     }
 }
@@ -88,7 +88,7 @@ pub fn open(path: impl AsRef<Path>, columns: &Columns) -> Result<Opened, InputEr
     let is_netcdf = magic.starts_with(b"CDF") || magic == *b"\x89HDF\r\n\x1a\n";
     if is_netcdf {
         let whole = if seaglider::is_one(&path)? { seaglider::read(&path)? } else { og1::read(&path, columns)? };
-        return Ok(Opened::Series(LogPieces::Whole(Some(whole))));
+        return Ok(Opened::Series(Box::new(LogPieces::Whole(Some(Box::new(whole))))));
     }
     if read == 0 {
         return Err(InputError::new(Place::file(&path), "the file is empty, expected a flight log"));
@@ -96,5 +96,5 @@ pub fn open(path: impl AsRef<Path>, columns: &Columns) -> Result<Opened, InputEr
     if glide_table::is_one(&path)? {
         return Ok(Opened::Glides(glide_table::read_glide_table(&path, columns)?));
     }
-    Ok(Opened::Series(LogPieces::Csv(Box::new(CsvLog::open(&path, columns)?))))
+    Ok(Opened::Series(Box::new(LogPieces::Csv(Box::new(CsvLog::open(&path, columns)?)))))
 }

@@ -342,10 +342,8 @@ fn density_kg_m3(log: &FlightLog, settings: &Settings) -> Vec<f64> {
             in_situ_density_kg_m3(salinity, temperature, pressure, position.0, position.1)
         })
         .collect();
-    if let Some(given) = settings.density_kg_m3 {
-        if density.iter().all(|value| !value.is_finite()) {
-            density.fill(given);
-        }
+    if let Some(given) = settings.density_kg_m3.filter(|_| density.iter().all(|value| !value.is_finite())) {
+        density.fill(given);
     }
     fill(log.column(Channel::Time), &mut density, settings.longest_fill_s);
     density
