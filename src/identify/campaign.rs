@@ -222,7 +222,7 @@ fn legs_apart(question: &Question, joint: &Fit, dives: &[Dive]) -> Option<LegsAp
         let mut baseline = question.baseline;
         baseline.b = joint.parameters.b;
         let free = vec![parameter_index("b")?];
-        let apart = Question { baseline, free, ..question.clone() };
+        let apart = Question { baseline, free, use_speed: false, ..question.clone() };
         let found = fit(&apart, &mut of_leg).ok()?;
         Some((found.parameters.b, found.tally.sink.sum_of_squares, found.tally.sink.n))
     };
