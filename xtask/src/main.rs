@@ -4,6 +4,7 @@
 //! Python environment) and nothing of the physics: a chore works, too, while the library does not compile.
 
 mod check_library;
+mod demo;
 mod fetch_data;
 mod fmu;
 mod importers;
@@ -46,6 +47,8 @@ enum Chore {
         #[arg(long, value_enum)]
         only: Option<test::Part>,
     },
+    /// Reduce hull tests, fly both FMUs in FMPy, and leave a page in target/demo/
+    Demo,
     /// Download real flight logs, as they lie in published source packages, into data/
     FetchData,
 }
@@ -67,6 +70,7 @@ fn run(chore: Chore) -> Result<()> {
         Chore::Setup => python::ensure(&workspace).map(drop),
         Chore::Fmu { merge } => fmu::run(&workspace, &merge).map(drop),
         Chore::Test { only } => test::run(&workspace, only),
+        Chore::Demo => demo::run(&workspace),
         Chore::FetchData => fetch_data::run(&workspace),
     }
 }

@@ -82,7 +82,7 @@ pub fn capture(command: &mut Command) -> Result<String> {
 }
 
 /// The command as one would type it, the program without its folder.
-fn line(command: &Command) -> String {
+pub fn line(command: &Command) -> String {
     let program = Path::new(command.get_program());
     let program = program.file_name().unwrap_or(program.as_os_str());
     std::iter::once(program)
