@@ -37,7 +37,7 @@ pub fn run(workspace: &Workspace) -> Result<()> {
     let fmus = fmu::run(workspace, &[])?;
     let mut steps = Vec::new();
 
-    let mut step = Step::new("A measured hull", "suboff");
+    let mut step = Step::new(workspace, "A measured hull", "suboff");
     step.text = "The bare hull of the DARPA SUBOFF, 24 drift angles (Roddy 1990): forces and moment as published, \
                  reduced to lift, drag and moment about the centre of buoyancy, with 95 % intervals.";
     let mut reduce = program("tank-reduce");
@@ -47,14 +47,14 @@ pub fn run(workspace: &Workspace) -> Result<()> {
     step.run(&mut reduce)?;
     steps.push(step);
 
-    let mut step = Step::new("A campaign of raw runs", "campaign");
+    let mut step = Step::new(workspace, "A campaign of raw runs", "campaign");
     step.text = "Five hulls in a virtual tank whose truth is known: every run a time history of the balance, with zero \
                  drift, noise, carriage vibration and the strut's own forces, all taken out again.";
     step.run(program("tank-reduce").arg("demo").arg(folder.join("pmm_runs")))?;
     step.run(program("tank-reduce").arg(folder.join("pmm_runs")).arg("--out").arg(folder.join("campaign")))?;
     steps.push(step);
 
-    let mut step = Step::new("The glider in other people's simulations", "flight");
+    let mut step = Step::new(workspace, "The glider in other people's simulations", "flight");
     step.text = "A dive to 150 m and back: by the command line, and by FMPy from both FMUs, once with the FMU's own \
                  integration (Co-Simulation), once with FMPy's (Model Exchange). All five are the same flight.";
     let flights = folder.join("flights");
@@ -87,7 +87,8 @@ pub fn run(workspace: &Workspace) -> Result<()> {
 }
 
 /// A step of the demonstration: what is shown, and what was run for it.
-struct Step {
+struct Step<'w> {
+    workspace: &'w Workspace,
     heading: &'static str,
     text: &'static str,
     /// Folder of its report, below the demonstration's.
@@ -95,20 +96,22 @@ struct Step {
     commands: Vec<String>,
 }
 
-impl Step {
-    fn new(heading: &'static str, folder: &'static str) -> Self {
-        Self { heading, text: "", folder, commands: Vec::new() }
+impl<'w> Step<'w> {
+    fn new(workspace: &'w Workspace, heading: &'static str, folder: &'static str) -> Self {
+        Self { workspace, heading, text: "", folder, commands: Vec::new() }
     }
 
     fn run(&mut self, command: &mut Command) -> Result<()> {
-        self.commands.push(line(command));
+        // As one would type it at the checkout's root, where it runs.
+        let root = self.workspace.path("").display().to_string();
+        self.commands.push(line(command).replace(&root, ""));
         run_command(command)
     }
 }
 
 /// The page: each step's figures as they stand in its own report, a link there, and its commands. The looks are those of
 /// the reports.
-fn page_of(folder: &Path, steps: &[Step]) -> Result<String> {
+fn page_of(folder: &Path, steps: &[Step<'_>]) -> Result<String> {
     let style = include_str!("../../src/report/page.css");
     let mut html = format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -151,12 +154,13 @@ mod tests {
     #[test]
     fn the_page_shows_every_figure_and_escapes_what_it_says() {
         let folder = tempfile::tempdir().unwrap();
+        let workspace = Workspace::at(folder.path());
         let figures = folder.path().join("flight/figures");
         fs::create_dir_all(&figures).unwrap();
         for name in ["course.svg", "course.png", "a&b.svg"] {
             fs::write(figures.join(name), "").unwrap();
         }
-        let mut step = Step::new("Depth < 150 m", "flight");
+        let mut step = Step::new(&workspace, "Depth < 150 m", "flight");
         step.commands.push("fmpy simulate 'my <glider>.fmu'".to_owned());
         let html = page_of(folder.path(), &[step]).unwrap();
         assert!(html.contains("flight/figures/course.svg") && html.contains("flight/figures/a&amp;b.svg"));
@@ -168,6 +172,7 @@ mod tests {
     #[test]
     fn a_step_without_figures_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
-        assert!(page_of(folder.path(), &[Step::new("Nothing", "nothing")]).is_err());
+        let workspace = Workspace::at(folder.path());
+        assert!(page_of(folder.path(), &[Step::new(&workspace, "Nothing", "nothing")]).is_err());
     }
 }
