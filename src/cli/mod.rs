@@ -16,6 +16,8 @@ mod mission_page;
 pub mod plan;
 mod plan_tables;
 pub mod simulate;
+mod table;
+pub mod track;
 pub mod vehicles;
 
 use std::path::{Path, PathBuf};
@@ -48,6 +50,7 @@ enum Command {
     Plan(plan::Arguments),
     Identify(identify::Arguments),
     Simulate(simulate::Arguments),
+    Track(track::Arguments),
     Vehicles(vehicles::Arguments),
 }
 
@@ -170,6 +173,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Track(arguments) => track::run(&arguments),
         Command::Vehicles(arguments) => vehicles::run(&arguments),
     }
 }

@@ -1,0 +1,49 @@
+//! Tables of numbers by the names of their columns.
+
+use std::path::Path;
+
+use csv::{ReaderBuilder, StringRecord};
+
+use crate::input::{InputError, Place, nearest, printable};
+
+/// Hands over the named columns of each row; `#` lines are comments.
+///
+/// # Errors
+/// A missing column or a cell that is no finite number, with line and column.
+pub(super) fn for_each_row<const N: usize>(
+    file: &Path,
+    columns: [&str; N],
+    mut on_row: impl FnMut([f64; N]),
+) -> Result<(), InputError> {
+    let failed = |error: csv::Error| {
+        let line = error.position().map(|position| position.line() as usize);
+        let place = line.map_or(Place::file(file), |line| Place::line(file, line));
+        InputError::new(place, printable(&error.to_string())).help("a table has a header and a cell for each column")
+    };
+    let mut reader = ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_path(file).map_err(failed)?;
+    let header = reader.headers().map_err(failed)?.clone();
+    let mut places = [0; N];
+    for (place, name) in places.iter_mut().zip(columns) {
+        *place = header.iter().position(|column| column == name).ok_or_else(|| {
+            let error = InputError::new(Place::line(file, 1), format!("no column `{name}`"));
+            match nearest(name, header.iter()) {
+                Some(near) => error.help(format!("is it `{}`?", printable(near))),
+                None => error.help(format!("the columns needed are: {}", columns.join(", "))),
+            }
+        })?;
+    }
+    let mut record = StringRecord::new();
+    while reader.read_record(&mut record).map_err(failed)? {
+        let line = record.position().map_or(0, |position| position.line() as usize);
+        let mut row = [0.0; N];
+        for (value, &column) in row.iter_mut().zip(&places) {
+            let cell = record.get(column).unwrap_or("");
+            *value = cell.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| {
+                let place = Place::line(file, line).column(column + 1);
+                InputError::new(place, format!("`{}` is no finite number", printable(cell)))
+            })?;
+        }
+        on_row(row);
+    }
+    Ok(())
+}

@@ -1,0 +1,370 @@
+//! `glidepolar track`: dead reckoning with a polar, and depth-averaged currents where fixes exist.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde::Serialize;
+
+use super::table::for_each_row;
+use super::{CliError, Output};
+use crate::dynamics::Parameters;
+use crate::input::{InputError, Place};
+use crate::log::{CHANNELS, Channel, Columns, DBAR_PA, FlightLog, Opened, in_situ_density_kg_m3, open};
+use crate::track::{DiveTrack, Fix, Sample, Settings, Track, reckon};
+use crate::vehicle::Vehicle;
+
+/// Samples read at a time.
+const PIECE_ROWS: usize = 100_000;
+
+/// Longest time that a reading of a slow channel is kept [s].
+const KEEP_S: f64 = 120.0;
+
+/// Dead reckoning by the polar and the heading; depth-averaged currents between fixes
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    glidepolar track p542*.nc --vehicle my-seaglider.toml --declination-deg -23\n  \
+    glidepolar track log.csv --vehicle my-glider.toml --fixes fixes.csv --csv track.csv\n  \
+    glidepolar track log.csv --vehicle my-glider.toml --write log-with-speed.csv\n\n\
+    Fixes: a table with time_s (or start_time_s), lat_deg, lon_deg; with dac_east_m_s and dac_north_m_s beside them the\n\
+    currents are compared. The vehicle should be one whose trim and polar were identified (`glidepolar identify`).")]
+pub struct Arguments {
+    /// Flight logs of one glider
+    #[arg(required = true)]
+    logs: Vec<PathBuf>,
+    /// Vehicle file or name of a built-in vehicle
+    #[arg(long, value_name = "VEHICLE")]
+    vehicle: String,
+    /// Fixes (CSV)
+    #[arg(long, value_name = "FILE")]
+    fixes: Option<PathBuf>,
+    /// True less magnetic heading, positive to the east [deg]
+    #[arg(long, value_name = "D", default_value_t = 0.0, allow_negative_numbers = true)]
+    declination_deg: f64,
+    /// Standard error of the compass through a dive [deg]
+    #[arg(long, value_name = "S", default_value_t = 3.0)]
+    heading_error_deg: f64,
+    /// Standard error of the polar's speed beyond the vehicle's [uncertainty], per cent
+    #[arg(long, value_name = "P", default_value_t = 0.0)]
+    speed_error_percent: f64,
+    /// Density where the log gives none [kg/m3]
+    #[arg(long, value_name = "RHO")]
+    density: Option<f64>,
+    /// Take a channel from another column: heading_rad=heading_true_rad
+    #[arg(long, value_name = "CHANNEL=COLUMN")]
+    column: Vec<String>,
+    /// Write the track to FILE (CSV)
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Write the log with the polar's speed through the water to FILE (CSV)
+    #[arg(long, value_name = "FILE")]
+    write: Option<PathBuf>,
+    #[command(flatten)]
+    output: Output,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    let a = arguments;
+    for (name, value) in
+        [("--heading-error-deg", a.heading_error_deg), ("--speed-error-percent", a.speed_error_percent)]
+    {
+        if !(value >= 0.0 && value.is_finite()) {
+            return Err(CliError::Usage(format!("{name} {value}: expected a number not below zero")));
+        }
+    }
+    let vehicle = Vehicle::load(&a.vehicle)?;
+    let log = read(a)?;
+    let samples = samples(a, &log)?;
+    let moved: Vec<Parameters<f64>> = vehicle
+        .uncertainty
+        .iter()
+        .filter_map(|(path, se)| {
+            let mut moved = vehicle.clone();
+            moved.set(path, vehicle.get(path)? + se).ok()?;
+            Some(moved.glide_parameters())
+        })
+        .collect();
+    let settings = Settings {
+        declination_rad: a.declination_deg.to_radians(),
+        heading_error_rad: a.heading_error_deg.to_radians(),
+        speed_error: a.speed_error_percent / 100.0,
+        ..Settings::default()
+    };
+    let mut track = reckon(&vehicle.glide_parameters(), &moved, &samples, &settings);
+    let stored = match &a.fixes {
+        None => Vec::new(),
+        Some(file) => {
+            let (fixes, stored) = read_fixes(file)?;
+            track.set_currents(&fixes);
+            stored
+        }
+    };
+    if let Some(path) = &a.csv {
+        a.output.write(path, track_table(&track).as_bytes())?;
+    }
+    if let Some(path) = &a.write {
+        a.output.write(path, log_table(&log, &track).as_bytes())?;
+    }
+    let comparison = Comparison::new(&track.dives, &stored);
+    let report = Report { schema: "glidepolar.track/1", vehicle: &vehicle.name, dives: &track.dives, comparison };
+    if a.output.shows_tables() {
+        report.print();
+    }
+    a.output.write_json(&report)
+}
+
+fn read(a: &Arguments) -> Result<FlightLog, CliError> {
+    let mut columns = Columns::default();
+    for choice in &a.column {
+        columns.choose_text(choice).map_err(CliError::Usage)?;
+    }
+    let mut log = FlightLog::default();
+    for path in &a.logs {
+        match open(path, &columns)? {
+            Opened::Series(mut series) => {
+                while let Some(piece) = series.next_piece(PIECE_ROWS)? {
+                    log.append(&piece);
+                }
+            }
+            Opened::Glides(_) => {
+                let error = InputError::new(Place::file(path), "a table of glides has no track");
+                return Err(error.help("name the log it was made from").into());
+            }
+        }
+    }
+    Ok(log)
+}
+
+/// The log as dead reckoning needs it: slow channels kept until they are read again.
+fn samples(a: &Arguments, log: &FlightLog) -> Result<Vec<Sample>, CliError> {
+    for (channel, name) in [(Channel::Pitch, "pitch"), (Channel::Heading, "heading"), (Channel::Ballast, "ballast")] {
+        if !log.has(channel) {
+            let info = CHANNELS.iter().find(|info| info.channel == channel).map_or("", |info| info.name);
+            let error = InputError::new(Place::file(&a.logs[0]), format!("no {name}: expected a column `{info}`"));
+            return Err(error.help("choose another column by --column CHANNEL=COLUMN").into());
+        }
+    }
+    let mut kept = [(f64::NEG_INFINITY, f64::NAN); CHANNELS.len()];
+    let (mut samples, mut dive, mut latest_s) = (Vec::with_capacity(log.len()), 0, f64::NEG_INFINITY);
+    let mut under_water = false;
+    for row in 0..log.len() {
+        let time_s = log.at(Channel::Time, row);
+        // Backward clocks and missing times are left out: no way can be laid to them.
+        if !(time_s > latest_s) {
+            continue;
+        }
+        latest_s = time_s;
+        let mut value = |channel: Channel| {
+            let read = log.at(channel, row);
+            let kept = &mut kept[channel as usize];
+            if read.is_finite() {
+                *kept = (time_s, read);
+            }
+            if time_s - kept.0 <= KEEP_S { kept.1 } else { f64::NAN }
+        };
+        let (pressure, temperature_C) = (value(Channel::Pressure), value(Channel::Temperature));
+        let depth_m = match value(Channel::Depth) {
+            depth if depth.is_finite() => depth,
+            _ => pressure * DBAR_PA / (1025.0 * 9.81),
+        };
+        let salinity = value(Channel::Salinity);
+        let density_kg_m3 = match value(Channel::Density) {
+            density if density.is_finite() => density,
+            _ if salinity.is_finite() && temperature_C.is_finite() && pressure.is_finite() => {
+                let (lat, lon) = (value(Channel::Latitude), value(Channel::Longitude));
+                in_situ_density_kg_m3(salinity, temperature_C, pressure, lat, lon)
+            }
+            _ => a.density.unwrap_or(f64::NAN),
+        };
+        let numbered = value(Channel::Dive);
+        if numbered.is_finite() {
+            dive = numbered as u32;
+        } else if depth_m > 5.0 && !under_water {
+            (dive, under_water) = (dive + 1, true);
+        } else if depth_m < 2.0 {
+            under_water = false;
+        }
+        samples.push(Sample {
+            time_s,
+            dive,
+            depth_m,
+            pitch_rad: value(Channel::Pitch),
+            heading_rad: value(Channel::Heading),
+            ballast_m3: value(Channel::Ballast) * 1e-6,
+            density_kg_m3,
+            temperature_C,
+        });
+    }
+    if !samples.iter().any(|sample| sample.density_kg_m3.is_finite()) {
+        let error = InputError::new(Place::file(&a.logs[0]), "no density, nor temperature with salinity");
+        return Err(error.help("give it with --density").into());
+    }
+    Ok(samples)
+}
+
+/// A current that the table of fixes has beside a fix: time of the fix, east, north.
+type Stored = (f64, f64, f64);
+
+fn read_fixes(file: &Path) -> Result<(Vec<Fix>, Vec<Stored>), InputError> {
+    let text = std::fs::read_to_string(file).map_err(|error| InputError::io(file, &error))?;
+    let header = text.lines().find(|line| !line.starts_with('#')).unwrap_or("");
+    let has = |name: &str| header.split(',').any(|column| column.trim() == name);
+    let time = if has("time_s") { "time_s" } else { "start_time_s" };
+    let mut fixes = Vec::new();
+    let mut stored = Vec::new();
+    if has("dac_east_m_s") && has("dac_north_m_s") {
+        for_each_row(file, [time, "lat_deg", "lon_deg", "dac_east_m_s", "dac_north_m_s"], |row| {
+            let [time_s, lat_deg, lon_deg, east, north] = row;
+            fixes.push(Fix { time_s, lat_deg, lon_deg });
+            stored.push((time_s, east, north));
+        })?;
+    } else {
+        for_each_row(file, [time, "lat_deg", "lon_deg"], |[time_s, lat_deg, lon_deg]| {
+            fixes.push(Fix { time_s, lat_deg, lon_deg });
+        })?;
+    }
+    fixes.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    Ok((fixes, stored))
+}
+
+fn track_table(track: &Track) -> String {
+    let mut table = "time_s,dive,depth_m,speed_through_water_m_s,east_m,north_m\n".to_owned();
+    for point in &track.points {
+        let speed = if point.speed_m_s.is_finite() { format!("{:.5}", point.speed_m_s) } else { String::new() };
+        let _ = writeln!(
+            table,
+            "{:.3},{},{:.3},{speed},{:.2},{:.2}",
+            point.time_s, point.dive, point.depth_m, point.east_m, point.north_m
+        );
+    }
+    table
+}
+
+/// The log in its own columns, the speed of the polar among them.
+fn log_table(log: &FlightLog, track: &Track) -> String {
+    let channels: Vec<_> =
+        CHANNELS.iter().filter(|info| log.has(info.channel) && info.channel != Channel::Speed).collect();
+    let names: Vec<&str> = channels.iter().map(|info| info.name).collect();
+    let mut table = format!("# speed_through_water_m_s is the polar's, by glidepolar track\n{},", names.join(","));
+    table.push_str("speed_through_water_m_s\n");
+    let mut points = track.points.iter().peekable();
+    for row in 0..log.len() {
+        for info in &channels {
+            let value = log.at(info.channel, row);
+            if value.is_finite() {
+                let _ = write!(table, "{value}");
+            }
+            table.push(',');
+        }
+        if let Some(point) = points.next_if(|point| point.time_s == log.at(Channel::Time, row))
+            && point.speed_m_s.is_finite()
+        {
+            let _ = write!(table, "{:.5}", point.speed_m_s);
+        }
+        table.push('\n');
+    }
+    table
+}
+
+/// The result as JSON gives it.
+#[derive(Debug, Serialize)]
+struct Report<'a> {
+    schema: &'static str,
+    vehicle: &'a str,
+    dives: &'a [DiveTrack],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    comparison: Option<Comparison>,
+}
+
+/// Currents found against currents stored beside the fixes.
+#[derive(Debug, Serialize)]
+struct Comparison {
+    dives: usize,
+    mean_difference_east_m_s: f64,
+    mean_difference_north_m_s: f64,
+    rms_difference_m_s: f64,
+    /// Turn of the reckoned ways, positive to the east, that would bring both closest together.
+    turn_deg: f64,
+    /// Factor on the reckoned ways that would, together with the turn.
+    factor: f64,
+    /// What would be left.
+    rms_left_m_s: f64,
+}
+
+impl Comparison {
+    /// The difference of two currents from the same fixes is that of the two reckoned ways, over time. How much of it
+    /// is one compass error and one error of speed: a turn and a factor of the ways, by least squares.
+    fn new(dives: &[DiveTrack], stored: &[Stored]) -> Option<Self> {
+        let near = |dive: &DiveTrack| {
+            stored.iter().filter(|(time, ..)| *time <= dive.start_s + 60.0).max_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        let pairs: Vec<([f64; 2], [f64; 2])> = dives
+            .iter()
+            .filter_map(|dive| {
+                let (current, (_, east, north)) = (dive.current?, near(dive)?);
+                let mean = [dive.east_m / current.duration_s, dive.north_m / current.duration_s];
+                Some((mean, [current.east_m_s - east, current.north_m_s - north]))
+            })
+            .collect();
+        if pairs.len() < 2 {
+            return None;
+        }
+        let n = pairs.len() as f64;
+        // The stored currents' own ways are ours plus the difference; (c, s) turns and stretches ours into theirs.
+        let (mut power, mut cosine, mut sine) = (0.0, 0.0, 0.0);
+        for ([e, north], [de, dn]) in &pairs {
+            let (te, tn) = (e + de, north + dn);
+            power += e * e + north * north;
+            cosine += e * te + north * tn;
+            sine += te * north - tn * e;
+        }
+        let (c, s) = (cosine / power, sine / power);
+        let left = |[e, north]: [f64; 2], [de, dn]: [f64; 2]| {
+            (e + de - c * e - s * north).powi(2) + (north + dn - c * north + s * e).powi(2)
+        };
+        let mean = |of: &dyn Fn(&([f64; 2], [f64; 2])) -> f64| pairs.iter().map(of).sum::<f64>() / n;
+        Some(Comparison {
+            dives: pairs.len(),
+            mean_difference_east_m_s: mean(&|(_, d)| d[0]),
+            mean_difference_north_m_s: mean(&|(_, d)| d[1]),
+            rms_difference_m_s: mean(&|(_, d)| d[0] * d[0] + d[1] * d[1]).sqrt(),
+            turn_deg: s.atan2(c).to_degrees(),
+            factor: c.hypot(s),
+            rms_left_m_s: mean(&|(way, d)| left(*way, *d)).sqrt(),
+        })
+    }
+}
+
+impl Report<'_> {
+    fn print(&self) {
+        println!("{}: ways through the water and currents, +- standard error", self.vehicle);
+        println!("  dive   hours     east [km]        north [km]       current east      current north [m/s]");
+        for dive in self.dives {
+            let current = dive.current.map_or(String::new(), |current| {
+                format!(
+                    "{:8.3} +- {:.3}   {:8.3} +- {:.3}",
+                    current.east_m_s, current.east_se_m_s, current.north_m_s, current.north_se_m_s
+                )
+            });
+            println!(
+                "{:6} {:7.2} {:9.3} +- {:.3} {:9.3} +- {:.3} {current}",
+                dive.dive,
+                (dive.end_s - dive.start_s) / 3600.0,
+                dive.east_m / 1e3,
+                dive.east_se_m / 1e3,
+                dive.north_m / 1e3,
+                dive.north_se_m / 1e3
+            );
+        }
+        if let Some(c) = &self.comparison {
+            println!(
+                "against the stored currents of {} dives: mean difference {:+.3} east, {:+.3} north, rms {:.3} m/s",
+                c.dives, c.mean_difference_east_m_s, c.mean_difference_north_m_s, c.rms_difference_m_s
+            );
+            println!(
+                "a turn of the ways by {:+.1} deg and a factor {:.3} would leave {:.3} m/s",
+                c.turn_deg, c.factor, c.rms_left_m_s
+            );
+        }
+    }
+}
