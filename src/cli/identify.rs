@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use serde::Serialize;
 
 use super::{CliError, Output};
-use crate::identify::{Identification, IdentifyError, Report, Request, Trim, identify};
+use crate::identify::{Identification, IdentifyError, Report, Request, Trim, identify, paper};
 use crate::input::{InputError, Place};
 use crate::log::{Channel, Columns, Observation, Opened, Preparation, Settings, open};
 use crate::vehicle::Vehicle;
@@ -27,6 +28,9 @@ pub struct Arguments {
     vehicle: String,
     #[command(flatten)]
     reading: Reading,
+    /// joint: all samples at once, with errors; iterative: the tank paper's scheme, descents and ascents apart
+    #[arg(long, value_enum, default_value_t = Method::Joint)]
+    method: Method,
     /// What the baseline takes for the net weight; default: neutral for a built-in vehicle, vehicle for a file
     #[arg(long, value_enum)]
     trim: Option<TrimChoice>,
@@ -55,6 +59,12 @@ pub struct Reading {
     /// Half window of the filter for vertical velocity [s]
     #[arg(long, value_name = "S", default_value_t = 4.0, help_heading = "Log")]
     pub half_window_s: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Method {
+    Joint,
+    Iterative,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -155,6 +165,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         None if vehicle.is_builtin => Trim::Neutral,
         None => Trim::Vehicle,
     };
+    if arguments.method == Method::Iterative {
+        return iterative(arguments, &vehicle, &log, trim);
+    }
     let request = Request { trim, free: arguments.free.clone(), pin: pins(&arguments.pin)? };
     let found = identify(&vehicle, &log.observations, &request)?;
     let report = found.report(&vehicle, log.w_filter, log.notes);
@@ -162,6 +175,65 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         print(&report, &found);
     }
     arguments.output.write_json(&report)
+}
+
+/// The tank paper's scheme, from the vehicle's coefficients and from half and double its lift slope.
+fn iterative(arguments: &Arguments, vehicle: &Vehicle, log: &Log, trim: Trim) -> Result<(), CliError> {
+    let parameters = trim.baseline(&vehicle.glide_parameters(), &log.observations);
+    let glides = paper::mean_glides(&parameters, &log.observations);
+    let first = paper::Coefficients { a: parameters.a_per_rad, b: parameters.b, c: parameters.c_per_rad2 };
+    let mut campaigns = Vec::new();
+    for descends in [true, false] {
+        for factor in [1.0, 0.5, 2.0] {
+            let guess = paper::Coefficients { a: first.a * factor, ..first };
+            campaigns.extend(paper::campaign(&glides, descends, parameters.frontal_area_m2, guess));
+        }
+    }
+    if campaigns.is_empty() {
+        return Err(CliError::Failed("the scheme has no solution for any leg: weight, pitch and sink rate contradict each other; is the trim right?".into()));
+    }
+    let report = Iterative {
+        schema: "glidepolar.identify/1",
+        method: "iterative",
+        trim,
+        n_glides: glides.len(),
+        warnings: vec!["the result depends on the first guess: see the campaigns that start elsewhere".into()],
+        campaigns,
+    };
+    if arguments.output.shows_tables() {
+        println!(
+            "{:<9} {:>8} {:>8} {:>8}   {:>8} {:>8} {:>8} {:>7} {:>7}",
+            "leg", "first a", "b", "c", "a", "b", "c", "glides", "rounds"
+        );
+        for campaign in &report.campaigns {
+            let (from, to) = (campaign.first_guess, campaign.coefficients());
+            println!(
+                "{:<9} {:>8.3} {:>8.3} {:>8.3}   {:>8.3} {:>8.3} {:>8.3} {:>7} {:>7}",
+                if campaign.descends { "descents" } else { "ascents" },
+                from.a,
+                from.b,
+                from.c,
+                to.a,
+                to.b,
+                to.c,
+                campaign.glides.len(),
+                campaign.history.len()
+            );
+        }
+        report.warnings.iter().for_each(|warning| println!("warning: {warning}"));
+    }
+    arguments.output.write_json(&report)
+}
+
+/// The scheme's result as JSON gives it.
+#[derive(Debug, Serialize)]
+struct Iterative {
+    schema: &'static str,
+    method: &'static str,
+    trim: Trim,
+    n_glides: usize,
+    campaigns: Vec<paper::Campaign>,
+    warnings: Vec<String>,
 }
 
 fn pins(texts: &[String]) -> Result<Vec<(String, f64)>, CliError> {
