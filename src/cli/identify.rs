@@ -67,12 +67,25 @@ enum Method {
     Iterative,
 }
 
+/// The choice of the baseline's net weight, as a user makes it.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-enum TrimChoice {
+pub enum TrimChoice {
     /// From the vehicle's mass and displaced volume
     Vehicle,
     /// Neutral at ballast volume zero in the mean water of the log
     Neutral,
+}
+
+impl TrimChoice {
+    /// What was chosen; by default a built-in vehicle, which is not the user's own glider, is taken as neutral.
+    pub fn of(choice: Option<TrimChoice>, vehicle: &Vehicle) -> Trim {
+        match choice {
+            Some(TrimChoice::Vehicle) => Trim::Vehicle,
+            Some(TrimChoice::Neutral) => Trim::Neutral,
+            None if vehicle.is_builtin => Trim::Neutral,
+            None => Trim::Vehicle,
+        }
+    }
 }
 
 /// Samples of a log, and how they were come by.
@@ -159,12 +172,7 @@ impl Reading {
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let vehicle = Vehicle::load(&arguments.vehicle)?;
     let log = arguments.reading.read(&arguments.logs, &vehicle)?;
-    let trim = match arguments.trim {
-        Some(TrimChoice::Vehicle) => Trim::Vehicle,
-        Some(TrimChoice::Neutral) => Trim::Neutral,
-        None if vehicle.is_builtin => Trim::Neutral,
-        None => Trim::Vehicle,
-    };
+    let trim = TrimChoice::of(arguments.trim, &vehicle);
     if arguments.method == Method::Iterative {
         return iterative(arguments, &vehicle, &log, trim);
     }

@@ -6,6 +6,7 @@
 //! calls it and shows what came back.
 
 pub mod assemble;
+pub mod diagnose;
 mod export_fmu;
 pub mod glide;
 mod glide_page;
@@ -45,6 +46,7 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Assemble(assemble::Arguments),
+    Diagnose(diagnose::Arguments),
     ExportFmu(export_fmu::Arguments),
     Glide(glide::Arguments),
     Plan(plan::Arguments),
@@ -168,6 +170,7 @@ pub fn main() -> ExitCode {
 fn run(cli: Cli) -> Result<(), CliError> {
     match cli.command {
         Command::Assemble(arguments) => assemble::run(&arguments),
+        Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::ExportFmu(arguments) => export_fmu::run(&arguments),
         Command::Glide(arguments) => glide::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),

@@ -10,7 +10,7 @@ use super::evidence::{Candidate, Evidence, Point, Problem};
 use super::findings::{Cause, Diagnosis, Gain, Rejected, Unexplained, Verdict, Wrong};
 use super::holdout::{self, least_squares};
 use super::noise::{self, Noise, Series};
-use super::score::{Score, whiten};
+use super::score::{Score, whiten, whiten_with_prior};
 use super::search::{Choice, Race, Runner};
 use super::smooth;
 use crate::estimate::Estimate;
@@ -25,6 +25,9 @@ const MAX_ROUNDS: usize = 6;
 /// a mechanism may be and still count as a stand-in: a factor of 20 in evidence.
 const MARGIN: f64 = 6.0;
 
+/// Least advantage on held-out data, in standard errors, for a mechanism to stay.
+const LEAST_ADVANTAGE: f64 = 1.0;
+
 /// Probability below which a misfit is called one.
 const SIGNIFICANT: f64 = 0.01;
 
@@ -35,47 +38,41 @@ pub fn diagnose(problem: &impl Problem) -> (Diagnosis, Point) {
     let mut baseline = Fitted::new(problem, start, Vec::new());
     baseline.settle(problem);
 
+    // Mechanisms alone first: far from the truth the model bends, and a curve would take up the bend. Once they have done
+    // what they can, what is left decides whether a curve was needed after all.
     let mut present = baseline.clone();
-    let mut seen_sets = vec![Vec::new()];
-    let mut curve = None;
-    for _ in 0..MAX_ROUNDS {
-        let lap = Lap::new(candidates, &present);
-        let race = lap.race();
-        let (mechanisms, with_curve) = (race.best_mechanisms(), race.best_with_curve());
-        let (members, found_curve) = decide(mechanisms, with_curve, &lap);
-        curve = found_curve;
-        if members == present.included {
-            break;
-        }
-        let mut next = Fitted::new(problem, lap.point_of(&members, problem), members.clone());
-        next.settle(problem);
-        present = next;
-        if seen_sets.contains(&members) {
-            break;
-        }
-        seen_sets.push(members);
-    }
+    present.alternate(problem, |lap| (lap.race().best_mechanisms().members, None));
+    let curve =
+        present.alternate(problem, |lap| decide(lap.race().best_mechanisms(), lap.race().best_with_curve(), lap));
     present.drop_what_does_not_predict(problem, &baseline);
+    let curve = curve.or_else(|| Lap::new(candidates, &present).unnamed_curve(&present.included));
     report(problem, &baseline, &present, curve)
 }
 
 /// Mechanisms alone, or what is left of them beside a curve that none of them can replace.
-fn decide(mechanisms: Choice, with_curve: Option<Choice>, lap: &Lap<'_>) -> (Vec<usize>, Option<usize>) {
+fn decide(mechanisms: Choice, with_curve: Option<Choice>, lap: &Lap<'_>) -> (Vec<usize>, Option<String>) {
     match with_curve {
         Some(other) if other.criterion < mechanisms.criterion.min(0.0) - MARGIN => {
-            // Beside something unknown a name needs evidence that the unknown cannot take over.
+            // Beside something unknown a name needs evidence that the unknown cannot take over, and more of it than the
+            // unknown has itself: what is unknown may bring along a bit of many a mechanism.
             let race = lap.race();
             let mut members = other.members;
-            while let Some(place) = (0..members.len()).find(|place| {
-                let mut fewer = members.clone();
-                let gone = fewer.remove(*place);
-                !lap.runners[gone].is_curve && race.criterion(&fewer) < race.criterion(&members) + MARGIN
-            }) {
-                members.remove(place);
+            let lost_without = |members: &[usize], place: usize| {
+                let mut fewer = members.to_vec();
+                fewer.remove(place);
+                race.criterion(&fewer) - race.criterion(members)
+            };
+            while let Some(curve) = members.iter().position(|member| lap.runners[*member].is_curve) {
+                let needed = MARGIN.max(lost_without(&members, curve));
+                let weak = (0..members.len()).find(|place| *place != curve && lost_without(&members, *place) < needed);
+                match weak {
+                    Some(place) => members.remove(place),
+                    None => break,
+                };
             }
             let (curves, named): (Vec<usize>, Vec<usize>) =
                 members.iter().partition(|member| lap.runners[**member].is_curve);
-            (named, curves.first().copied())
+            (named, curves.first().and_then(|curve| lap.curve_name(*curve)).map(str::to_owned))
         }
         _ => (mechanisms.members, None),
     }
@@ -92,7 +89,7 @@ struct Fitted {
 
 impl Fitted {
     fn new(problem: &impl Problem, point: Point, included: Vec<usize>) -> Self {
-        let evidence = problem.evidence(&point);
+        let evidence = believing(problem, problem.evidence(&point), &point, &included);
         let noises = noises(&evidence, &included);
         Fitted { point, included, evidence, noises }
     }
@@ -110,7 +107,7 @@ impl Fitted {
             let mut accepted = false;
             for shortening in [1.0, 0.5, 0.25, 0.1, 0.03] {
                 let point = self.moved(problem, &(&step * shortening));
-                let evidence = problem.evidence(&point);
+                let evidence = believing(problem, problem.evidence(&point), &point, &self.included);
                 if weighted_squares(&evidence, &self.noises) < before {
                     (self.point, self.evidence, accepted) = (point, evidence, true);
                     break;
@@ -121,6 +118,32 @@ impl Fitted {
                 return;
             }
         }
+    }
+
+    /// Alternates between the choice of a set and its fit until the choice stands; returns the curve that goes with it.
+    fn alternate(
+        &mut self,
+        problem: &impl Problem,
+        choose: impl Fn(&Lap<'_>) -> (Vec<usize>, Option<String>),
+    ) -> Option<String> {
+        let mut tried = vec![self.included.clone()];
+        let mut curve = None;
+        for _ in 0..MAX_ROUNDS {
+            let lap = Lap::new(problem.candidates(), self);
+            let (members, found) = choose(&lap);
+            curve = found;
+            if members == self.included {
+                break;
+            }
+            let mut next = Fitted::new(problem, lap.point_of(&members, problem), members.clone());
+            next.settle(problem);
+            *self = next;
+            if tried.contains(&members) {
+                break;
+            }
+            tried.push(members);
+        }
+        curve
     }
 
     fn columns(&self) -> DMatrix<f64> {
@@ -161,40 +184,53 @@ impl Fitted {
         holdout::residuals(&self.evidence, &self.noises, &self.columns(), &self.evidence.residual)
     }
 
-    /// A mechanism that fits and does not predict is none: the weakest goes, until those left all do.
+    /// A mechanism that fits and does not predict is none: the one of least use goes, until all that are left predict.
     fn drop_what_does_not_predict(&mut self, problem: &impl Problem, baseline: &Fitted) {
         while !self.included.is_empty() {
-            let error = |fitted: &Fitted| weighted_rms(&fitted.evidence, &fitted.noises_of(self), &fitted.held_out());
-            let here = error(self);
-            let mut worst: Option<(f64, Fitted)> = None;
-            for place in 0..self.included.len() {
-                let mut fewer = self.included.clone();
-                let gone = fewer.remove(place);
-                let other = if fewer.is_empty() {
-                    baseline.clone()
-                } else {
-                    let mut point = self.point.clone();
-                    point.candidates[gone].clone_from(&problem.candidates()[gone].neutral);
-                    let mut other = Fitted::new(problem, point, fewer);
-                    other.settle(problem);
-                    other
-                };
-                let without = error(&other);
-                if without <= here && worst.as_ref().is_none_or(|(least, _)| without < *least) {
-                    worst = Some((without, other));
-                }
+            let with = self.held_out();
+            let advantage_over =
+                |other: &Fitted| holdout::advantage(&self.evidence, &self.noises, &other.held_out(), &with);
+            if advantage_over(baseline) < LEAST_ADVANTAGE {
+                *self = baseline.clone();
+                return;
             }
-            match worst {
+            let useless = (0..self.included.len())
+                .map(|place| self.without(problem, baseline, place))
+                .map(|other| (advantage_over(&other), other))
+                .min_by(|a, b| a.0.total_cmp(&b.0))
+                .filter(|(advantage, _)| *advantage < LEAST_ADVANTAGE);
+            match useless {
                 Some((_, other)) => *self = other,
                 None => return,
             }
         }
     }
 
-    /// One noise for two models that are compared.
-    fn noises_of(&self, other: &Fitted) -> Vec<Noise> {
-        other.noises.clone()
+    /// The fit of the same set less one member.
+    fn without(&self, problem: &impl Problem, baseline: &Fitted, place: usize) -> Fitted {
+        let mut fewer = self.included.clone();
+        let gone = fewer.remove(place);
+        if fewer.is_empty() {
+            return baseline.clone();
+        }
+        let mut point = self.point.clone();
+        point.candidates[gone].clone_from(&problem.candidates()[gone].neutral);
+        let mut other = Fitted::new(problem, point, fewer);
+        other.settle(problem);
+        other
     }
+}
+
+/// The evidence with what is believed of the included candidates beside what is believed of the baseline.
+fn believing(problem: &impl Problem, mut evidence: Evidence, point: &Point, included: &[usize]) -> Evidence {
+    for member in included {
+        let candidate = &problem.candidates()[*member];
+        for ((value, neutral), usual) in point.candidates[*member].iter().zip(&candidate.neutral).zip(&candidate.usual)
+        {
+            evidence.prior.push((neutral - value, *usual));
+        }
+    }
+    evidence
 }
 
 /// One round of the search around a fit.
@@ -211,31 +247,50 @@ impl<'a> Lap<'a> {
     fn new(candidates: &'a [Candidate], fitted: &'a Fitted) -> Self {
         let mut evidence = fitted.evidence.clone();
         evidence.residual = fitted.without_candidates(candidates);
+        evidence.prior.truncate(evidence.baseline.ncols());
         let mut runners = Vec::new();
         let mut parts: Vec<DMatrix<f64>> = Vec::new();
+        let mut usual: Vec<f64> = Vec::new();
         let mut n_columns = 0;
-        let mut push = |columns: DMatrix<f64>, family: usize, is_curve: bool| {
-            runners.push(Runner { columns: n_columns..n_columns + columns.ncols(), family, is_curve });
+        let mut push = |columns: DMatrix<f64>, family: usize, is_curve: bool, bounds: Vec<(f64, f64)>| {
+            runners.push(Runner { columns: n_columns..n_columns + columns.ncols(), family, is_curve, bounds });
             n_columns += columns.ncols();
             parts.push(columns);
         };
         for (index, candidate) in candidates.iter().enumerate() {
             let family = candidates.iter().position(|other| other.name == candidate.name).unwrap_or(index);
-            push(evidence.candidates[index].clone(), family, false);
+            let allowed = candidate.bounds.iter().zip(&candidate.neutral);
+            let bounds = allowed.map(|((low, high), neutral)| (low - neutral, high - neutral)).collect();
+            push(evidence.candidates[index].clone(), family, false, bounds);
+            usual.extend(&candidate.usual);
         }
         let mut curve_names = Vec::new();
         for (columns, name) in curves(&evidence) {
             let index = candidates.len() + curve_names.len();
             curve_names.push((index, name));
-            push(columns, index, true);
+            push(columns, index, true, Vec::new());
         }
         let all = side_by_side(evidence.residual.len(), &parts.iter().collect::<Vec<_>>());
-        let score = Score::new(&evidence, &fitted.noises, &evidence.baseline, &all);
+        usual.resize(all.ncols(), f64::INFINITY);
+        let score = Score::new(&evidence, &fitted.noises, &evidence.baseline, &all, &usual);
         Lap { candidates, fitted, runners, curve_names, score }
     }
 
     fn race(&self) -> Race<'_> {
         Race::new(&self.score, &self.runners)
+    }
+
+    /// The covariate of the curve that explains what these members leave, if one clearly does.
+    fn unnamed_curve(&self, members: &[usize]) -> Option<String> {
+        let race = self.race();
+        let here = race.criterion(members);
+        let best = self.curve_names.iter().map(|(runner, name)| {
+            let mut with = members.to_vec();
+            with.push(*runner);
+            (race.criterion(&with), name)
+        });
+        let (criterion, name) = best.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        (criterion < here - MARGIN).then(|| name.clone())
     }
 
     fn curve_name(&self, runner: usize) -> Option<&str> {
@@ -294,7 +349,7 @@ fn curves(evidence: &Evidence) -> Vec<(DMatrix<f64>, String)> {
     found
 }
 
-fn report(problem: &impl Problem, baseline: &Fitted, extended: &Fitted, curve: Option<usize>) -> (Diagnosis, Point) {
+fn report(problem: &impl Problem, baseline: &Fitted, extended: &Fitted, curve: Option<String>) -> (Diagnosis, Point) {
     let candidates = problem.candidates();
     let before = baseline.held_out();
     let after = if extended.included.is_empty() { before.clone() } else { extended.held_out() };
@@ -322,8 +377,7 @@ fn report(problem: &impl Problem, baseline: &Fitted, extended: &Fitted, curve: O
     causes.sort_by(|a, b| b.0.total_cmp(&a.0));
     let causes: Vec<Cause> = causes.into_iter().map(|(_, cause)| cause).collect();
 
-    let depends_on: Vec<String> =
-        curve.and_then(|runner| lap.curve_name(runner)).map(str::to_owned).into_iter().collect();
+    let depends_on: Vec<String> = curve.into_iter().collect();
     let rows = baseline.evidence.quantities[0].rows.clone();
     let unexplained = (!depends_on.is_empty())
         .then(|| Unexplained { rms: holdout::rms(&extended.evidence.residual, rows), depends_on });
@@ -387,6 +441,9 @@ fn cause(
 
     let mut without = extended.clone();
     without.included = others;
+    let after_baseline = extended.evidence.baseline.ncols()
+        + extended.included[..place].iter().map(|i| candidates[*i].usual.len()).sum::<usize>();
+    without.evidence.prior.drain(after_baseline..after_baseline + candidate.usual.len());
     without.evidence.residual += &extended.evidence.candidates[member]
         * DVector::from_iterator(
             df,
@@ -437,6 +494,7 @@ fn rejected(
             };
             let mut with = extended.clone();
             with.included.push(index);
+            with.evidence.prior.extend(candidates[index].usual.iter().map(|usual| (0.0, *usual)));
             let rows = extended.evidence.quantities[0].rows.clone();
             let stands_in: Vec<&str> = causes
                 .iter()
@@ -534,8 +592,7 @@ fn solve(evidence: &Evidence, noises: &[Noise], columns: &DMatrix<f64>, target: 
     let mut all = DMatrix::zeros(target.len(), k + 1);
     all.columns_mut(0, k).copy_from(columns);
     all.column_mut(k).copy_from(target);
-    whiten(evidence, noises, &mut all);
-    least_squares(&all)
+    least_squares(&whiten_with_prior(evidence, noises, &all, k))
 }
 
 fn weighted_squares(evidence: &Evidence, noises: &[Noise]) -> f64 {
@@ -545,20 +602,8 @@ fn weighted_squares(evidence: &Evidence, noises: &[Noise]) -> f64 {
 fn weighted(evidence: &Evidence, noises: &[Noise], values: &DVector<f64>) -> f64 {
     let mut column = DMatrix::from_column_slice(values.len(), 1, values.as_slice());
     whiten(evidence, noises, &mut column);
-    column.norm_squared()
-}
-
-/// Root mean square in units of the noise, each quantity by its own.
-fn weighted_rms(evidence: &Evidence, noises: &[Noise], values: &DVector<f64>) -> f64 {
-    let squares: f64 = evidence
-        .quantities
-        .iter()
-        .zip(noises)
-        .flat_map(|(quantity, noise)| {
-            quantity.rows.clone().map(|row| (values[row] / noise.sd(evidence.stated_sd[row])).powi(2))
-        })
-        .sum();
-    (squares / values.len() as f64).sqrt()
+    let belief: f64 = evidence.prior.iter().map(|(belief, sd)| (belief / sd).powi(2)).sum();
+    column.norm_squared() + belief
 }
 
 /// Probability that chance alone explains this much.

@@ -45,6 +45,9 @@ pub struct Evidence {
     pub residual: DVector<f64>,
     /// Sensitivity of the modelled value to each baseline parameter: rows by parameters.
     pub baseline: DMatrix<f64>,
+    /// What is believed of the baseline beforehand: for each parameter its believed value less the present one, and the
+    /// standard deviation of that belief.
+    pub prior: Vec<(f64, f64)>,
     /// Sensitivity to each candidate's parameters, in the order of [`Problem::candidates`].
     pub candidates: Vec<DMatrix<f64>>,
     /// What the residuals may go with.
@@ -60,6 +63,10 @@ pub struct Candidate {
     pub parameters: Vec<(&'static str, &'static str)>,
     /// Where each parameter has no effect.
     pub neutral: Vec<f64>,
+    /// How far from neutral each parameter is usually found, a standard deviation: what is believed beforehand.
+    pub usual: Vec<f64>,
+    /// Smallest and largest value that physics allows each parameter.
+    pub bounds: Vec<(f64, f64)>,
     /// What else goes with this version, unfitted: name, value, unit.
     pub fixed: Vec<(&'static str, f64, &'static str)>,
 }

@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng, rngs::StdRng};
 
 use super::evidence::Evidence;
 use super::noise::Noise;
-use super::score::whiten;
+use super::score::whiten_with_prior;
 
 /// In how many parts the blocks are split; each is held out once.
 const FOLDS: usize = 4;
@@ -31,7 +31,7 @@ pub fn residuals(evidence: &Evidence, noises: &[Noise], columns: &DMatrix<f64>, 
             all.view_mut((i, 0), (1, columns.ncols())).copy_from(&columns.row(*row));
             all[(i, columns.ncols())] = target[*row];
         }
-        whiten(&part, noises, &mut all);
+        let all = whiten_with_prior(&part, noises, &all, columns.ncols());
         let solution = least_squares(&all);
         for row in (0..target.len()).filter(|row| is_out(*row)) {
             left[row] = target[row] - (columns.row(row) * &solution)[0];
@@ -71,6 +71,7 @@ fn subset(evidence: &Evidence, kept: &[usize]) -> Evidence {
         leg: Vec::new(),
         residual: DVector::zeros(0),
         baseline: DMatrix::zeros(0, 0),
+        prior: evidence.prior.clone(),
         candidates: Vec::new(),
         covariates: Vec::new(),
     };
@@ -87,6 +88,28 @@ fn subset(evidence: &Evidence, kept: &[usize]) -> Evidence {
 pub fn rms(values: &DVector<f64>, rows: std::ops::Range<usize>) -> f64 {
     let n = rows.len().max(1) as f64;
     (rows.map(|row| values[row] * values[row]).sum::<f64>() / n).sqrt()
+}
+
+/// How sure it is that a model predicts better than another: the mean over blocks of the fall in squared error (in units
+/// of the noise), over its standard error.
+pub fn advantage(evidence: &Evidence, noises: &[Noise], without: &DVector<f64>, with: &DVector<f64>) -> f64 {
+    let mut blocks: Vec<(usize, f64)> = Vec::new();
+    for (quantity, noise) in evidence.quantities.iter().zip(noises) {
+        for row in quantity.rows.clone() {
+            let variance = noise.sd(evidence.stated_sd[row]).powi(2);
+            let fall = (without[row] * without[row] - with[row] * with[row]) / variance;
+            let block = evidence.block[row];
+            match blocks.iter_mut().find(|(known, _)| *known == block) {
+                Some((_, sum)) => *sum += fall,
+                None => blocks.push((block, fall)),
+            }
+        }
+    }
+    let n = blocks.len() as f64;
+    let mean = blocks.iter().map(|(_, fall)| fall).sum::<f64>() / n;
+    let variance = blocks.iter().map(|(_, fall)| (fall - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+    let se = (variance / n).sqrt();
+    if se > 0.0 { mean / se } else { 0.0 }
 }
 
 /// 95 % interval of the reduction of the root mean square \[%\], by resampling whole blocks.

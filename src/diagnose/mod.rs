@@ -13,6 +13,8 @@ pub mod findings;
 pub mod holdout;
 pub mod noise;
 pub mod score;
+#[cfg(feature = "sea")]
+pub mod sea;
 pub mod search;
 pub mod smooth;
 

@@ -70,6 +70,10 @@ const RED_SHARES: [f64; 12] = [0.0, 0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 
 /// Correlation times that are tried, in units of the median step between rows.
 const TIMES_IN_STEPS: [f64; 9] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0];
 
+/// Largest variance of the noise, relative to that of the residuals once everything explained is set aside. Beyond it a
+/// slow process would stand for a level that no row shows, and hide every effect that is a level.
+const MAX_VARIANCE_RATIO: f64 = 1.5;
+
 /// The noise of greatest restricted likelihood. `residual` is what the present model leaves, `explained` the
 /// sensitivities to everything that could explain it.
 pub fn estimate(series: Series<'_>, residual: &DVector<f64>, explained: &DMatrix<f64>) -> Noise {
@@ -80,7 +84,9 @@ pub fn estimate(series: Series<'_>, residual: &DVector<f64>, explained: &DMatrix
     let step_s = steps.get(steps.len() / 2).copied().unwrap_or(1.0);
     let stated = series.stated_sd.iter().map(|sd| sd * sd).sum::<f64>() / n.max(1) as f64;
 
-    let mut best = (f64::NEG_INFINITY, Noise { white: 1.0, red: 0.0, correlation_time_s: step_s });
+    let white = Noise { white: 1.0, red: 0.0, correlation_time_s: step_s };
+    let seen = profile(series, &white, residual, explained).map_or(f64::INFINITY, |(_, scale)| scale);
+    let mut best = (f64::NEG_INFINITY, white);
     for share in RED_SHARES {
         for time in TIMES_IN_STEPS {
             // Shape first; the common scale has a closed form.
@@ -88,7 +94,7 @@ pub fn estimate(series: Series<'_>, residual: &DVector<f64>, explained: &DMatrix
             let Some((log_likelihood, scale)) = profile(series, &shape, residual, explained) else {
                 continue;
             };
-            if log_likelihood > best.0 {
+            if log_likelihood > best.0 && scale <= MAX_VARIANCE_RATIO * seen {
                 let noise = Noise { white: shape.white * scale, red: shape.red * scale, ..shape };
                 best = (log_likelihood, noise);
             }
@@ -106,6 +112,13 @@ fn profile(series: Series<'_>, shape: &Noise, residual: &DVector<f64>, explained
     let (n, k) = (residual.len(), explained.ncols());
     let mut columns = DMatrix::zeros(n, k + 1);
     columns.columns_mut(0, k).copy_from(explained);
+    // Sensitivities come in all units: each in its own size, or the small ones drown in the rounding of the large ones.
+    for mut column in columns.columns_mut(0, k).column_iter_mut() {
+        let size = column.norm();
+        if size > 0.0 {
+            column.unscale_mut(size);
+        }
+    }
     columns.column_mut(k).copy_from(residual);
     let log_determinant = whiten(series, shape, &mut columns);
     let design = columns.columns(0, k).into_owned();

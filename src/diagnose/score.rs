@@ -20,10 +20,6 @@ pub struct Score {
     sizes: Vec<f64>,
     /// Share of each column that the baseline cannot imitate.
     seen: Vec<f64>,
-    /// Sum of squares that the baseline leaves.
-    pub left: f64,
-    /// Rows less baseline parameters.
-    pub freedom: usize,
     /// Independent numbers to which the rows amount.
     pub effective_rows: f64,
 }
@@ -39,6 +35,20 @@ pub struct Fit {
     pub covariance: DMatrix<f64>,
 }
 
+/// Columns whitened, with a row for each belief about the baseline below them. The first columns must be those of the
+/// baseline parameters; `target` is the column that they are fitted to.
+pub fn whiten_with_prior(evidence: &Evidence, noises: &[Noise], columns: &DMatrix<f64>, target: usize) -> DMatrix<f64> {
+    let n = columns.nrows();
+    let mut whitened = columns.clone();
+    whiten(evidence, noises, &mut whitened);
+    let mut all = whitened.resize_vertically(n + evidence.prior.len(), 0.0);
+    for (j, (belief, sd)) in evidence.prior.iter().enumerate() {
+        all[(n + j, j)] = sd.recip();
+        all[(n + j, target)] = belief / sd;
+    }
+    all
+}
+
 /// Whitens every column of each quantity by its noise.
 pub fn whiten(evidence: &Evidence, noises: &[Noise], columns: &mut DMatrix<f64>) {
     for (quantity, noise) in evidence.quantities.iter().zip(noises) {
@@ -51,25 +61,22 @@ pub fn whiten(evidence: &Evidence, noises: &[Noise], columns: &mut DMatrix<f64>)
 }
 
 impl Score {
-    /// The products for these columns, side by side in the order in which sets will name them.
-    pub fn new(evidence: &Evidence, noises: &[Noise], baseline: &DMatrix<f64>, columns: &DMatrix<f64>) -> Score {
+    /// The products for these columns, side by side in the order in which sets will name them; `usual` is the standard
+    /// deviation of what is believed of each beforehand, infinite where nothing is.
+    pub fn new(
+        evidence: &Evidence,
+        noises: &[Noise],
+        baseline: &DMatrix<f64>,
+        columns: &DMatrix<f64>,
+        usual: &[f64],
+    ) -> Score {
         let n = evidence.residual.len();
         let (nb, nc) = (baseline.ncols(), columns.ncols());
-        let mut all = DMatrix::zeros(n, nb + nc + 2);
+        let mut all = DMatrix::zeros(n, nb + nc + 1);
         all.columns_mut(0, nb).copy_from(baseline);
         all.columns_mut(nb, nc).copy_from(columns);
         all.column_mut(nb + nc).copy_from(&evidence.residual);
-        all.column_mut(nb + nc + 1).fill(1.0);
-        whiten(evidence, noises, &mut all);
-
-        let ones = all.column(nb + nc + 1).norm_squared();
-        let variance: f64 = evidence
-            .quantities
-            .iter()
-            .zip(noises)
-            .flat_map(|(quantity, noise)| quantity.rows.clone().map(|row| noise.sd(evidence.stated_sd[row]).powi(2)))
-            .sum::<f64>()
-            / n as f64;
+        let all = whiten_with_prior(evidence, noises, &all, nb + nc);
 
         let q = orthonormal(all.columns(0, nb).into_owned());
         let mut rest = all.columns(nb, nc + 1).into_owned();
@@ -84,14 +91,16 @@ impl Score {
         }
         let seen = (0..nc).map(|j| rest.column(j).norm()).collect();
         let candidates = rest.columns(0, nc);
+        let mut gram = candidates.transpose() * candidates;
+        for (j, usual) in usual.iter().enumerate() {
+            gram[(j, j)] += (sizes[j] * usual).powi(-2);
+        }
         Score {
-            gram: candidates.transpose() * candidates,
+            gram,
             moments: candidates.transpose() * rest.column(nc),
             sizes,
             seen,
-            left: rest.column(nc).norm_squared(),
-            freedom: n - q.ncols(),
-            effective_rows: (ones * variance).clamp(2.0, n as f64),
+            effective_rows: effective_rows(evidence, noises),
         }
     }
 
@@ -121,6 +130,21 @@ impl Score {
             covariance: DMatrix::from_fn(k, k, |i, j| covariance[(i, j)] * scale(i) * scale(j)),
         }
     }
+}
+
+/// To how many independent rows these rows amount: what the mean of them all is worth.
+fn effective_rows(evidence: &Evidence, noises: &[Noise]) -> f64 {
+    let n = evidence.residual.len();
+    let mut ones = DMatrix::from_element(n, 1, 1.0);
+    whiten(evidence, noises, &mut ones);
+    let mut effective = 0.0;
+    for (quantity, noise) in evidence.quantities.iter().zip(noises) {
+        let rows = quantity.rows.clone();
+        let information: f64 = rows.clone().map(|row| ones[row] * ones[row]).sum();
+        let variance: f64 = rows.clone().map(|row| noise.sd(evidence.stated_sd[row]).powi(2)).sum::<f64>();
+        effective += information * variance / rows.len().max(1) as f64;
+    }
+    effective.clamp(2.0, n as f64)
 }
 
 /// An orthonormal basis of the space of these columns, without the directions that add nothing.

@@ -17,6 +17,8 @@ pub struct Runner {
     pub family: usize,
     /// Whether it is a curve without a name.
     pub is_curve: bool,
+    /// Smallest and largest step that physics allows each of its columns; empty where any is allowed.
+    pub bounds: Vec<(f64, f64)>,
 }
 
 /// A set of runners with its criterion: smaller is better, 0 is the baseline alone.
@@ -58,11 +60,24 @@ impl<'a> Race<'a> {
         members.iter().flat_map(|member| self.runners[*member].columns.clone()).collect()
     }
 
-    /// Cost less gain of a set.
+    /// Cost less gain of a set; infinite where its fit asks for what physics forbids.
     pub fn criterion(&self, members: &[usize]) -> f64 {
         let columns = self.columns(members);
-        let gain = if columns.is_empty() { 0.0 } else { self.score.fit(&columns).gain };
-        members.iter().map(|member| self.cost(*member)).sum::<f64>() - gain
+        if columns.is_empty() {
+            return 0.0;
+        }
+        let fit = self.score.fit(&columns);
+        let mut steps = fit.step.iter();
+        for member in members {
+            let runner = &self.runners[*member];
+            for (column, step) in runner.columns.clone().zip(&mut steps) {
+                let bounds = runner.bounds.get(column - runner.columns.start);
+                if bounds.is_some_and(|(low, high)| step < low || step > high) {
+                    return f64::INFINITY;
+                }
+            }
+        }
+        members.iter().map(|member| self.cost(*member)).sum::<f64>() - fit.gain
     }
 
     fn cost(&self, member: usize) -> f64 {

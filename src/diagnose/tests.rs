@@ -37,7 +37,13 @@ impl Toy {
             column(&|i| (depth[i] / 200.0) + 0.001 * (i as f64 * 0.7).sin()),
             column(&|i| (-depth[i] / 15.0).exp()),
         ];
-        let named = |name| Candidate { name, parameters: vec![(name, "1")], neutral: vec![0.0], fixed: Vec::new() };
+        let named = |name| Candidate {
+            name,
+            parameters: vec![(name, "1")],
+            neutral: vec![0.0],
+            bounds: Vec::new(),
+            fixed: Vec::new(),
+        };
         let candidates = ["offset", "compression", "leak", "expansion", "air"].map(named).to_vec();
         let covariates = vec![
             Covariate { name: "depth", kind: smooth::Kind::Line, values: depth },
@@ -83,6 +89,7 @@ impl Problem for Toy {
             leg: self.leg.clone(),
             residual,
             baseline: DMatrix::from_element(ROWS, 1, 1.0),
+            prior: vec![(0.0, 1e6)],
             candidates: self.columns.iter().map(|c| DMatrix::from_column_slice(ROWS, 1, c.as_slice())).collect(),
             covariates: self.covariates.clone(),
         }

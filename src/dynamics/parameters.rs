@@ -133,8 +133,8 @@ parameters! {
     drag_exponent: "1" = 0.0 in -1.0 .. 1.0, "Exponent s of b (q/q0)^s, q0 the dynamic pressure at 0.3 m/s in water of the reference density";
     nonlinear_lift_per_rad2: "1/rad2" = 0.0 in -1000.0 .. 1000.0, "Crossflow lift, CL grows by this times alpha |alpha|";
     climb_dive_drag_ratio: "1" = 1.0 in 0.01 .. 100.0, "Drag on ascents over drag on descents";
-    roll_drag_per_rad2: "1/rad2" = 0.0 in -1.0 .. 1000.0, "Relative growth of drag with the square of the roll angle";
-    rudder_drag_per_rad2: "1/rad2" = 0.0 in -1.0 .. 1000.0, "Relative growth of drag with the square of the rudder angle";
+    roll_drag_per_rad2: "1/rad2" = 0.0 in 0.0 .. 1000.0, "Relative growth of drag with the square of the roll angle";
+    rudder_drag_per_rad2: "1/rad2" = 0.0 in 0.0 .. 1000.0, "Relative growth of drag with the square of the rudder angle";
     vertical_current_m_s: "m/s" = 0.0 in -5.0 .. 5.0, "Steady vertical motion of the water, positive down";
     density_bias_kg_m3: "kg/m3" = 0.0 in -100.0 .. 100.0, "True water density less the density that is read";
     pitch_scale: "1" = 1.0 in 0.1 .. 10.0, "True pitch is this times the pitch that is read, plus the pitch offset";

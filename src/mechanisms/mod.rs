@@ -29,6 +29,9 @@ pub struct Mechanism {
     pub source: &'static str,
     /// Its parameters, rows of the table of parameters; the first is its size.
     pub parameters: &'static [&'static str],
+    /// How far from neutral its size is usually found, a standard deviation in the unit of that parameter: generous, to
+    /// keep a fit from sizes that nobody has seen.
+    pub usual: f64,
     /// Where it enters.
     pub enters: Enters,
     /// In which data it shows.
@@ -36,8 +39,8 @@ pub struct Mechanism {
 }
 
 macro_rules! mechanism {
-    ($name:literal, $enters:ident, [$($parameter:literal),*], $physics:literal, $source:literal, $regime:literal) => {
-        Mechanism { name: $name, physics: $physics, source: $source, parameters: &[$($parameter),*], enters: Enters::$enters, regime: $regime }
+    ($name:literal, $enters:ident, [$($parameter:literal),*], $usual:literal, $physics:literal, $source:literal, $regime:literal) => {
+        Mechanism { name: $name, physics: $physics, source: $source, parameters: &[$($parameter),*], usual: $usual, enters: Enters::$enters, regime: $regime }
     };
 }
 
@@ -47,6 +50,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "ballast_offset",
         Motion,
         ["ballast_offset_kg"],
+        0.2,
         "The glider is heavier or lighter than its masses and volumes say",
         "Williams, Bachmayer, deYoung 2007",
         "both legs, with opposite sign"
@@ -55,6 +59,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "hull_compressibility",
         Motion,
         ["hull_compressibility_per_Pa"],
+        5e-10,
         "The hull loses volume with pressure",
         "Merckelbach et al. 2010",
         "grows with depth"
@@ -63,6 +68,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "thermal_expansion",
         Motion,
         ["hull_thermal_expansion_per_K"],
+        1e-4,
         "The hull gains volume with temperature",
         "Seaglider basestation",
         "across a thermocline"
@@ -71,6 +77,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "ballast_scale",
         Motion,
         ["ballast_scale"],
+        0.15,
         "The buoyancy engine moves more or less than it reads",
         "calibration of the engine",
         "grows with the ballast volume"
@@ -79,6 +86,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "pitch_offset",
         Instruments,
         ["pitch_offset_rad"],
+        0.1,
         "The attitude sensor is mounted askew",
         "mounting of the attitude sensor",
         "shallow glides most, opposite on the two legs"
@@ -87,6 +95,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "pitch_scale",
         Instruments,
         ["pitch_scale"],
+        0.15,
         "The attitude sensor reads angles too large or too small",
         "Merckelbach et al. 2019",
         "steep glides most, alike on the two legs"
@@ -95,6 +104,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "pressure_scale",
         Instruments,
         ["pressure_scale"],
+        0.05,
         "The pressure sensor reads too much or too little",
         "calibration of the pressure sensor",
         "in proportion to vertical velocity"
@@ -103,6 +113,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "pressure_lag",
         Instruments,
         ["pressure_lag_s"],
+        30.0,
         "The pressure reading follows the pressure late, as a first-order lag",
         "filters in the instrument",
         "after inflections"
@@ -111,6 +122,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "drag_growth",
         Motion,
         ["drag_growth_per_day"],
+        1.0,
         "Fouling: drag grows in proportion to time",
         "Seaglider basestation",
         "grows through the log"
@@ -119,6 +131,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "drag_step",
         Motion,
         ["drag_step", "step_time_s"],
+        0.5,
         "Something added, caught or lost: drag jumps at one time",
         "Williams, Bachmayer, deYoung 2007",
         "after one moment"
@@ -127,6 +140,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "reynolds_drag",
         Motion,
         ["drag_exponent"],
+        0.3,
         "Friction: b varies with a power of the dynamic pressure",
         "Seaglider basestation",
         "with speed"
@@ -135,6 +149,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "nonlinear_lift",
         Motion,
         ["nonlinear_lift_per_rad2"],
+        150.0,
         "Crossflow lift, in proportion to alpha |alpha|",
         "Allen and Perkins 1951",
         "large angles of attack"
@@ -143,6 +158,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "climb_dive_asymmetry",
         Motion,
         ["climb_dive_drag_ratio"],
+        0.5,
         "The drag differs between ascents and descents",
         "Williams, Bachmayer, deYoung 2007",
         "one leg against the other"
@@ -151,6 +167,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "trapped_air",
         Motion,
         ["trapped_air_cc"],
+        150.0,
         "Air carried down is compressed by Boyle's law",
         "ideal gas",
         "the first tens of metres"
@@ -159,6 +176,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "leak",
         Motion,
         ["leak_kg_per_hour"],
+        0.02,
         "Water taken in at a steady rate",
         "conservation of mass",
         "grows through the log, opposite on the two legs"
@@ -167,6 +185,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "vertical_current",
         Motion,
         ["vertical_current_m_s"],
+        0.05,
         "The water itself rises or sinks steadily",
         "kinematics",
         "adds to vertical velocity, alike on the two legs"
@@ -175,6 +194,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "roll_drag",
         Motion,
         ["roll_drag_per_rad2"],
+        5.0,
         "A rolled glider has more drag",
         "tilted lift, sideslip",
         "in turns"
@@ -183,6 +203,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "rudder_drag",
         Motion,
         ["rudder_drag_per_rad2"],
+        5.0,
         "A deflected rudder has drag",
         "Williams, Bachmayer, deYoung 2007",
         "while steering"
@@ -191,6 +212,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "inertia",
         Motion,
         [],
+        1.0,
         "Unsteady flight: the glider and its added mass take time to change speed",
         "Leonard and Graver 2001",
         "near inflections"
@@ -199,6 +221,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "density_at_zero_pressure",
         Consistency,
         [],
+        1.0,
         "The log's density was evaluated at p = 0, not in situ",
         "TEOS-10",
         "grows with depth"
@@ -207,6 +230,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "density_bias",
         Motion,
         ["density_bias_kg_m3"],
+        2.0,
         "The conductivity sensor reads a wrong density",
         "fouled or uncalibrated conductivity cell",
         "both legs, with opposite sign"

@@ -1,0 +1,176 @@
+//! `glidepolar diagnose`: what the steady glide gets wrong in a log, why, the extension, the gain.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::identify::{Reading, TrimChoice};
+use super::{CliError, Output};
+use crate::diagnose::sea::{SeaError, SeaProblem, Settings};
+use crate::diagnose::{Diagnosis, Point, Problem, Verdict, diagnose};
+use crate::dynamics::parameter_index;
+use crate::estimate::Estimate;
+use crate::output::{Replace, write_whole};
+use crate::vehicle::Vehicle;
+
+/// What is wrong in a log against a vehicle, why, the extended vehicle, the measured gain
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    glidepolar diagnose flight.csv --vehicle my-glider.toml --extended better.toml\n  \
+    glidepolar diagnose p5420*.nc --vehicle seaglider\n  \
+    glidepolar diagnose flight.csv --vehicle my-glider.toml --speed-column U_dvl_m_s --json -\n\n\
+    A mechanism is named only where data that the fit never saw confirm it; what these data cannot tell from it is\n\
+    named beside it. `none` and `unexplained` are answers, too.")]
+pub struct Arguments {
+    /// Flight logs; several files are one log, in this order
+    #[arg(required = true, value_name = "LOG")]
+    logs: Vec<PathBuf>,
+    /// Vehicle file or name of a built-in vehicle
+    #[arg(long, value_name = "VEHICLE")]
+    vehicle: String,
+    #[command(flatten)]
+    reading: Reading,
+    /// What the baseline takes for the net weight; default: neutral for a built-in vehicle, vehicle for a file
+    #[arg(long, value_enum)]
+    trim: Option<TrimChoice>,
+    /// Hold the lift slope at the vehicle's value
+    #[arg(long)]
+    pin_lift: bool,
+    /// Write the vehicle with the named mechanisms in it to FILE
+    #[arg(long, value_name = "OUT.toml")]
+    extended: Option<PathBuf>,
+    #[command(flatten)]
+    output: Output,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    let mut vehicle = Vehicle::load(&arguments.vehicle)?;
+    let log = arguments.reading.read(&arguments.logs, &vehicle)?;
+    let trim = TrimChoice::of(arguments.trim, &vehicle);
+    let baseline = trim.baseline(&vehicle.glide_parameters(), &log.observations);
+    let settings = Settings { fit_lift: !arguments.pin_lift, ..Settings::default() };
+    let problem = SeaProblem::new(&log.observations, &baseline, settings)?;
+    let (mut found, point) = diagnose(&problem);
+
+    if let Some(path) = &arguments.extended {
+        // What the trim took for the mass belongs to the extended vehicle as well, or it would fly at another weight.
+        let mass = baseline.hull_mass_kg - vehicle.glide_parameters().hull_mass_kg;
+        extend(&mut vehicle, &problem, &point, &found, mass)?;
+        let replace = if arguments.output.force { Replace::Any } else { Replace::Never };
+        write_whole(path, vehicle.to_toml().as_bytes(), replace)?;
+        found.extended = Some(path.display().to_string());
+    }
+    if arguments.output.shows_tables() {
+        print(&found, &problem, trim.sentence());
+    }
+    arguments.output.write_json(&found)
+}
+
+impl From<SeaError> for CliError {
+    fn from(error: SeaError) -> Self {
+        CliError::Failed(error.to_string())
+    }
+}
+
+/// Writes the polar that was fitted and the mechanisms that were named into a vehicle.
+fn extend(
+    vehicle: &mut Vehicle,
+    problem: &SeaProblem,
+    point: &Point,
+    found: &Diagnosis,
+    trimmed_kg: f64,
+) -> Result<(), CliError> {
+    for ((name, _), value) in problem.baseline().iter().zip(&point.baseline) {
+        vehicle.set(&format!("hydro.{name}"), *value)?;
+        // One polar was fitted to both legs; one that was measured apart before would speak against it.
+        for leg in ["descent", "ascent"].map(|leg| format!("hydro.{leg}.{name}")) {
+            if vehicle.get(&leg).is_some() {
+                vehicle.set(&leg, *value)?;
+            }
+        }
+    }
+    if trimmed_kg != 0.0 {
+        let mass = vehicle.get("mass.mass_kg").unwrap_or(0.0) + trimmed_kg;
+        vehicle.set("mass.mass_kg", mass)?;
+    }
+    for (name, estimate) in found.causes.iter().flat_map(|cause| &cause.parameters) {
+        if parameter_index(name).is_some() {
+            vehicle.set(&format!("mechanisms.{name}"), estimate.value)?;
+            if estimate.se > 0.0 {
+                vehicle.set(&format!("uncertainty.mechanisms.{name}"), estimate.se)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
+    println!("{} stretches of steady glide; baseline: {trim}", problem.n_bins());
+    if !problem.has_speed() {
+        println!("no measured speed: the lift slope is held near the vehicle's value, and some causes look alike");
+    }
+    println!("WRONG");
+    for wrong in &found.wrong {
+        println!(
+            "  {} goes with {}: rms {:.2} mm/s, the measurement explains {:.2} mm/s (p = {:.1e})",
+            words(&wrong.quantity),
+            wrong.regime,
+            wrong.rms * 1e3,
+            wrong.expected_rms * 1e3,
+            wrong.p_value
+        );
+    }
+    if found.wrong.is_empty() {
+        println!("  nothing beyond what the measurement explains");
+    }
+    println!("CAUSE: {}", verdict(found.verdict));
+    for cause in &found.causes {
+        let sizes: Vec<String> = cause.parameters.iter().map(|(name, estimate)| size(name, estimate)).collect();
+        println!(
+            "  {}: {}; held-out rms {:.2} -> {:.2} mm/s",
+            words(&cause.cause),
+            sizes.join(", "),
+            cause.holdout_rms_before * 1e3,
+            cause.holdout_rms_after * 1e3
+        );
+        if !cause.indistinguishable_from.is_empty() {
+            let alike: Vec<String> = cause.indistinguishable_from.iter().map(|name| words(name)).collect();
+            println!("    these data cannot tell it from: {}", alike.join(", "));
+        }
+    }
+    if let Some(unexplained) = &found.unexplained {
+        println!("  unexplained: what is left goes with {}", unexplained.depends_on.join(", "));
+    }
+    if let Some(path) = &found.extended {
+        println!("EXTENSION: {path}");
+    }
+    println!("GAIN on data held out of the fit");
+    for gain in &found.gains {
+        println!(
+            "  {}: {:.2} -> {:.2} mm/s, {:.0} % less (95 %: {:.0} to {:.0})",
+            words(&gain.quantity),
+            gain.holdout_rms_before * 1e3,
+            gain.holdout_rms_after * 1e3,
+            gain.reduction_percent,
+            gain.ci95[0],
+            gain.ci95[1]
+        );
+    }
+}
+
+fn verdict(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::None => "none",
+        Verdict::Explained => "explained",
+        Verdict::PartlyExplained => "explained in part",
+        Verdict::Unexplained => "unexplained: something is wrong, and no known mechanism fits",
+    }
+}
+
+fn size(name: &str, estimate: &Estimate) -> String {
+    format!("{name} = {:.4e} +- {:.1e}", estimate.value, estimate.se)
+}
+
+fn words(name: &str) -> String {
+    name.replace('_', " ")
+}

@@ -1,0 +1,308 @@
+//! The diagnosis at sea: what a flight log says against the steady glide of a vehicle.
+//!
+//! Samples of a steady glide are averaged over bins of one leg, about a minute long: long against the filter of the
+//! vertical velocity, short against a leg. In each bin the model flies the pitch, ballast and water that were read, and
+//! its vertical velocity and speed stand against those measured. Candidates are the mechanisms of
+//! [`crate::mechanisms`] whose parameters are rows of the table of parameters, differentiated by dual numbers through
+//! the very equations of the simulation.
+//!
+//! Knows the engine, the steady glide and observations; no files.
+
+mod bins;
+mod model;
+
+use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
+use crate::log::Observation;
+use crate::mechanisms::{AT_SEA, Enters};
+
+use super::evidence::{Candidate, Covariate, Evidence, Point, Problem, Quantity};
+use super::smooth::Kind;
+use bins::Bin;
+use model::{Directions, MAX_DIRECTIONS, Vehicle};
+use nalgebra::{DMatrix, DVector};
+
+/// What is fitted to which data.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Whether measured speed is used where there is any.
+    pub use_speed: bool,
+    /// Whether the lift slope is fitted, or held at the vehicle's value. Without measured speed the data hardly see it,
+    /// and the belief in the vehicle's value decides.
+    pub fit_lift: bool,
+    /// Most bins; the bins are as long as that needs.
+    pub max_bins: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings { use_speed: true, fit_lift: true, max_bins: 900 }
+    }
+}
+
+/// Standard deviation of what a vehicle's polar is believed to be, relative to its value.
+const RELATIVE_BELIEF: f64 = 1.0;
+
+/// Most times at which a jump of drag is looked for.
+const MAX_JUMPS: usize = 30;
+
+/// Fewest bins of a quantity from which a diagnosis is tried.
+const MIN_BINS: usize = 12;
+
+/// Why there is no diagnosis.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SeaError {
+    /// Too little data.
+    #[error(
+        "only {found} stretches of steady glide fit the vehicle, at least {MIN_BINS} are needed; check that pitch, ballast and density are in the log and that the vehicle's mass and volume are this glider's (`--trim neutral` takes it as neutral at ballast zero)"
+    )]
+    TooFew {
+        /// Bins that remained.
+        found: usize,
+    },
+}
+
+/// A log against a vehicle.
+pub struct SeaProblem {
+    bins: Vec<Bin>,
+    /// Rows of the speed, as indices into the bins.
+    with_speed: Vec<usize>,
+    parameters: Parameters<f64>,
+    baseline: Vec<(&'static str, &'static str)>,
+    baseline_index: Vec<usize>,
+    candidates: Vec<Candidate>,
+    /// For each candidate its parameter's direction, and the time of its jump where it has one.
+    shapes: Vec<(usize, Option<f64>)>,
+    directions: Directions,
+}
+
+impl SeaProblem {
+    /// A problem from the samples of a log and the parameters of the baseline (trim decided).
+    ///
+    /// # Errors
+    /// Where too few bins of steady glide remain.
+    pub fn new(
+        observations: &[Observation],
+        parameters: &Parameters<f64>,
+        settings: Settings,
+    ) -> Result<SeaProblem, SeaError> {
+        // One polar for both legs: that they differ is for the data to show, as a mechanism.
+        let parameters = &Parameters {
+            ascent_a_ratio: 1.0,
+            ascent_b_ratio: 1.0,
+            ascent_c_ratio: 1.0,
+            ascent_d_ratio: 1.0,
+            ..*parameters
+        };
+        let mut bins = bins::bins(observations, settings.max_bins);
+        bins.retain(|bin| model::flies(parameters, bin));
+        if bins.len() < MIN_BINS {
+            return Err(SeaError::TooFew { found: bins.len() });
+        }
+        model::take_inertia_off(parameters, &mut bins);
+        let with_speed: Vec<usize> = if settings.use_speed {
+            (0..bins.len()).filter(|i| bins[*i].mean.speed_m_s.is_finite()).collect()
+        } else {
+            Vec::new()
+        };
+        let with_speed = if with_speed.len() < MIN_BINS { Vec::new() } else { with_speed };
+
+        let names: &[&str] = if settings.fit_lift { &["a_per_rad", "b", "c_per_rad2"] } else { &["b", "c_per_rad2"] };
+        let baseline_index: Vec<usize> = names.iter().filter_map(|name| parameter_index(name)).collect();
+        let baseline = baseline_index.iter().map(|i| (PARAMETERS[*i].name, PARAMETERS[*i].unit)).collect();
+
+        let mut directions = Directions::new(&baseline_index);
+        let (mut candidates, mut shapes) = (Vec::new(), Vec::new());
+        for (candidate, index, jump_s) in candidates_of(&bins, parameters) {
+            let Some(direction) = directions.of(index) else {
+                continue;
+            };
+            candidates.push(candidate);
+            shapes.push((direction, jump_s));
+        }
+        debug_assert!(directions.len() <= MAX_DIRECTIONS);
+        Ok(SeaProblem {
+            bins,
+            with_speed,
+            parameters: *parameters,
+            baseline,
+            baseline_index,
+            candidates,
+            shapes,
+            directions,
+        })
+    }
+
+    /// Whether measured speed has a vote.
+    pub fn has_speed(&self) -> bool {
+        !self.with_speed.is_empty()
+    }
+
+    /// How many bins the log was reduced to.
+    pub fn n_bins(&self) -> usize {
+        self.bins.len()
+    }
+
+    /// What the vehicle's own polar says of the polar: within its own size. It keeps a baseline that lacks the true cause
+    /// from running off to a polar that no hull has.
+    fn prior(&self, point: &Point) -> Vec<(f64, f64)> {
+        let mut believed = self.parameters;
+        let values = self.baseline_index.iter().zip(&point.baseline);
+        values
+            .map(|(index, value)| {
+                let belief = *believed.at(*index);
+                (belief - value, RELATIVE_BELIEF * belief.abs().max(0.1))
+            })
+            .collect()
+    }
+
+    /// The parameters at a point of the fit.
+    pub fn parameters_at(&self, point: &Point) -> Parameters<f64> {
+        let mut parameters = self.parameters;
+        for (index, value) in self.baseline_index.iter().zip(&point.baseline) {
+            *parameters.at(*index) = *value;
+        }
+        for ((candidate, values), (direction, jump_s)) in
+            self.candidates.iter().zip(&point.candidates).zip(&self.shapes)
+        {
+            if *values != candidate.neutral {
+                *parameters.at(self.directions.parameter(*direction)) = values[0];
+                if let Some(jump_s) = jump_s {
+                    parameters.step_time_s = *jump_s;
+                }
+            }
+        }
+        parameters
+    }
+}
+
+/// The mechanisms that these data could show, with the row of their parameter and the time of a jump.
+fn candidates_of(bins: &[Bin], parameters: &Parameters<f64>) -> Vec<(Candidate, usize, Option<f64>)> {
+    let varies = |value: fn(&Bin) -> f64| bins.iter().any(|bin| value(bin).is_finite() && value(bin).abs() > 1e-4);
+    let mut found = Vec::new();
+    for mechanism in AT_SEA {
+        let Some(index) = crate::mechanisms::size_parameter(mechanism) else {
+            continue;
+        };
+        let missing = match mechanism.name {
+            "roll_drag" => !varies(|bin| bin.mean.roll_rad),
+            "rudder_drag" => !varies(|bin| bin.mean.rudder_rad),
+            "thermal_expansion" => !varies(|bin| bin.mean.temperature_C),
+            _ => mechanism.enters == Enters::Consistency,
+        };
+        if missing {
+            continue;
+        }
+        let row = &PARAMETERS[index];
+        let jumps: Vec<Option<f64>> = if mechanism.name == "drag_step" {
+            let starts = bins::leg_starts(bins);
+            let every = starts.len().div_ceil(MAX_JUMPS).max(1);
+            starts.into_iter().skip(2).step_by(every).map(Some).collect()
+        } else {
+            vec![None]
+        };
+        for jump_s in jumps {
+            let candidate = Candidate {
+                name: mechanism.name,
+                parameters: vec![(row.name, row.unit)],
+                neutral: vec![*parameters.clone().at(index)],
+                usual: vec![mechanism.usual],
+                bounds: vec![(row.min, row.max)],
+                fixed: jump_s.map(|jump_s| ("step_time_s", jump_s, "s")).into_iter().collect(),
+            };
+            found.push((candidate, index, jump_s));
+        }
+    }
+    found
+}
+
+impl Problem for SeaProblem {
+    fn baseline(&self) -> &[(&'static str, &'static str)] {
+        &self.baseline
+    }
+
+    fn candidates(&self) -> &[Candidate] {
+        &self.candidates
+    }
+
+    fn start(&self) -> Point {
+        let mut parameters = self.parameters;
+        Point {
+            baseline: self.baseline_index.iter().map(|index| *parameters.at(*index)).collect(),
+            candidates: self.candidates.iter().map(|candidate| candidate.neutral.clone()).collect(),
+        }
+    }
+
+    fn evidence(&self, point: &Point) -> Evidence {
+        let parameters = self.parameters_at(point);
+        let (n_w, n_u) = (self.bins.len(), self.with_speed.len());
+        let n = n_w + n_u;
+        let row_bins: Vec<&Bin> = self.bins.iter().chain(self.with_speed.iter().map(|i| &self.bins[*i])).collect();
+
+        let mut residual = DVector::zeros(n);
+        let mut slopes = DMatrix::zeros(n, self.directions.len());
+        let mut speed_row = n_w;
+        let vehicle = Vehicle::new(&parameters, &self.directions);
+        for (row, bin) in self.bins.iter().enumerate() {
+            let (sink, speed) = vehicle.fly(bin);
+            residual[row] = bin.mean.sink_m_s - sink.0;
+            slopes.row_mut(row).copy_from_slice(&sink.1[..self.directions.len()]);
+            if self.with_speed.get(speed_row - n_w) == Some(&row) {
+                residual[speed_row] = bin.mean.speed_m_s - speed.0;
+                slopes.row_mut(speed_row).copy_from_slice(&speed.1[..self.directions.len()]);
+                speed_row += 1;
+            }
+        }
+
+        let nb = self.baseline.len();
+        let candidates = self
+            .shapes
+            .iter()
+            .map(|(direction, jump_s)| {
+                let after = |row: usize| jump_s.is_none_or(|jump_s| row_bins[row].mean.time_s >= jump_s);
+                DMatrix::from_fn(n, 1, |row, _| if after(row) { slopes[(row, *direction)] } else { 0.0 })
+            })
+            .collect();
+        let mut quantities = vec![Quantity { name: "vertical_velocity", unit: "m/s", rows: 0..n_w }];
+        if n_u > 0 {
+            quantities.push(Quantity { name: "speed_through_water", unit: "m/s", rows: n_w..n });
+        }
+        Evidence {
+            quantities,
+            time_s: row_bins.iter().map(|bin| bin.mean.time_s).collect(),
+            stated_sd: row_bins
+                .iter()
+                .enumerate()
+                .map(|(row, bin)| if row < n_w { bin.sink_sd_m_s } else { bin.speed_sd_m_s })
+                .collect(),
+            block: row_bins.iter().map(|bin| bin.mean.leg as usize).collect(),
+            leg: row_bins.iter().map(|bin| if bin.mean.descends() { 1.0 } else { -1.0 }).collect(),
+            residual,
+            baseline: slopes.columns(0, nb).into_owned(),
+            prior: self.prior(point),
+            candidates,
+            covariates: covariates(&row_bins),
+        }
+    }
+}
+
+/// What was set or met, never what is to be explained: a curve along the measured velocity itself would fit its noise.
+fn covariates(bins: &[&Bin]) -> Vec<Covariate> {
+    let mut found = Vec::new();
+    let mut add = |name: &'static str, kind: Kind, value: fn(&Bin) -> f64| {
+        let values: Vec<f64> = bins.iter().map(|bin| value(bin)).collect();
+        if values.iter().all(|value| value.is_finite()) {
+            found.push(Covariate { name, kind, values });
+        }
+    };
+    add("depth", Kind::Line, |bin| bin.mean.pressure_dbar);
+    add("time", Kind::Line, |bin| bin.mean.time_s);
+    add("pitch", Kind::Line, |bin| bin.mean.pitch_rad.abs());
+    add("ballast", Kind::Line, |bin| bin.mean.ballast_m3);
+    add("temperature", Kind::Line, |bin| bin.mean.temperature_C);
+    add("roll", Kind::Line, |bin| bin.mean.roll_rad);
+    add("rudder", Kind::Line, |bin| bin.mean.rudder_rad);
+    add("heading", Kind::Angle, |bin| bin.mean.heading_rad);
+    // The moon's half day, 12.4206 h.
+    add("tide", Kind::Angle, |bin| bin.mean.time_s * std::f64::consts::TAU / 44_714.16);
+    found
+}
