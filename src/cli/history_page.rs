@@ -74,8 +74,7 @@ impl History {
     }
 
     fn against_time(&self, of: impl Fn(&Row) -> f64) -> Layer {
-        Layer::line(self.rows.iter().map(|row| self.time(row)).collect(), self.rows.iter().map(|row| of(row)).collect())
-            .slot(0)
+        Layer::line(self.rows.iter().map(|row| self.time(row)).collect(), self.rows.iter().map(of).collect()).slot(0)
     }
 
     fn time(&self, row: &Row) -> f64 {

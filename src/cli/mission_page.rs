@@ -19,7 +19,7 @@ impl Trace {
     }
 
     pub fn add(&mut self, moment: &Moment) {
-        if self.seen % self.stride == 0 {
+        if self.seen.is_multiple_of(self.stride) {
             if self.moments.len() == MOST_MOMENTS {
                 let mut keep = false;
                 self.moments.retain(|_| {

@@ -150,7 +150,7 @@ fn samples(a: &Arguments, log: &FlightLog) -> Result<Vec<Sample>, CliError> {
     for row in 0..log.len() {
         let time_s = log.at(Channel::Time, row);
         // Backward clocks and missing times are left out: no way can be laid to them.
-        if !(time_s > latest_s) {
+        if time_s.is_nan() || time_s <= latest_s {
             continue;
         }
         latest_s = time_s;
@@ -322,7 +322,8 @@ impl Comparison {
         let left = |[e, north]: [f64; 2], [de, dn]: [f64; 2]| {
             (e + de - c * e - s * north).powi(2) + (north + dn - c * north + s * e).powi(2)
         };
-        let mean = |of: &dyn Fn(&([f64; 2], [f64; 2])) -> f64| pairs.iter().map(of).sum::<f64>() / n;
+        type Pair = ([f64; 2], [f64; 2]);
+        let mean = |of: &dyn Fn(&Pair) -> f64| pairs.iter().map(of).sum::<f64>() / n;
         Some(Comparison {
             dives: pairs.len(),
             mean_difference_east_m_s: mean(&|(_, d)| d[0]),

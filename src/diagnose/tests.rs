@@ -41,6 +41,7 @@ impl Toy {
             name,
             parameters: vec![(name, "1")],
             neutral: vec![0.0],
+            usual: vec![100.0],
             bounds: Vec::new(),
             fixed: Vec::new(),
         };

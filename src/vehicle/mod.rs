@@ -124,10 +124,10 @@ impl Vehicle {
             table.remove(name);
             table.is_empty()
         });
-        if let (true, Some((parent, name))) = (is_empty, section.rsplit_once('.')) {
-            if let Some(parent) = self.document.get_mut(parent).and_then(toml_edit::Item::as_table_mut) {
-                parent.remove(name);
-            }
+        if let (true, Some((parent, name))) = (is_empty, section.rsplit_once('.'))
+            && let Some(parent) = self.document.get_mut(parent).and_then(toml_edit::Item::as_table_mut)
+        {
+            parent.remove(name);
         }
     }
 
