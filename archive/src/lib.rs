@@ -92,20 +92,20 @@ impl Default for Limits {
 #[non_exhaustive]
 pub enum ArchiveError {
     /// The file cannot be opened or read.
-    #[error("cannot read {path}: {source}", path = path.display())]
+    #[error("cannot read {path}: {cause}", path = path.display())]
     Open {
         /// The archive.
         path: PathBuf,
         /// What the operating system says.
-        source: std::io::Error,
+        cause: std::io::Error,
     },
     /// The file is no zip archive, or a damaged one.
-    #[error("{path} is not a readable zip archive: {source}", path = path.display())]
+    #[error("{path} is not a readable zip archive: {cause}", path = path.display())]
     NotAnArchive {
         /// The archive.
         path: PathBuf,
         /// What is wrong.
-        source: zip::result::ZipError,
+        cause: zip::result::ZipError,
     },
     /// More, or more bytes, than [`Limits`] allow.
     #[error("{path} holds more than {limit} {what}: not opened further", path = path.display())]
@@ -128,12 +128,12 @@ pub enum ArchiveError {
         fault: EntryFault,
     },
     /// The file cannot be written; what was there before is untouched.
-    #[error("cannot write {path}: {source}", path = path.display())]
+    #[error("cannot write {path}: {cause}", path = path.display())]
     Write {
         /// The archive.
         path: PathBuf,
         /// What the operating system or the packer says.
-        source: std::io::Error,
+        cause: std::io::Error,
     },
 }
 

@@ -16,8 +16,8 @@ impl Archive {
     /// that lead out of the archive, two entries of one name, entries that share bytes, and anything beyond `limits`
     /// are errors that name the entry.
     pub fn read(path: &Path, limits: &Limits) -> Result<Archive, ArchiveError> {
-        let open = |source| ArchiveError::Open { path: path.to_owned(), source };
-        let broken = |source| ArchiveError::NotAnArchive { path: path.to_owned(), source };
+        let open = |cause| ArchiveError::Open { path: path.to_owned(), cause };
+        let broken = |cause| ArchiveError::NotAnArchive { path: path.to_owned(), cause };
         let too_large = |what, limit| ArchiveError::TooLarge { path: path.to_owned(), limit, what };
 
         let file = File::open(path).map_err(open)?;

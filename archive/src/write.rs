@@ -13,7 +13,7 @@ impl Archive {
     /// one.
     pub fn write(&self, path: &Path) -> Result<(), ArchiveError> {
         write_whole(path, |file| self.write_to(io::BufWriter::new(file)))
-            .map_err(|source| ArchiveError::Write { path: path.to_owned(), source })
+            .map_err(|cause| ArchiveError::Write { path: path.to_owned(), cause })
     }
 
     /// Writes the archive's bytes: entries sorted by name, the first moment that a zip archive can express (1980) as
