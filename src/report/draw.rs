@@ -1,21 +1,22 @@
 //! From a figure's data to its picture: layout first, then panel by panel.
 
+use super::brush::Brush;
 use super::canvas::{Align, Canvas, Lettering, Pen, UNITS};
 use super::figure::{Axis, Figure, Layer, Panel, Shape};
-use super::legend::{BAND, Legend, Styles, stroke};
-use super::palette::{FAINT, GRID, INK, Marker};
-use super::text::{clean, expand_markup, symbol, width, without_markup};
-use super::thin::{Frame, Pixel, markers, polylines};
-use super::ticks::{Scale, extent, superscript};
+use super::labels::{axis_label, y_label};
+use super::legend::{Legend, Styles};
+use super::palette::{FAINT, GRID, INK};
+use super::text::{clean, expand_markup, width};
+use super::thin::Frame;
+use super::ticks::{Scale, extent};
 use std::collections::BTreeSet;
 
 const WIDTH: f64 = 600.0;
 const TICK_SIZE: f64 = 12.0;
-const LABEL_SIZE: f64 = 13.0;
+pub(super) const LABEL_SIZE: f64 = 13.0;
 const TICK: f64 = 5.0;
-const MOST_MARKERS: usize = 4000;
 /// From so many points on, a layer is a cloud rather than single measurements.
-const CLOUD: usize = 300;
+pub(super) const CLOUD: usize = 300;
 
 impl Figure {
     /// The figure as an SVG document: text as text, deterministic, no reference to anything outside.
@@ -93,7 +94,7 @@ impl<'a> Layout<'a> {
 
         let points = all().any(|l| matches!(l.shape, Shape::Points { .. }));
         let room = if points { 0.04 } else { 0.0 };
-        let x = Scale::new(&figure.x, extent(all().flat_map(xs)), room, ((WIDTH - left) / 66.0) as usize);
+        let x = Scale::new(&figure.x, extent(all().flat_map(Layer::xs)), room, ((WIDTH - left) / 66.0) as usize);
         let share = (WIDTH - 12.0 - left) / x.ticks.len().max(1) as f64;
         let upward = !figure.x.names.is_empty() && widest([&x]) + 8.0 > share;
         let last = x.ticks.last().filter(|_| !upward).map_or(0.0, |(_, text)| width(text, TICK_SIZE, false) / 2.0);
@@ -172,7 +173,7 @@ impl<'a> Layout<'a> {
         for level in 1..=4 {
             panel.layers.iter().filter(|l| depth(l) == level).for_each(|l| brush.layer(l));
         }
-        if !panel.layers.iter().any(|l| ys(l).iter().any(|y| y.is_finite())) {
+        if !panel.layers.iter().any(|l| l.ys().iter().any(|y| y.is_finite())) {
             let note = Lettering { size: 12.0, colour: FAINT, bold: false, align: Align::Centre };
             canvas.text("no data", ((frame.left + frame.right) / 2.0, (frame.top + frame.bottom) / 2.0), note);
         }
@@ -230,130 +231,6 @@ fn draw_y_axis(place: &Place, canvas: &Canvas) {
     }
 }
 
-/// Draws layers into one panel.
-struct Brush<'a, 'c> {
-    canvas: &'a Canvas<'c>,
-    styles: &'a Styles<'a>,
-    frame: Frame,
-    x: &'a Scale,
-    y: &'a Scale,
-}
-
-impl Brush<'_, '_> {
-    fn place(&self, x: f64, y: f64) -> Pixel {
-        let f = self.frame;
-        // Far outside is outside enough: pixels stay representable.
-        let px = f.left + self.x.fraction(x) * (f.right - f.left);
-        let py = f.bottom - self.y.fraction(y) * (f.bottom - f.top);
-        (bounded(px), bounded(py))
-    }
-
-    fn strip(&self, layer: &Layer) {
-        let Shape::ShadedX { from, to } = layer.shape else { return };
-        let (a, b) = (self.place(from, 0.0).0, self.place(to, 0.0).0);
-        let (a, b) = (a.min(b).max(self.frame.left), a.max(b).min(self.frame.right));
-        if b > a {
-            let (colour, alpha) = self.styles.strip(layer);
-            self.canvas.rectangle((a, self.frame.top), (b, self.frame.bottom), colour, alpha);
-        }
-    }
-
-    fn layer(&self, layer: &Layer) {
-        let style = self.styles.get(layer);
-        let pen = Pen { colour: style.colour, width: 1.8, alpha: 1.0 };
-        // An unnamed line is a mere reference, and drawn finer.
-        let thin = Pen { width: if layer.label.is_some() { 1.3 } else { 0.8 }, ..pen };
-        let f = self.frame;
-        match &layer.shape {
-            Shape::Points { xs, ys, y_interval, x_interval } => {
-                self.points(xs, ys, y_interval.as_deref(), x_interval.as_deref(), pen, style.marker);
-            }
-            Shape::Line { xs, ys, dash } => {
-                let dense = xs.len() > 3000;
-                let pen = Pen { width: if dense { 1.1 } else { 1.8 }, ..pen };
-                for part in polylines(xs.iter().zip(ys).map(|(x, y)| self.place(*x, *y)), f) {
-                    stroke(self.canvas, &part, pen, *dash);
-                }
-            }
-            Shape::Band { xs, low, high } => {
-                let inside = |(x, y): Pixel| (x, y.clamp(f.top, f.bottom));
-                let edge = |ys: &[f64]| polylines(xs.iter().zip(ys).map(|(x, y)| inside(self.place(*x, *y))), f);
-                // A gap in one edge is a gap in the other where both come from one fit; then the pieces pair up.
-                for (mut below, mut above) in edge(low).into_iter().zip(edge(high)) {
-                    above.reverse();
-                    below.append(&mut above);
-                    self.canvas.area(&below, style.colour, BAND);
-                }
-            }
-            Shape::AtX(x) => {
-                let at = self.place(*x, 0.0).0;
-                if f.contains((at, f.top)) {
-                    self.canvas.line(&[(at, f.top), (at, f.bottom)], thin);
-                }
-            }
-            Shape::AtY(y) => {
-                let at = self.place(0.0, *y).1;
-                if f.contains((f.left, at)) {
-                    self.canvas.line(&[(f.left, at), (f.right, at)], thin);
-                }
-            }
-            Shape::ShadedX { .. } => {}
-        }
-    }
-
-    fn points(
-        &self,
-        xs: &[f64],
-        ys: &[f64],
-        y_bars: Option<&[(f64, f64)]>,
-        x_bars: Option<&[(f64, f64)]>,
-        pen: Pen,
-        marker: Marker,
-    ) {
-        let all: Vec<(usize, Pixel)> = (0..xs.len().min(ys.len()))
-            .map(|i| (i, self.place(xs[i], ys[i])))
-            .filter(|(_, p)| p.0.is_finite() && p.1.is_finite() && self.frame.contains(*p))
-            .collect();
-        let places: Vec<Pixel> = all.iter().map(|(_, p)| *p).collect();
-        let chosen = markers(&places, MOST_MARKERS);
-        let (size, alpha) = match all.len() {
-            0..60 => (3.6, 1.0),
-            60..CLOUD => (2.9, 0.9),
-            CLOUD..1500 => (2.1, 0.75),
-            _ => (1.5, 0.6),
-        };
-        let bar = Pen { width: 1.1, ..pen };
-        for &k in &chosen {
-            let (i, (px, py)) = all[k];
-            if let Some((low, high)) = y_bars.and_then(|b| b.get(i)).filter(|b| b.0.is_finite() && b.1.is_finite()) {
-                let (a, b) = (self.place(xs[i], *low).1, self.place(xs[i], *high).1);
-                self.bar(&[(px, a), (px, b)], (3.0, 0.0), bar);
-            }
-            if let Some((low, high)) = x_bars.and_then(|b| b.get(i)).filter(|b| b.0.is_finite() && b.1.is_finite()) {
-                let (a, b) = (self.place(*low, ys[i]).0, self.place(*high, ys[i]).0);
-                self.bar(&[(a, py), (b, py)], (0.0, 3.0), bar);
-            }
-        }
-        for &k in &chosen {
-            self.canvas.marker(all[k].1, marker, size, pen.colour, alpha);
-        }
-    }
-
-    /// An error bar with caps where its ends are inside.
-    fn bar(&self, ends: &[Pixel; 2], cap: Pixel, pen: Pen) {
-        for part in polylines(ends.iter().copied(), self.frame) {
-            self.canvas.line(&part, pen);
-        }
-        for &(x, y) in ends.iter().filter(|e| self.frame.contains(**e)) {
-            self.canvas.line(&[(x - cap.0, y - cap.1), (x + cap.0, y + cap.1)], pen);
-        }
-    }
-}
-
-fn bounded(pixel: f64) -> f64 {
-    if pixel.is_nan() { pixel } else { pixel.clamp(-1e7, 1e7) }
-}
-
 fn height_of(panel: &Panel, count: usize) -> f64 {
     if !panel.y.names.is_empty() {
         return (24.0 * panel.y.names.len() as f64 + 16.0).clamp(70.0, 1200.0);
@@ -366,7 +243,7 @@ fn height_of(panel: &Panel, count: usize) -> f64 {
 }
 
 fn y_scale(panel: &Panel, height: f64) -> Scale {
-    let data = extent(panel.layers.iter().flat_map(ys));
+    let data = extent(panel.layers.iter().flat_map(Layer::ys));
     let mut scale = Scale::new(&panel.y, data, 0.06, ((height / 28.0) as usize).min(8));
     if !panel.y.names.is_empty() {
         // Read from the top, as a list is.
@@ -378,52 +255,6 @@ fn y_scale(panel: &Panel, height: f64) -> Scale {
 fn widest<'s>(scales: impl IntoIterator<Item = &'s Scale>) -> f64 {
     let texts = scales.into_iter().flat_map(|s| &s.ticks).map(|(_, text)| width(text, TICK_SIZE, false));
     texts.fold(0.0, f64::max)
-}
-
-/// `Angle of attack  α [deg]`, with the factor that tick labels leave out.
-fn axis_label(axis: &Axis, scale: &Scale) -> String {
-    let parts = [clean(&axis.label, 80), quantity(axis, scale)];
-    parts.into_iter().filter(|p| !p.is_empty()).collect::<Vec<_>>().join("\u{A0} ")
-}
-
-/// Symbol and unit: `α [deg]`, `w [10⁻³ m/s]`, `t − 1469600000 [s]`.
-fn quantity(axis: &Axis, scale: &Scale) -> String {
-    let mut text = symbol(&axis.symbol);
-    if scale.offset != 0.0 {
-        text += &format!(" − {}", scale.offset);
-    }
-    let unit = [scale.factor.clone(), powers(&clean(&axis.unit, 24))]
-        .into_iter()
-        .filter(|p| !p.is_empty())
-        .collect::<Vec<_>>()
-        .join(" ");
-    match (text.is_empty(), unit.is_empty()) {
-        (_, true) => text,
-        (true, false) => format!("[{unit}]"),
-        (false, false) => format!("{text} [{unit}]"),
-    }
-}
-
-/// Powers in a unit raised: `1/rad^2` becomes `1/rad²`.
-fn powers(unit: &str) -> String {
-    let mut parts = unit.split('^');
-    let first = parts.next().unwrap_or_default().to_owned();
-    parts.fold(first, |out, part| {
-        let digits = part.find(|c: char| !c.is_ascii_digit() && c != '-').unwrap_or(part.len());
-        match part[..digits].parse() {
-            Ok(power) => out + &superscript(power) + &part[digits..],
-            Err(_) => out + "^" + part,
-        }
-    })
-}
-
-/// On one line where it fits beside the panel, otherwise on two.
-fn y_label(axis: &Axis, scale: &Scale, height: f64) -> Vec<String> {
-    let whole = axis_label(axis, scale);
-    if width(&without_markup(&whole), LABEL_SIZE, false) <= height + 16.0 {
-        return vec![whole];
-    }
-    [clean(&axis.label, 80), quantity(axis, scale)].into_iter().filter(|p| !p.is_empty()).collect()
 }
 
 /// How many points a panel has that its axes' given ranges do not show.
@@ -439,30 +270,4 @@ fn outside(panel: &Panel, figure: &Figure, y: &Scale) -> usize {
         _ => 0,
     };
     panel.layers.iter().map(of_layer).sum()
-}
-
-fn xs(layer: &Layer) -> Vec<f64> {
-    match &layer.shape {
-        Shape::Points { xs, x_interval, .. } => {
-            let ends = x_interval.iter().flatten().flat_map(|&(a, b)| [a, b]);
-            xs.iter().copied().chain(ends).collect()
-        }
-        Shape::Line { xs, .. } | Shape::Band { xs, .. } => xs.clone(),
-        Shape::ShadedX { from, to } => vec![*from, *to],
-        Shape::AtX(x) => vec![*x],
-        Shape::AtY(_) => Vec::new(),
-    }
-}
-
-fn ys(layer: &Layer) -> Vec<f64> {
-    match &layer.shape {
-        Shape::Points { ys, y_interval, .. } => {
-            let ends = y_interval.iter().flatten().flat_map(|&(a, b)| [a, b]);
-            ys.iter().copied().chain(ends).collect()
-        }
-        Shape::Line { ys, .. } => ys.clone(),
-        Shape::Band { low, high, .. } => low.iter().chain(high).copied().collect(),
-        Shape::AtY(y) => vec![*y],
-        Shape::ShadedX { .. } | Shape::AtX(_) => Vec::new(),
-    }
 }

@@ -287,6 +287,36 @@ impl Layer {
     }
 }
 
+impl Layer {
+    /// Everything that it shows along x, ends of bars included.
+    pub(super) fn xs(&self) -> Vec<f64> {
+        match &self.shape {
+            Shape::Points { xs, x_interval, .. } => {
+                let ends = x_interval.iter().flatten().flat_map(|&(a, b)| [a, b]);
+                xs.iter().copied().chain(ends).collect()
+            }
+            Shape::Line { xs, .. } | Shape::Band { xs, .. } => xs.clone(),
+            Shape::ShadedX { from, to } => vec![*from, *to],
+            Shape::AtX(x) => vec![*x],
+            Shape::AtY(_) => Vec::new(),
+        }
+    }
+
+    /// Everything that it shows along y, ends of bars included.
+    pub(super) fn ys(&self) -> Vec<f64> {
+        match &self.shape {
+            Shape::Points { ys, y_interval, .. } => {
+                let ends = y_interval.iter().flatten().flat_map(|&(a, b)| [a, b]);
+                ys.iter().copied().chain(ends).collect()
+            }
+            Shape::Line { ys, .. } => ys.clone(),
+            Shape::Band { low, high, .. } => low.iter().chain(high).copied().collect(),
+            Shape::AtY(y) => vec![*y],
+            Shape::ShadedX { .. } | Shape::AtX(_) => Vec::new(),
+        }
+    }
+}
+
 fn around(centres: &[f64], half: &[f64]) -> Vec<(f64, f64)> {
     centres.iter().zip(half).map(|(c, h)| (c - h, c + h)).collect()
 }

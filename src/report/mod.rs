@@ -29,9 +29,11 @@
 //! assert!(page.contains("1.543 ± 0.021"));
 //! ```
 
+mod brush;
 mod canvas;
 mod draw;
 mod figure;
+mod labels;
 mod legend;
 mod number;
 mod page;

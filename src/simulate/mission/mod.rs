@@ -7,7 +7,9 @@
 //! sets ballast and moving mass at each turn from the steady pitch balance and then, as real gliders do, corrects the
 //! moving mass slowly by the pitch that it reads. Knows no vehicle file and prints nothing.
 
+mod account;
 mod controller;
+mod course;
 mod flight;
 mod keys;
 mod profile;
@@ -17,7 +19,8 @@ use std::path::Path;
 
 use crate::input::InputError;
 
-pub use flight::{Ending, Flight, Leg, LegKind, MISSION_COLUMNS, MissionError, Moment, Turn, fly_mission};
+pub use account::{Ending, Flight, Leg, LegKind, MISSION_COLUMNS, MissionError, Moment, Turn};
+pub use flight::fly_mission;
 pub use keys::{KEYS, Key};
 pub use profile::Profile;
 
