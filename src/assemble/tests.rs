@@ -28,6 +28,7 @@ fn hull() -> ReducedHull {
         fit: Some(HullFit { range_deg: 10.0, a: q(3.8 * 0.1 / area), b: q(0.15), c: q(1.5), d: q(1.2) }),
         dynamic: None,
         diagnosis: None,
+        extended: None,
     }
 }
 

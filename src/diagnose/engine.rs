@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::evidence::{Candidate, Evidence, Point, Problem};
+use super::evidence::{Candidate, Evidence, Headline, Point, Problem};
 use super::findings::{Cause, Diagnosis, Gain, Rejected, Unexplained, Verdict, Wrong};
 use super::holdout::{self, least_squares};
 use super::noise::{self, Noise, Series};
@@ -25,14 +25,60 @@ const MAX_ROUNDS: usize = 6;
 /// a mechanism may be and still count as a stand-in: a factor of 20 in evidence.
 const MARGIN: f64 = 6.0;
 
+/// Share of what the best curve explains that few parameters with a name must reach to keep it: what a rigid law explains
+/// but for a twentieth is that law, imperfectly written down, and the rest is told as unexplained.
+const FULL_SHARE: f64 = 0.95;
+
 /// Least advantage on held-out data, in standard errors, for a mechanism to stay.
 const LEAST_ADVANTAGE: f64 = 1.0;
 
 /// Probability below which a misfit is called one.
 const SIGNIFICANT: f64 = 0.01;
 
+/// A diagnosis with the figures that it rests on, for tables and drawings.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// What is said.
+    pub diagnosis: Diagnosis,
+    /// The baseline alone.
+    pub before: Stage,
+    /// With what was named.
+    pub after: Stage,
+    /// The candidates of the fit in the order of the fit.
+    pub fitted: Vec<usize>,
+    /// The candidates that were named, strongest first, by their place in [`Problem::candidates`].
+    pub named: Vec<usize>,
+    /// Covariance of each one's parameters.
+    pub covariances: Vec<DMatrix<f64>>,
+    /// Measured less modelled by a model without it, fitted without the row's block.
+    pub without: Vec<DVector<f64>>,
+    /// Evidence of each one: fall of the sum of squares, in units of the noise, when it is added last.
+    pub gains: Vec<f64>,
+}
+
+/// The model at one stage of a diagnosis.
+#[derive(Debug, Clone)]
+pub struct Stage {
+    /// Its parameters.
+    pub point: Point,
+    /// Measured less modelled, row by row.
+    pub residual: DVector<f64>,
+    /// The same for a model that was fitted without the row's block.
+    pub held_out: DVector<f64>,
+    /// Standard deviation of each row's noise.
+    pub sd: Vec<f64>,
+    /// Covariance of what was fitted: the baseline's parameters, then those of each candidate in [`Outcome::fitted`].
+    pub covariance: DMatrix<f64>,
+}
+
 /// The diagnosis of a problem, and the point of the extended model.
 pub fn diagnose(problem: &impl Problem) -> (Diagnosis, Point) {
+    let outcome = diagnose_in_full(problem);
+    (outcome.diagnosis, outcome.after.point)
+}
+
+/// The diagnosis of a problem with what it rests on.
+pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
     let candidates = problem.candidates();
     let start = problem.start();
     let mut baseline = Fitted::new(problem, start, Vec::new());
@@ -56,7 +102,13 @@ fn decide(mechanisms: Choice, with_curve: Option<Choice>, lap: &Lap<'_>) -> (Vec
             // Beside something unknown a name needs evidence that the unknown cannot take over, and more of it than the
             // unknown has itself: what is unknown may bring along a bit of many a mechanism.
             let race = lap.race();
-            let mut members = other.members;
+            let mut members = other.members.clone();
+            if race.gain(&mechanisms.members) > FULL_SHARE * race.gain(&members)
+                && let Some(curve) = lap.best_curve(&mechanisms.members)
+            {
+                members = mechanisms.members;
+                members.push(curve);
+            }
             let lost_without = |members: &[usize], place: usize| {
                 let mut fewer = members.to_vec();
                 fewer.remove(place);
@@ -90,7 +142,7 @@ struct Fitted {
 impl Fitted {
     fn new(problem: &impl Problem, point: Point, included: Vec<usize>) -> Self {
         let evidence = believing(problem, problem.evidence(&point), &point, &included);
-        let noises = noises(&evidence, &included);
+        let noises = noises(problem, &evidence, &included);
         Fitted { point, included, evidence, noises }
     }
 
@@ -113,7 +165,7 @@ impl Fitted {
                     break;
                 }
             }
-            self.noises = noises(&self.evidence, &self.included);
+            self.noises = noises(problem, &self.evidence, &self.included);
             if !accepted || expected < 1e-4 {
                 return;
             }
@@ -179,6 +231,19 @@ impl Fitted {
         residual
     }
 
+    fn stage(&self, held_out: DVector<f64>) -> Stage {
+        let mut sd = vec![0.0; self.evidence.residual.len()];
+        for (quantity, noise) in self.evidence.quantities.iter().zip(&self.noises) {
+            quantity.rows.clone().for_each(|row| sd[row] = noise.sd(self.evidence.stated_sd[row]));
+        }
+        let columns = self.columns();
+        let k = columns.ncols();
+        let all = whiten_with_prior(&self.evidence, &self.noises, &columns.insert_column(k, 0.0), k);
+        let design = all.columns(0, k);
+        let covariance = (design.tr_mul(&design)).pseudo_inverse(1e-14).unwrap_or_else(|_| DMatrix::zeros(k, k));
+        Stage { point: self.point.clone(), residual: self.evidence.residual.clone(), held_out, sd, covariance }
+    }
+
     /// What is left of each row when its block was held out.
     fn held_out(&self) -> DVector<f64> {
         holdout::residuals(&self.evidence, &self.noises, &self.columns(), &self.evidence.residual)
@@ -233,13 +298,22 @@ fn believing(problem: &impl Problem, mut evidence: Evidence, point: &Point, incl
     evidence
 }
 
+/// A curve in the race.
+#[derive(Debug, Clone, Copy)]
+struct CurveRunner {
+    runner: usize,
+    /// Along which covariate it runs.
+    covariate: &'static str,
+    /// In which quantity; none where in all together.
+    quantity: Option<usize>,
+}
+
 /// One round of the search around a fit.
 struct Lap<'a> {
     candidates: &'a [Candidate],
     fitted: &'a Fitted,
     runners: Vec<Runner>,
-    /// For each curve the covariate it runs along.
-    curve_names: Vec<(usize, String)>,
+    curves: Vec<CurveRunner>,
     score: Score,
 }
 
@@ -248,32 +322,50 @@ impl<'a> Lap<'a> {
         let mut evidence = fitted.evidence.clone();
         evidence.residual = fitted.without_candidates(candidates);
         evidence.prior.truncate(evidence.baseline.ncols());
-        let mut runners = Vec::new();
-        let mut parts: Vec<DMatrix<f64>> = Vec::new();
+        let mut runners: Vec<Runner> = Vec::new();
+        let mut parts_of_all: Vec<DMatrix<f64>> = Vec::new();
         let mut usual: Vec<f64> = Vec::new();
         let mut n_columns = 0;
-        let mut push = |columns: DMatrix<f64>, family: usize, is_curve: bool, bounds: Vec<(f64, f64)>| {
-            runners.push(Runner { columns: n_columns..n_columns + columns.ncols(), family, is_curve, bounds });
-            n_columns += columns.ncols();
-            parts.push(columns);
-        };
         for (index, candidate) in candidates.iter().enumerate() {
             let family = candidates.iter().position(|other| other.name == candidate.name).unwrap_or(index);
             let allowed = candidate.bounds.iter().zip(&candidate.neutral);
             let bounds = allowed.map(|((low, high), neutral)| (low - neutral, high - neutral)).collect();
-            push(evidence.candidates[index].clone(), family, false, bounds);
+            let columns = n_columns..n_columns + evidence.candidates[index].ncols();
+            n_columns = columns.end;
+            parts_of_all.push(evidence.candidates[index].clone());
+            runners.push(Runner { columns, family, is_curve: false, bounds });
             usual.extend(&candidate.usual);
         }
-        let mut curve_names = Vec::new();
-        for (columns, name) in curves(&evidence) {
-            let index = candidates.len() + curve_names.len();
-            curve_names.push((index, name));
-            push(columns, index, true, Vec::new());
+        let mut curves: Vec<CurveRunner> = Vec::new();
+        for (covariate, parts) in curve_shapes(&evidence) {
+            let of_all = n_columns..n_columns + parts.iter().map(|part| part.ncols()).sum::<usize>();
+            let mut add = |quantity: Option<usize>, part: Option<DMatrix<f64>>| {
+                let runner = runners.len();
+                let columns = match part {
+                    Some(part) => {
+                        let columns = n_columns..n_columns + part.ncols();
+                        n_columns = columns.end;
+                        parts_of_all.push(part);
+                        columns
+                    }
+                    None => of_all.clone(),
+                };
+                runners.push(Runner { columns, family: runner, is_curve: true, bounds: Vec::new() });
+                curves.push(CurveRunner { runner, covariate, quantity });
+            };
+            let several = parts.len() > 1;
+            for (quantity, part) in parts.into_iter().enumerate() {
+                add(Some(quantity), Some(part));
+            }
+            if several {
+                add(None, None);
+            }
         }
+        let parts = parts_of_all;
         let all = side_by_side(evidence.residual.len(), &parts.iter().collect::<Vec<_>>());
         usual.resize(all.ncols(), f64::INFINITY);
         let score = Score::new(&evidence, &fitted.noises, &evidence.baseline, &all, &usual);
-        Lap { candidates, fitted, runners, curve_names, score }
+        Lap { candidates, fitted, runners, curves, score }
     }
 
     fn race(&self) -> Race<'_> {
@@ -282,19 +374,24 @@ impl<'a> Lap<'a> {
 
     /// The covariate of the curve that explains what these members leave, if one clearly does.
     fn unnamed_curve(&self, members: &[usize]) -> Option<String> {
+        self.best_curve(members).and_then(|curve| self.curve_name(curve)).map(str::to_owned)
+    }
+
+    /// The curve that best explains what these members leave, if one clearly does.
+    fn best_curve(&self, members: &[usize]) -> Option<usize> {
         let race = self.race();
         let here = race.criterion(members);
-        let best = self.curve_names.iter().map(|(runner, name)| {
+        let best = self.curves.iter().map(|curve| {
             let mut with = members.to_vec();
-            with.push(*runner);
-            (race.criterion(&with), name)
+            with.push(curve.runner);
+            (race.criterion(&with), curve.runner)
         });
-        let (criterion, name) = best.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        (criterion < here - MARGIN).then(|| name.clone())
+        let (criterion, runner) = best.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        (criterion < here - MARGIN).then_some(runner)
     }
 
     fn curve_name(&self, runner: usize) -> Option<&str> {
-        self.curve_names.iter().find(|(index, _)| *index == runner).map(|(_, name)| name.as_str())
+        self.curves.iter().find(|curve| curve.runner == runner).map(|curve| curve.covariate)
     }
 
     /// Where the linearised fit of a set lies.
@@ -318,8 +415,8 @@ impl<'a> Lap<'a> {
     }
 }
 
-/// Every curve that could show: along each covariate, alike and opposite on the legs, in each quantity and in all.
-fn curves(evidence: &Evidence) -> Vec<(DMatrix<f64>, String)> {
+/// Every curve that could show: along each covariate, alike and opposite on the legs, for each quantity its columns.
+fn curve_shapes(evidence: &Evidence) -> Vec<(&'static str, Vec<DMatrix<f64>>)> {
     let n = evidence.residual.len();
     let has_legs = evidence.leg.iter().any(|leg| *leg < 0.0) && evidence.leg.iter().any(|leg| *leg > 0.0);
     let mut found = Vec::new();
@@ -330,26 +427,19 @@ fn curves(evidence: &Evidence) -> Vec<(DMatrix<f64>, String)> {
         }
         let by_leg = DMatrix::from_fn(n, basis.ncols(), |i, j| basis[(i, j)] * evidence.leg[i]);
         for shape in if has_legs { vec![basis, by_leg] } else { vec![basis] } {
-            let parts: Vec<DMatrix<f64>> = evidence
-                .quantities
-                .iter()
-                .map(|quantity| {
-                    // Each quantity in units of its own noise, and free of the others.
-                    DMatrix::from_fn(n, shape.ncols(), |i, j| {
-                        if quantity.rows.contains(&i) { shape[(i, j)] * evidence.stated_sd[i] } else { 0.0 }
-                    })
+            // Each quantity in units of its own noise, and free of the others.
+            let part = |rows: &std::ops::Range<usize>| {
+                DMatrix::from_fn(n, shape.ncols(), |i, j| {
+                    if rows.contains(&i) { shape[(i, j)] * evidence.stated_sd[i] } else { 0.0 }
                 })
-                .collect();
-            if parts.len() > 1 {
-                found.push((side_by_side(n, &parts.iter().collect::<Vec<_>>()), covariate.name.to_owned()));
-            }
-            found.extend(parts.into_iter().map(|part| (part, covariate.name.to_owned())));
+            };
+            found.push((covariate.name, evidence.quantities.iter().map(|quantity| part(&quantity.rows)).collect()));
         }
     }
     found
 }
 
-fn report(problem: &impl Problem, baseline: &Fitted, extended: &Fitted, curve: Option<String>) -> (Diagnosis, Point) {
+fn report(problem: &impl Problem, baseline: &Fitted, extended: &Fitted, curve: Option<String>) -> Outcome {
     let candidates = problem.candidates();
     let before = baseline.held_out();
     let after = if extended.included.is_empty() { before.clone() } else { extended.held_out() };
@@ -364,7 +454,7 @@ fn report(problem: &impl Problem, baseline: &Fitted, extended: &Fitted, curve: O
                 holdout_rms_before: b,
                 holdout_rms_after: a,
                 reduction_percent: holdout::reduction_percent(b, a),
-                ci95: holdout::reduction_interval(&baseline.evidence, quantity.rows.clone(), &before, &after),
+                ci95: holdout::reduction_interval(&baseline.evidence.block, quantity.rows.clone(), &before, &after),
             }
         })
         .collect();
@@ -372,10 +462,10 @@ fn report(problem: &impl Problem, baseline: &Fitted, extended: &Fitted, curve: O
     let lap = Lap::new(candidates, extended);
     let race = lap.race();
     let n_names = names(candidates).len() as f64;
-    let mut causes: Vec<(f64, Cause)> =
+    let mut named: Vec<Named> =
         (0..extended.included.len()).map(|place| cause(problem, extended, &lap, &race, place, n_names)).collect();
-    causes.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let causes: Vec<Cause> = causes.into_iter().map(|(_, cause)| cause).collect();
+    named.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let causes: Vec<Cause> = named.iter().map(|named| named.cause.clone()).collect();
 
     let depends_on: Vec<String> = curve.into_iter().collect();
     let rows = baseline.evidence.quantities[0].rows.clone();
@@ -394,11 +484,43 @@ fn report(problem: &impl Problem, baseline: &Fitted, extended: &Fitted, curve: O
         rejected: rejected(candidates, extended, &lap, &race, &causes),
         causes,
         unexplained,
-        gain: gains[0].clone(),
+        gain: gains[headline(problem, baseline, &before, &after)].clone(),
         gains,
         extended: None,
     };
-    (diagnosis, extended.point.clone())
+    Outcome {
+        diagnosis,
+        before: baseline.stage(before),
+        after: extended.stage(after),
+        fitted: extended.included.clone(),
+        named: named.iter().map(|named| named.candidate).collect(),
+        covariances: named.iter().map(|named| named.covariance.clone()).collect(),
+        gains: named.iter().map(|named| named.gain).collect(),
+        without: named.into_iter().map(|named| named.without).collect(),
+    }
+}
+
+/// The quantity of which a gain is told.
+fn headline(problem: &impl Problem, fitted: &Fitted, before: &DVector<f64>, after: &DVector<f64>) -> usize {
+    if problem.headline() == Headline::First {
+        return 0;
+    }
+    let evidence = &fitted.evidence;
+    let fall = |quantity: usize| -> f64 {
+        let sd = |row: usize| fitted.noises[quantity].sd(evidence.stated_sd[row]);
+        let rows = evidence.quantities[quantity].rows.clone();
+        rows.map(|row| (before[row].powi(2) - after[row].powi(2)) / sd(row).powi(2)).sum()
+    };
+    (0..evidence.quantities.len()).max_by(|a, b| fall(*a).total_cmp(&fall(*b))).unwrap_or(0)
+}
+
+/// A cause with the figures that it rests on.
+struct Named {
+    cause: Cause,
+    candidate: usize,
+    gain: f64,
+    covariance: DMatrix<f64>,
+    without: DVector<f64>,
 }
 
 fn cause(
@@ -408,7 +530,7 @@ fn cause(
     race: &Race<'_>,
     place: usize,
     n_names: f64,
-) -> (f64, Cause) {
+) -> Named {
     let candidates = problem.candidates();
     let member = extended.included[place];
     let candidate = &candidates[member];
@@ -449,17 +571,20 @@ fn cause(
             df,
             extended.point.candidates[member].iter().zip(&candidate.neutral).map(|(v, n)| v - n),
         );
-    let rows = extended.evidence.quantities[0].rows.clone();
+    let (before, after) = (without.held_out(), extended.held_out());
+    let quantity = &extended.evidence.quantities[headline(problem, extended, &before, &after)];
     let cause = Cause {
         cause: candidate.name.to_owned(),
         parameters,
         p_value: (n_names * chance(gain, df)).min(1.0),
         delta_bic: gain - df as f64 * lap.score.effective_rows.ln(),
-        holdout_rms_before: holdout::rms(&without.held_out(), rows.clone()),
-        holdout_rms_after: holdout::rms(&extended.held_out(), rows),
+        quantity: quantity.name.to_owned(),
+        holdout_rms_before: holdout::rms(&before, quantity.rows.clone()),
+        holdout_rms_after: holdout::rms(&after, quantity.rows.clone()),
         indistinguishable_from: stand_ins,
     };
-    (gain, cause)
+    let covariance = fit.covariance.view((first, first), (df, df)).into_owned();
+    Named { cause, candidate: member, gain, covariance, without: before }
 }
 
 fn rejected(
@@ -520,33 +645,30 @@ fn rejected(
 fn wrong(candidates: &[Candidate], baseline: &Fitted) -> Vec<Wrong> {
     let lap = Lap::new(candidates, baseline);
     let evidence = &baseline.evidence;
-    let tests = lap.curve_names.len().max(1) as f64;
-    let mut found: Vec<(String, Wrong)> = Vec::new();
-    for (runner, name) in &lap.curve_names {
-        let columns: Vec<usize> = lap.runners[*runner].columns.clone().collect();
+    let tests = lap.curves.len().max(1) as f64;
+    let mut found: Vec<Wrong> = Vec::new();
+    for curve in &lap.curves {
+        // What quantities share is told of them one by one.
+        let Some(quantity_index) = curve.quantity else { continue };
+        let columns: Vec<usize> = lap.runners[curve.runner].columns.clone().collect();
         let p_value = (tests * chance(lap.score.fit(&columns).gain, columns.len())).min(1.0);
         if p_value > SIGNIFICANT {
             continue;
         }
-        match found.iter_mut().find(|(known, _)| known == name) {
-            Some((_, known)) => known.p_value = known.p_value.min(p_value),
-            None => {
-                let quantity = &evidence.quantities[0];
-                found.push((
-                    name.clone(),
-                    Wrong {
-                        quantity: quantity.name.to_owned(),
-                        regime: name.clone(),
-                        rms: holdout::rms(&evidence.residual, quantity.rows.clone()),
-                        expected_rms: expected_rms(evidence, &baseline.noises, 0),
-                        p_value,
-                    },
-                ));
-            }
+        let quantity = &evidence.quantities[quantity_index];
+        match found.iter_mut().find(|known| known.regime == curve.covariate && known.quantity == quantity.name) {
+            Some(known) => known.p_value = known.p_value.min(p_value),
+            None => found.push(Wrong {
+                quantity: quantity.name.to_owned(),
+                regime: curve.covariate.to_owned(),
+                rms: holdout::rms(&evidence.residual, quantity.rows.clone()),
+                expected_rms: expected_rms(evidence, &baseline.noises, quantity_index),
+                p_value,
+            }),
         }
     }
-    found.sort_by(|a, b| a.1.p_value.total_cmp(&b.1.p_value));
-    found.into_iter().map(|(_, wrong)| wrong).collect()
+    found.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
+    found
 }
 
 fn expected_rms(evidence: &Evidence, noises: &[Noise], quantity: usize) -> f64 {
@@ -567,7 +689,7 @@ fn names(candidates: &[Candidate]) -> Vec<&'static str> {
 }
 
 /// The noise of each quantity, everything that any candidate could explain set aside where there are rows to spare.
-fn noises(evidence: &Evidence, included: &[usize]) -> Vec<Noise> {
+fn noises(problem: &impl Problem, evidence: &Evidence, included: &[usize]) -> Vec<Noise> {
     let mut parts: Vec<&DMatrix<f64>> = vec![&evidence.baseline];
     parts.extend(included.iter().map(|member| &evidence.candidates[*member]));
     let few = side_by_side(evidence.residual.len(), &parts);
@@ -578,7 +700,9 @@ fn noises(evidence: &Evidence, included: &[usize]) -> Vec<Noise> {
         .iter()
         .map(|quantity| {
             let rows = quantity.rows.clone();
-            let explained = if rows.len() > 6 * many.ncols() { &many } else { &few };
+            let reaching = many.column_iter().filter(|column| column.rows(rows.start, rows.len()).amax() > 0.0).count();
+            let spare = rows.len() as f64 > problem.rows_per_column() * reaching as f64;
+            let explained = if spare { &many } else { &few };
             let series =
                 Series { time_s: &evidence.time_s[rows.clone()], stated_sd: &evidence.stated_sd[rows.clone()] };
             let residual = evidence.residual.rows(rows.start, rows.len()).into_owned();

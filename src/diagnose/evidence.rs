@@ -24,7 +24,7 @@ pub struct Covariate {
     pub name: &'static str,
     /// How it runs.
     pub kind: Kind,
-    /// Its value in each row.
+    /// Its value in each row; not a number where it means nothing.
     pub values: Vec<f64>,
 }
 
@@ -80,6 +80,15 @@ pub struct Point {
     pub candidates: Vec<Vec<f64>>,
 }
 
+/// Of which quantity the error of a cause is told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Headline {
+    /// The first one.
+    First,
+    /// The one that gains most by it, in units of its noise.
+    MostGained,
+}
+
 /// A model with its data.
 pub trait Problem {
     /// Names and units of the baseline parameters.
@@ -90,6 +99,17 @@ pub trait Problem {
 
     /// Where to begin: the baseline as it is believed, every candidate neutral.
     fn start(&self) -> Point;
+
+    /// Of which quantity the error of a cause is told.
+    fn headline(&self) -> Headline {
+        Headline::First
+    }
+
+    /// Rows that a quantity must have for each column that could explain it, before its noise is judged with all of them
+    /// set aside.
+    fn rows_per_column(&self) -> f64 {
+        6.0
+    }
 
     /// Residuals and sensitivities at a point. Rows, blocks and covariates are the same at every point.
     fn evidence(&self, point: &Point) -> Evidence;

@@ -46,6 +46,8 @@ pub struct Cause {
     pub p_value: f64,
     /// Fall of the Bayesian information criterion.
     pub delta_bic: f64,
+    /// The quantity of the errors below.
+    pub quantity: String,
     /// Error on held-out data without it.
     pub holdout_rms_before: f64,
     /// Error on held-out data with it.
@@ -79,7 +81,7 @@ pub struct Unexplained {
 /// Error before and after on data that no fit saw.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Gain {
-    /// The quantity; the first one is that of `holdout_rms_*` elsewhere.
+    /// The quantity.
     pub quantity: String,
     /// Without the causes.
     pub holdout_rms_before: f64,
@@ -106,7 +108,7 @@ pub struct Diagnosis {
     pub rejected: Vec<Rejected>,
     /// What is left without a name.
     pub unexplained: Option<Unexplained>,
-    /// What the extension gains on the first quantity.
+    /// What the extension gains on one quantity.
     pub gain: Gain,
     /// The same for every quantity.
     pub gains: Vec<Gain>,

@@ -85,9 +85,9 @@ fn subset(evidence: &Evidence, kept: &[usize]) -> Evidence {
 }
 
 /// Root mean square of these rows.
-pub fn rms(values: &DVector<f64>, rows: std::ops::Range<usize>) -> f64 {
-    let n = rows.len().max(1) as f64;
-    (rows.map(|row| values[row] * values[row]).sum::<f64>() / n).sqrt()
+pub fn rms(values: &DVector<f64>, rows: impl IntoIterator<Item = usize>) -> f64 {
+    let (sum, n) = rows.into_iter().fold((0.0, 0), |(sum, n), row| (sum + values[row] * values[row], n + 1));
+    (sum / f64::from(n.max(1))).sqrt()
 }
 
 /// How sure it is that a model predicts better than another: the mean over blocks of the fall in squared error (in units
@@ -114,14 +114,14 @@ pub fn advantage(evidence: &Evidence, noises: &[Noise], without: &DVector<f64>, 
 
 /// 95 % interval of the reduction of the root mean square \[%\], by resampling whole blocks.
 pub fn reduction_interval(
-    evidence: &Evidence,
-    rows: std::ops::Range<usize>,
+    block: &[usize],
+    rows: impl IntoIterator<Item = usize>,
     before: &DVector<f64>,
     after: &DVector<f64>,
 ) -> [f64; 2] {
     let mut blocks: Vec<(usize, f64, f64)> = Vec::new();
     for row in rows {
-        let block = evidence.block[row];
+        let block = block[row];
         let (b, a) = (before[row] * before[row], after[row] * after[row]);
         match blocks.iter_mut().find(|(known, _, _)| *known == block) {
             Some((_, sum_b, sum_a)) => (*sum_b, *sum_a) = (*sum_b + b, *sum_a + a),

@@ -18,8 +18,8 @@ pub mod sea;
 pub mod search;
 pub mod smooth;
 
-pub use engine::diagnose;
-pub use evidence::{Candidate, Covariate, Evidence, Point, Problem, Quantity};
+pub use engine::{Outcome, Stage, diagnose, diagnose_in_full};
+pub use evidence::{Candidate, Covariate, Evidence, Headline, Point, Problem, Quantity};
 pub use findings::{Cause, Diagnosis, Gain, Rejected, Unexplained, Verdict, Wrong};
 
 #[cfg(test)]

@@ -80,6 +80,12 @@ impl<'a> Race<'a> {
         members.iter().map(|member| self.cost(*member)).sum::<f64>() - fit.gain
     }
 
+    /// How much a set explains: fall of the sum of squares, in units of the noise.
+    pub fn gain(&self, members: &[usize]) -> f64 {
+        let columns = self.columns(members);
+        if columns.is_empty() { 0.0 } else { self.score.fit(&columns).gain }
+    }
+
     fn cost(&self, member: usize) -> f64 {
         let runner = &self.runners[member];
         let among = if runner.is_curve { self.n_curves } else { self.n_families };

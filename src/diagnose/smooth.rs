@@ -22,7 +22,7 @@ pub enum Kind {
 }
 
 /// The columns of the curve, of unit mean square; fewer where the covariate takes few values, none where
-/// it does not vary.
+/// it does not vary. Rows where the covariate is not a number take no part: zero.
 pub fn basis(kind: Kind, values: &[f64]) -> DMatrix<f64> {
     let columns = match kind {
         Kind::Angle => (1..=HARMONICS)
@@ -36,8 +36,14 @@ pub fn basis(kind: Kind, values: &[f64]) -> DMatrix<f64> {
             .collect(),
         Kind::Line => spline(values),
     };
-    let kept: Vec<Vec<f64>> =
-        columns.into_iter().filter_map(|column| standardised(column, kind == Kind::Line)).collect();
+    let meaningful = |mut column: Vec<f64>| {
+        column.iter_mut().zip(values).filter(|(_, v)| !v.is_finite()).for_each(|(entry, _)| *entry = f64::NAN);
+        column
+    };
+    let kept: Vec<Vec<f64>> = columns
+        .into_iter()
+        .filter_map(|column: Vec<f64>| standardised(meaningful(column), kind == Kind::Line))
+        .collect();
     DMatrix::from_fn(values.len(), kept.len(), |row, column| kept[column][row])
 }
 
@@ -70,15 +76,15 @@ fn spline(values: &[f64]) -> Vec<Vec<f64>> {
 }
 
 fn standardised(mut column: Vec<f64>, centred: bool) -> Option<Vec<f64>> {
-    let n = column.len() as f64;
-    let mean = column.iter().sum::<f64>() / n;
-    let spread = (column.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
+    let present = || column.iter().copied().filter(|v| v.is_finite());
+    let n = present().count() as f64;
+    let mean = present().sum::<f64>() / n;
+    let spread = (present().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
     if spread.is_nan() || spread <= 1e-12 {
         return None;
     }
-    if centred {
-        column.iter_mut().for_each(|v| *v -= mean);
-    }
+    let level = if centred { mean } else { 0.0 };
+    column.iter_mut().for_each(|v| *v = if v.is_finite() { *v - level } else { 0.0 });
     let size = (column.iter().map(|v| v * v).sum::<f64>() / n).sqrt();
     column.iter_mut().for_each(|v| *v /= size);
     Some(column)
@@ -111,5 +117,13 @@ mod tests {
     fn what_does_not_vary_has_no_curve() {
         assert_eq!(basis(Kind::Line, &[2.0; 10]).ncols(), 0);
         assert_eq!(basis(Kind::Line, &[0.0, 1.0, 0.0, 1.0]).ncols(), 1);
+    }
+
+    #[test]
+    fn where_a_covariate_means_nothing_its_curve_is_zero() {
+        let values = [1.0, f64::NAN, 2.0, 3.0, f64::NAN, 5.0];
+        let columns = basis(Kind::Line, &values);
+        assert!(columns.ncols() >= 1 && columns.iter().all(|v| v.is_finite()));
+        assert!(columns.row(1).iter().chain(columns.row(4).iter()).all(|v| *v == 0.0));
     }
 }

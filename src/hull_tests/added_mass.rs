@@ -84,6 +84,7 @@ mod tests {
                 nrdot: Some(q(-0.000676)),
             }),
             diagnosis: None,
+            extended: None,
         };
         let added = hull.added_mass(1000.0, 0.6992);
         let l3 = 500.0 * 4.356f64.powi(3);

@@ -54,6 +54,9 @@ pub struct ReducedHull {
     pub dynamic: Option<DynamicDerivatives>,
     /// What the hull's readings depart from, where that was asked for.
     pub diagnosis: Option<serde_json::Value>,
+    /// The fit with the hull's own mechanisms in it, where a diagnosis named any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub extended: Option<ExtendedFit>,
 }
 
 /// Sizes of a hull, distances aft of the nose.
@@ -83,6 +86,23 @@ pub struct HullFit {
     pub c: Estimate,
     /// Moment slope \[1/rad\].
     pub d: Estimate,
+}
+
+/// `CL = a alpha + K alpha|alpha|` and so on: the coefficients beside the mechanisms that a diagnosis named.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ExtendedFit {
+    /// a, b, c, d beside them; the range is that of all angles.
+    #[serde(flatten)]
+    pub fit: HullFit,
+    /// Crossflow: CL grows by this times alpha |alpha|, CD by it times |alpha|^3 \[1/rad2\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nonlinear_lift_per_rad2: Option<Estimate>,
+    /// Crossflow: CM grows by this times alpha |alpha| \[1/rad2\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nonlinear_moment_per_rad2: Option<Estimate>,
+    /// b goes with this power of the dynamic pressure.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drag_exponent: Option<Estimate>,
 }
 
 /// SNAME primes on the overall length about the centre of buoyancy.
