@@ -26,6 +26,9 @@ pub struct DemoArgs {
     /// Scale of everything random: 1 a good tank, 0 none
     #[arg(long, default_value_t = 1.0)]
     noise: f64,
+    /// Tow only the strut and the hulls at fixed angles, without oscillations and turns
+    #[arg(long)]
+    statics_only: bool,
     /// Size to aim at in MB (10^6 bytes), by more runs and finer sampling
     #[arg(long, value_name = "MB")]
     size_mb: Option<f64>,
@@ -43,7 +46,14 @@ pub fn run(args: DemoArgs) -> Result<(), Error> {
     for list in &args.effect {
         effects.extend(EffectRequest::parse_list(list)?);
     }
-    let options = Options { seed: args.seed, effects, hulls: args.hull, noise: args.noise, size_mb: args.size_mb };
+    let options = Options {
+        seed: args.seed,
+        effects,
+        hulls: args.hull,
+        noise: args.noise,
+        statics_only: args.statics_only,
+        size_mb: args.size_mb,
+    };
     let begin = Instant::now();
     // Drawn on a terminal only: indicatif hides itself elsewhere.
     let bar = if args.quiet { ProgressBar::hidden() } else { ProgressBar::new(0) };

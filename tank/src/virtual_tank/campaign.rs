@@ -14,7 +14,7 @@ use super::motion::Kind;
 use super::noise::NoiseLevels;
 use super::outline::PHOENIX;
 use super::paperwork::{self, run_id};
-use super::programme::{PlannedRun, plan};
+use super::programme::{PlannedRun, Wishes, plan};
 use super::random::{Purpose, Stream};
 use super::simulate::Tank;
 use super::truth::{BalanceTruth, HullTruth, RunTruth, SCHEMA, Trend, Truth};
@@ -52,7 +52,10 @@ pub fn write_campaign_watched(
     let (hidden, stated) = effects::hide(&options.effects, options.seed)?;
     let levels = NoiseLevels::good_tank(options.noise);
     let hulls = draw_hulls(&mut Stream::new(options.seed, Purpose::Hulls));
-    let runs_of = |passes| plan(&chosen, passes, &levels, &hidden, &mut Stream::new(options.seed, Purpose::Programme));
+    let runs_of = |passes| {
+        let wishes = Wishes { hulls: &chosen, passes, statics_only: options.statics_only };
+        plan(wishes, &levels, &hidden, &mut Stream::new(options.seed, Purpose::Programme))
+    };
     let (runs, refinement) = size(options.size_mb, runs_of)?;
     let days = runs.last().map_or(1, |run| run.day + 1);
     let balance = Balance::draw(&mut Stream::new(options.seed, Purpose::Balance), days, &hidden);

@@ -4,7 +4,9 @@
 
 use std::fmt::Write as _;
 
-use super::effects::{Bubble, CHANNELS, Gyre, Hidden, WarmUp, Weed, WrongTemperature};
+use super::effects::{
+    Bubble, CHANNELS, Gyre, Hidden, RectifiedVibration, Transition, WarmUp, Weed, WrongTemperature,
+};
 use super::random::Stream;
 
 /// Every effect by name. `none` is accepted too and hides nothing.
@@ -237,6 +239,48 @@ pub const CATALOGUE: &[Entry] = &[
                 run_fraction: stream.between(0.3, 0.7),
             });
             String::new()
+        },
+    },
+    Entry {
+        name: "uncatalogued-vibration",
+        parameter: "vibration_side_force_N",
+        unit: "N",
+        meaning: "carriage vibration that the balance turns into a mean side force at 2 m/s; it comes and goes with the yaw angle",
+        bounds: (0.0, 10.0),
+        draw: Draw::Between(0.3, 0.8),
+        act: |hidden, size, stream| {
+            let vibration = RectifiedVibration {
+                side_force_n: size,
+                period_rad: stream.between(3.0, 6.0).to_radians(),
+                phase_rad: stream.between(0.0, std::f64::consts::TAU),
+            };
+            hidden.vibration = Some(vibration);
+            format!("once in {:.2} deg", vibration.period_rad.to_degrees())
+        },
+    },
+    Entry {
+        name: "uncatalogued-blockage",
+        parameter: "blockage_per_rad2",
+        unit: "1/rad^2",
+        meaning: "the walls speed the flow up by the model's wake: dynamic pressure grows by this times alpha^2 times speed over 2 m/s",
+        bounds: (0.0, 5.0),
+        draw: Draw::Between(0.3, 1.0),
+        act: |hidden, size, _| {
+            hidden.blockage_per_rad2 = size;
+            String::new()
+        },
+    },
+    Entry {
+        name: "uncatalogued-transition",
+        parameter: "transition_cd",
+        unit: "",
+        meaning: "CD saved below one speed, where the boundary layer stays laminar further aft",
+        bounds: (0.0, 0.1),
+        draw: Draw::Between(0.01, 0.03),
+        act: |hidden, size, stream| {
+            let transition = Transition { drag_saved: size, speed_m_s: stream.between(1.15, 2.85) };
+            hidden.transition = Some(transition);
+            format!("at {:.2} m/s", transition.speed_m_s)
         },
     },
     Entry {

@@ -55,6 +55,9 @@ pub(super) struct Hidden {
     pub bubble: Option<Bubble>,
     pub residual_current: f64,
     pub weed: Option<Weed>,
+    pub vibration: Option<RectifiedVibration>,
+    pub blockage_per_rad2: f64,
+    pub transition: Option<Transition>,
     pub flipped: [bool; 3],
 }
 
@@ -97,6 +100,21 @@ pub(super) struct Weed {
     pub run_fraction: f64,
 }
 
+/// Vibration of the carriage that the balance turns into a mean side force; it comes and goes with the angle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct RectifiedVibration {
+    pub side_force_n: f64,
+    pub period_rad: f64,
+    pub phase_rad: f64,
+}
+
+/// A boundary layer that stays laminar further aft below one speed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Transition {
+    pub drag_saved: f64,
+    pub speed_m_s: f64,
+}
+
 impl Default for Hidden {
     fn default() -> Self {
         Self {
@@ -116,6 +134,9 @@ impl Default for Hidden {
             bubble: None,
             residual_current: 0.0,
             weed: None,
+            vibration: None,
+            blockage_per_rad2: 0.0,
+            transition: None,
             flipped: [false; 3],
         }
     }

@@ -163,7 +163,8 @@ impl Hull {
         let alpha = sine.atan2(cosine);
 
         let (lift, drag, moment) = self.static_law(alpha, speed, flow.extra_cd, water, hidden);
-        let pressure_area = half_rho * speed2 * frontal_area();
+        let blockage = 1.0 + hidden.blockage_per_rad2 * alpha * alpha * speed / REFERENCE_SPEED_M_S;
+        let pressure_area = half_rho * speed2 * blockage * frontal_area();
         let d = &self.derivatives;
         let l3 = half_rho * length.powi(3);
         let (l4, l5) = (l3 * length, l3 * length * length);
@@ -207,6 +208,9 @@ impl Hull {
             let froude = speed / (9.81 * self.row.loa_m).sqrt();
             let hump = |centre: f64, width: f64| (-((froude - centre) / width).powi(2)).exp();
             drag += hidden.wave_hump_cd * (hump(0.50, 0.09) + 0.35 * hump(0.34, 0.04));
+        }
+        if let Some(transition) = hidden.transition {
+            drag -= 0.5 * transition.drag_saved * (1.0 - ((speed - transition.speed_m_s) / 0.1).tanh());
         }
         (lift, drag, d * side * alpha)
     }

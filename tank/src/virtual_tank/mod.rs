@@ -48,13 +48,15 @@ pub struct Options {
     /// Scale of everything random within and between runs: 1 a good tank, 0 none. Zeros, their even drift, interaction
     /// and strut stay.
     pub noise: f64,
+    /// Whether only the strut and the steady drift of each hull are towed, without oscillations and turns.
+    pub statics_only: bool,
     /// Total size to aim at, 10^6 bytes, by more passes and finer sampling; a default campaign when absent.
     pub size_mb: Option<f64>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { seed: 1, effects: Vec::new(), hulls: Vec::new(), noise: 1.0, size_mb: None }
+        Self { seed: 1, effects: Vec::new(), hulls: Vec::new(), noise: 1.0, statics_only: false, size_mb: None }
     }
 }
 

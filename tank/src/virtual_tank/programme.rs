@@ -44,11 +44,20 @@ impl PlannedRun {
     }
 }
 
-/// Plans a campaign: the strut alone first (unless it was never tared), then hull after hull, every hull `passes` times
-/// through its programme.
+/// What a campaign is to hold.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Wishes<'a> {
+    /// The hulls, in the order in which they are towed.
+    pub hulls: &'a [usize],
+    /// How often each goes through its programme.
+    pub passes: usize,
+    /// Whether oscillations and turns are left out.
+    pub statics_only: bool,
+}
+
+/// Plans a campaign: the strut alone first (unless it was never tared), then hull after hull.
 pub(super) fn plan(
-    hulls: &[usize],
-    passes: usize,
+    wishes: Wishes<'_>,
     levels: &NoiseLevels,
     hidden: &Hidden,
     stream: &mut Stream,
@@ -70,10 +79,12 @@ pub(super) fn plan(
         crew.stream.shuffle(&mut tares);
         crew.session(None, tares);
     }
+    let Wishes { hulls, passes, statics_only } = wishes;
     for &hull in hulls {
         let mut work = Vec::new();
         for pass in 0..passes {
-            for mut group in [static_runs(), oscillating_runs(), arc_runs()] {
+            let moving = if statics_only { vec![] } else { vec![oscillating_runs(), arc_runs()] };
+            for mut group in std::iter::once(static_runs()).chain(moving) {
                 crew.stream.shuffle(&mut group);
                 if pass > 0 {
                     group.iter_mut().for_each(|(_, note)| *note = format!("pass {}", pass + 1));

@@ -127,7 +127,7 @@ impl<'a> Experiment<'a> {
         let speed_share = speed / 2.0;
         let model_share = if self.hull.is_some() { 1.0 } else { self.tank.levels.strut_alone_share };
         let [af, sf, ym] = self.disturbance.forces(speed_share, model_share, stream);
-        let load = load + Loads { x: -af, y: sf, n: ym };
+        let load = load + Loads { x: -af, y: sf + self.rectified_vibration(&motion, speed_share), n: ym };
 
         let (begin, growth) = &self.zero;
         let mut zero = [0, 1, 2].map(|i| begin[i] + growth[i] * time);
@@ -204,6 +204,15 @@ impl<'a> Experiment<'a> {
             current.1 = gyre.current_m_s * swing * (std::f64::consts::PI * (START_M + self.way) / TANK_M).cos();
         }
         current
+    }
+
+    /// Mean side force that the balance makes of the carriage's vibration.
+    #[inline]
+    fn rectified_vibration(&self, motion: &Motion, speed_share: f64) -> f64 {
+        self.tank.hidden.vibration.map_or(0.0, |vibration| {
+            let turns = motion.heading / vibration.period_rad * std::f64::consts::TAU;
+            vibration.side_force_n * speed_share * speed_share * (turns + vibration.phase_rad).sin()
+        })
     }
 
     /// The rig rings when the carriage stops gaining or losing speed.

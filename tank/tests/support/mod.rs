@@ -41,6 +41,7 @@ pub fn campaign_with_noise(
 ) -> (TempDir, Results, Truth) {
     let folder = tempfile::tempdir().unwrap();
     let options = virtual_tank::Options {
+        statics_only: false,
         seed,
         effects: effects.to_vec(),
         hulls: hulls.iter().map(|id| (*id).to_owned()).collect(),
