@@ -29,9 +29,6 @@ const MARGIN: f64 = 6.0;
 /// but for a twentieth is that law, imperfectly written down, and the rest is told as unexplained.
 const FULL_SHARE: f64 = 0.95;
 
-/// Least advantage on held-out data, in standard errors, for a mechanism to stay.
-const LEAST_ADVANTAGE: f64 = 1.0;
-
 /// Probability below which a misfit is called one.
 const SIGNIFICANT: f64 = 0.01;
 
@@ -48,8 +45,6 @@ pub struct Outcome {
     pub fitted: Vec<usize>,
     /// The candidates that were named, strongest first, by their place in [`Problem::candidates`].
     pub named: Vec<usize>,
-    /// Covariance of each one's parameters.
-    pub covariances: Vec<DMatrix<f64>>,
     /// Measured less modelled by a model without it, fitted without the row's block.
     pub without: Vec<DVector<f64>>,
     /// Evidence of each one: fall of the sum of squares, in units of the noise, when it is added last.
@@ -69,6 +64,8 @@ pub struct Stage {
     pub sd: Vec<f64>,
     /// Covariance of what was fitted: the baseline's parameters, then those of each candidate in [`Outcome::fitted`].
     pub covariance: DMatrix<f64>,
+    /// The same by the scatter between blocks (Liang and Zeger 1986): right where the rows of a block err together.
+    pub covariance_by_blocks: DMatrix<f64>,
 }
 
 /// The diagnosis of a problem, and the point of the extended model.
@@ -91,6 +88,7 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
     let curve =
         present.alternate(problem, |lap| decide(lap.race().best_mechanisms(), lap.race().best_with_curve(), lap));
     present.drop_what_does_not_predict(problem, &baseline);
+    present.drop_what_chance_explains(problem, &baseline);
     let curve = curve.or_else(|| Lap::new(candidates, &present).unnamed_curve(&present.included));
     report(problem, &baseline, &present, curve)
 }
@@ -237,11 +235,31 @@ impl Fitted {
             quantity.rows.clone().for_each(|row| sd[row] = noise.sd(self.evidence.stated_sd[row]));
         }
         let columns = self.columns();
-        let k = columns.ncols();
-        let all = whiten_with_prior(&self.evidence, &self.noises, &columns.insert_column(k, 0.0), k);
+        let (n, k) = columns.shape();
+        let mut all = columns.insert_column(k, 0.0);
+        all.column_mut(k).copy_from(&self.evidence.residual);
+        let all = whiten_with_prior(&self.evidence, &self.noises, &all, k);
         let design = all.columns(0, k);
         let covariance = (design.tr_mul(&design)).pseudo_inverse(1e-14).unwrap_or_else(|_| DMatrix::zeros(k, k));
-        Stage { point: self.point.clone(), residual: self.evidence.residual.clone(), held_out, sd, covariance }
+        let mut by_block: std::collections::BTreeMap<usize, DVector<f64>> = std::collections::BTreeMap::new();
+        for row in 0..all.nrows() {
+            // Each belief is a block of its own.
+            let block = if row < n { self.evidence.block[row] } else { usize::MAX - row };
+            let score = by_block.entry(block).or_insert_with(|| DVector::zeros(k));
+            *score += design.row(row).transpose() * all[(row, k)];
+        }
+        let blocks = by_block.len() as f64 - (all.nrows() - n) as f64;
+        let few = blocks / (blocks - 1.0).max(1.0) * n as f64 / (n as f64 - k as f64).max(1.0);
+        let between = by_block.values().fold(DMatrix::zeros(k, k), |sum, score| sum + score * score.transpose());
+        let covariance_by_blocks = &covariance * between * &covariance * few;
+        Stage {
+            point: self.point.clone(),
+            residual: self.evidence.residual.clone(),
+            held_out,
+            sd,
+            covariance,
+            covariance_by_blocks,
+        }
     }
 
     /// What is left of each row when its block was held out.
@@ -255,7 +273,7 @@ impl Fitted {
             let with = self.held_out();
             let advantage_over =
                 |other: &Fitted| holdout::advantage(&self.evidence, &self.noises, &other.held_out(), &with);
-            if advantage_over(baseline) < LEAST_ADVANTAGE {
+            if advantage_over(baseline) < problem.least_advantage() {
                 *self = baseline.clone();
                 return;
             }
@@ -263,9 +281,33 @@ impl Fitted {
                 .map(|place| self.without(problem, baseline, place))
                 .map(|other| (advantage_over(&other), other))
                 .min_by(|a, b| a.0.total_cmp(&b.0))
-                .filter(|(advantage, _)| *advantage < LEAST_ADVANTAGE);
+                .filter(|(advantage, _)| *advantage < problem.least_advantage());
             match useless {
                 Some((_, other)) => *self = other,
+                None => return,
+            }
+        }
+    }
+
+    /// What chance could have brought, being one of so many that were tried, goes as well: the least likely last.
+    fn drop_what_chance_explains(&mut self, problem: &impl Problem, baseline: &Fitted) {
+        let candidates = problem.candidates();
+        let n_names = names(candidates).len() as f64;
+        while !self.included.is_empty() {
+            let lap = Lap::new(candidates, self);
+            let race = lap.race();
+            let all = race.gain(&self.included);
+            let p_value = |place: usize| {
+                let mut fewer = self.included.clone();
+                let df = lap.runners[fewer.remove(place)].columns.len();
+                n_names * chance(all - race.gain(&fewer), df)
+            };
+            let worst = (0..self.included.len())
+                .map(|place| (p_value(place), place))
+                .max_by(|a, b| a.0.total_cmp(&b.0))
+                .filter(|(p_value, _)| *p_value > problem.most_chance());
+            match worst {
+                Some((_, place)) => *self = self.without(problem, baseline, place),
                 None => return,
             }
         }
@@ -330,35 +372,46 @@ impl<'a> Lap<'a> {
             let family = candidates.iter().position(|other| other.name == candidate.name).unwrap_or(index);
             let allowed = candidate.bounds.iter().zip(&candidate.neutral);
             let bounds = allowed.map(|((low, high), neutral)| (low - neutral, high - neutral)).collect();
-            let columns = n_columns..n_columns + evidence.candidates[index].ncols();
-            n_columns = columns.end;
+            let columns: Vec<usize> = (n_columns..n_columns + evidence.candidates[index].ncols()).collect();
+            n_columns += columns.len();
             parts_of_all.push(evidence.candidates[index].clone());
             runners.push(Runner { columns, family, is_curve: false, bounds });
             usual.extend(&candidate.usual);
         }
         let mut curves: Vec<CurveRunner> = Vec::new();
-        for (covariate, parts) in curve_shapes(&evidence) {
-            let of_all = n_columns..n_columns + parts.iter().map(|part| part.ncols()).sum::<usize>();
-            let mut add = |quantity: Option<usize>, part: Option<DMatrix<f64>>| {
-                let runner = runners.len();
-                let columns = match part {
-                    Some(part) => {
-                        let columns = n_columns..n_columns + part.ncols();
-                        n_columns = columns.end;
+        for (covariate, shapes) in curve_shapes(&evidence) {
+            // Columns of each shape in each quantity; any of them together may be what is there.
+            let columns: Vec<Vec<Vec<usize>>> = shapes
+                .into_iter()
+                .map(|parts| {
+                    let place = |part: DMatrix<f64>| {
+                        let columns = (n_columns..n_columns + part.ncols()).collect();
+                        n_columns += part.ncols();
                         parts_of_all.push(part);
                         columns
-                    }
-                    None => of_all.clone(),
-                };
+                    };
+                    parts.into_iter().map(place).collect()
+                })
+                .collect();
+            let mut add = |quantity: Option<usize>, columns: Vec<usize>| {
+                let runner = runners.len();
                 runners.push(Runner { columns, family: runner, is_curve: true, bounds: Vec::new() });
                 curves.push(CurveRunner { runner, covariate, quantity });
             };
-            let several = parts.len() > 1;
-            for (quantity, part) in parts.into_iter().enumerate() {
-                add(Some(quantity), Some(part));
+            let n_quantities = evidence.quantities.len();
+            let mut shapes: Vec<Vec<Vec<usize>>> = columns.clone();
+            if columns.len() > 1 {
+                shapes.push(
+                    (0..n_quantities).map(|q| columns.iter().flat_map(|shape| shape[q].clone()).collect()).collect(),
+                );
             }
-            if several {
-                add(None, None);
+            for shape in shapes {
+                if n_quantities > 1 {
+                    add(None, shape.concat());
+                }
+                for (quantity, columns) in shape.into_iter().enumerate() {
+                    add(Some(quantity), columns);
+                }
             }
         }
         let parts = parts_of_all;
@@ -400,7 +453,7 @@ impl<'a> Lap<'a> {
         for (values, candidate) in point.candidates.iter_mut().zip(self.candidates) {
             values.clone_from(&candidate.neutral);
         }
-        let columns: Vec<usize> = members.iter().flat_map(|member| self.runners[*member].columns.clone()).collect();
+        let columns = self.race().columns(members);
         if columns.is_empty() {
             return Point { baseline: problem.start().baseline, ..point };
         }
@@ -416,7 +469,7 @@ impl<'a> Lap<'a> {
 }
 
 /// Every curve that could show: along each covariate, alike and opposite on the legs, for each quantity its columns.
-fn curve_shapes(evidence: &Evidence) -> Vec<(&'static str, Vec<DMatrix<f64>>)> {
+fn curve_shapes(evidence: &Evidence) -> Vec<(&'static str, Vec<Vec<DMatrix<f64>>>)> {
     let n = evidence.residual.len();
     let has_legs = evidence.leg.iter().any(|leg| *leg < 0.0) && evidence.leg.iter().any(|leg| *leg > 0.0);
     let mut found = Vec::new();
@@ -426,15 +479,17 @@ fn curve_shapes(evidence: &Evidence) -> Vec<(&'static str, Vec<DMatrix<f64>>)> {
             continue;
         }
         let by_leg = DMatrix::from_fn(n, basis.ncols(), |i, j| basis[(i, j)] * evidence.leg[i]);
-        for shape in if has_legs { vec![basis, by_leg] } else { vec![basis] } {
+        let parts_of = |shape: DMatrix<f64>| -> Vec<DMatrix<f64>> {
             // Each quantity in units of its own noise, and free of the others.
             let part = |rows: &std::ops::Range<usize>| {
                 DMatrix::from_fn(n, shape.ncols(), |i, j| {
                     if rows.contains(&i) { shape[(i, j)] * evidence.stated_sd[i] } else { 0.0 }
                 })
             };
-            found.push((covariate.name, evidence.quantities.iter().map(|quantity| part(&quantity.rows)).collect()));
-        }
+            evidence.quantities.iter().map(|quantity| part(&quantity.rows)).collect()
+        };
+        let shapes = if has_legs { vec![basis, by_leg] } else { vec![basis] };
+        found.push((covariate.name, shapes.into_iter().map(parts_of).collect()));
     }
     found
 }
@@ -494,7 +549,6 @@ fn report(problem: &impl Problem, baseline: &Fitted, extended: &Fitted, curve: O
         after: extended.stage(after),
         fitted: extended.included.clone(),
         named: named.iter().map(|named| named.candidate).collect(),
-        covariances: named.iter().map(|named| named.covariance.clone()).collect(),
         gains: named.iter().map(|named| named.gain).collect(),
         without: named.into_iter().map(|named| named.without).collect(),
     }
@@ -519,7 +573,6 @@ struct Named {
     cause: Cause,
     candidate: usize,
     gain: f64,
-    covariance: DMatrix<f64>,
     without: DVector<f64>,
 }
 
@@ -539,7 +592,7 @@ fn cause(
     let others: Vec<usize> = extended.included.iter().copied().filter(|other| *other != member).collect();
     let gain = fit.gain - if others.is_empty() { 0.0 } else { lap.score.fit(&race.columns(&others)).gain };
     let df = lap.runners[member].columns.len();
-    let first = all.iter().position(|column| *column == lap.runners[member].columns.start).unwrap_or(0);
+    let first = all.iter().position(|column| Some(column) == lap.runners[member].columns.first()).unwrap_or(0);
     let mut parameters: std::collections::BTreeMap<String, Estimate> = candidate
         .parameters
         .iter()
@@ -583,8 +636,7 @@ fn cause(
         holdout_rms_after: holdout::rms(&after, quantity.rows.clone()),
         indistinguishable_from: stand_ins,
     };
-    let covariance = fit.covariance.view((first, first), (df, df)).into_owned();
-    Named { cause, candidate: member, gain, covariance, without: before }
+    Named { cause, candidate: member, gain, without: before }
 }
 
 fn rejected(
@@ -601,7 +653,7 @@ fn rejected(
         .map(|name| {
             let versions = (0..candidates.len()).filter(|i| candidates[*i].name == name);
             let best = versions
-                .filter(|i| lap.runners[*i].columns.clone().any(|column| lap.score.is_seen(column)))
+                .filter(|i| lap.runners[*i].columns.iter().any(|column| lap.score.is_seen(*column)))
                 .map(|i| {
                     let mut set = extended.included.clone();
                     set.push(i);
@@ -650,8 +702,8 @@ fn wrong(candidates: &[Candidate], baseline: &Fitted) -> Vec<Wrong> {
     for curve in &lap.curves {
         // What quantities share is told of them one by one.
         let Some(quantity_index) = curve.quantity else { continue };
-        let columns: Vec<usize> = lap.runners[curve.runner].columns.clone().collect();
-        let p_value = (tests * chance(lap.score.fit(&columns).gain, columns.len())).min(1.0);
+        let columns = &lap.runners[curve.runner].columns;
+        let p_value = (tests * chance(lap.score.fit(columns).gain, columns.len())).min(1.0);
         if p_value > SIGNIFICANT {
             continue;
         }

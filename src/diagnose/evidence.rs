@@ -111,6 +111,16 @@ pub trait Problem {
         6.0
     }
 
+    /// Least advantage on held-out data, in standard errors, for a mechanism to stay.
+    fn least_advantage(&self) -> f64 {
+        1.0
+    }
+
+    /// Probability by chance, corrected for the number of mechanisms, above which none is named.
+    fn most_chance(&self) -> f64 {
+        1.0
+    }
+
     /// Residuals and sensitivities at a point. Rows, blocks and covariates are the same at every point.
     fn evidence(&self, point: &Point) -> Evidence;
 }

@@ -93,7 +93,8 @@ impl Score {
         let candidates = rest.columns(0, nc);
         let mut gram = candidates.transpose() * candidates;
         for (j, usual) in usual.iter().enumerate() {
-            gram[(j, j)] += (sizes[j] * usual).powi(-2);
+            // What no row feels at this point stays where it is.
+            gram[(j, j)] = if sizes[j] > f64::MIN_POSITIVE { gram[(j, j)] + (sizes[j] * usual).powi(-2) } else { 1.0 };
         }
         Score {
             gram,

@@ -4,15 +4,13 @@
 //! M, `n_eff` the number of independent rows. Curves in the covariates run in the same race: where a curve that nobody
 //! can name beats every mechanism, no mechanism is named.
 
-use std::ops::Range;
-
 use super::score::Score;
 
 /// Something that runs in the race.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Runner {
     /// Its columns in the score.
-    pub columns: Range<usize>,
+    pub columns: Vec<usize>,
     /// Runners of one family exclude each other: versions of one mechanism.
     pub family: usize,
     /// Whether it is a curve without a name.
@@ -70,8 +68,8 @@ impl<'a> Race<'a> {
         let mut steps = fit.step.iter();
         for member in members {
             let runner = &self.runners[*member];
-            for (column, step) in runner.columns.clone().zip(&mut steps) {
-                let bounds = runner.bounds.get(column - runner.columns.start);
+            for (place, step) in (0..runner.columns.len()).zip(&mut steps) {
+                let bounds = runner.bounds.get(place);
                 if bounds.is_some_and(|(low, high)| step < low || step > high) {
                     return f64::INFINITY;
                 }
