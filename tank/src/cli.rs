@@ -41,6 +41,9 @@ struct Reduce {
     /// Fit the points up to this angle [deg]
     #[arg(long, value_name = "DEG", default_value_t = 10.0, allow_negative_numbers = true)]
     range_deg: f64,
+    /// Say what the steady runs depart from, why, by how much it helps to know
+    #[arg(long)]
+    diagnose: bool,
     /// Take one unusable run for an error instead of leaving it out
     #[arg(long)]
     strict: bool,
@@ -77,7 +80,7 @@ impl Reduce {
                 self.range_deg
             )));
         }
-        let results = match &self.hull {
+        let mut results = match &self.hull {
             Some(hull) => reduce_points(input, hull, self.range_deg)?,
             None if input.is_file() => {
                 let problem = format!("{}: a table of points needs --hull hull.toml", input.display());
@@ -85,6 +88,9 @@ impl Reduce {
             }
             None => self.reduce_campaign(input)?,
         };
+        if self.diagnose {
+            results.diagnose();
+        }
         output::write(&results, &self.inputs(input), &self.output.folder(&self.out)?)?;
         if self.output.shows_tables() {
             output::print(&results);

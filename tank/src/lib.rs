@@ -11,6 +11,7 @@ pub mod campaign;
 pub mod checks;
 mod clipping;
 pub mod derivatives;
+pub mod diagnose;
 pub mod fits;
 pub mod harmonics;
 pub mod history;

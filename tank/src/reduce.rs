@@ -18,7 +18,7 @@ use crate::statics::{self, Common, SteadyRun};
 use crate::sweep::Sweep;
 use crate::tare::{Tare, TareRun};
 use crate::zeros::Zeros;
-use crate::{checks, fits, points, theory, trend};
+use crate::{checks, diagnose, fits, points, theory, trend};
 
 /// Length of a strut, where no hull tells how far the flow must develop \[m\].
 const STRUT_M: f64 = 0.5;
@@ -46,6 +46,7 @@ pub struct Progress {
 pub fn reduce_points(points: &Path, hull: &Path, range_deg: f64) -> Result<Results, InputError> {
     let read = points::read(points, hull)?;
     let fit = fits::fit(&read.sweep, range_deg);
+    let steady = diagnose::Data::of_points(&read.hull, &read.sweep, read.water);
     let mut warnings = read.notices;
     let mut hull = hull_results(read.hull, read.sweep, fit, None);
     hull.n_runs = hull.sweep.points.len();
@@ -61,6 +62,8 @@ pub fn reduce_points(points: &Path, hull: &Path, range_deg: f64) -> Result<Resul
         rejected: Vec::new(),
         balance: None,
         warnings,
+        steady,
+        diagnoses: None,
     })
 }
 
@@ -140,21 +143,25 @@ impl<'a> Reduction<'a> {
     fn results(mut self, options: &Options) -> Result<Results, InputError> {
         let balance = &self.campaign.balance;
         let zeros = std::mem::take(&mut self.zeros);
+        let mut steady =
+            diagnose::Data { is_raw: !zeros.zeros.is_empty(), in_time: zeros.in_time, ..diagnose::Data::default() };
         let tare = {
             let common = Common { balance, zeros: &zeros, tare: None };
-            let runs: Vec<TareRun> =
-                self.steady(&common, Kind::Tare, None).iter().map(|run| run.tare_run(&common)).collect();
+            let of_strut = self.steady(&common, Kind::Tare, None);
+            steady.tare_zeros = of_strut.iter().map(|run| diagnose::zero_times(&common, run)).collect();
+            let runs: Vec<TareRun> = of_strut.iter().map(|run| run.tare_run(&common)).collect();
             if runs.is_empty() {
                 self.warnings.push("no tare runs: the strut's force is still in all coefficients".to_owned());
             }
             Tare::of(&runs, &zeros.errors(), zeros.dof)
         };
+        steady.is_tared = tare.is_some();
         let common = Common { balance, zeros: &zeros, tare: tare.as_ref() };
         self.check_tare_range(tare.as_ref());
         let mut run_results = self.run_results();
         let mut hulls = Vec::new();
         for (index, hull) in self.campaign.hulls.iter().enumerate() {
-            let reduced = self.hull(&common, index, hull, options, &mut run_results);
+            let reduced = self.hull(&common, index, hull, options, &mut run_results, &mut steady);
             self.warnings.extend(hull_warnings(&reduced));
             hulls.push(reduced);
         }
@@ -181,6 +188,8 @@ impl<'a> Reduction<'a> {
             rejected: self.campaign.rejected.clone(),
             balance: Some(summary(&common)),
             warnings: self.warnings,
+            steady,
+            diagnoses: None,
         })
     }
 
@@ -218,6 +227,7 @@ impl<'a> Reduction<'a> {
         hull: &Hull,
         options: &Options,
         run_results: &mut [RunResults],
+        steady: &mut diagnose::Data,
     ) -> HullResults {
         let statics = self.steady(common, Kind::Static, Some(index));
         let mut turns = self.steady(common, Kind::Arc, Some(index));
@@ -227,6 +237,7 @@ impl<'a> Reduction<'a> {
             note_steps(run, run_results);
         }
         let sweep = statics::sweep(common, &statics, hull);
+        steady.add(common, hull, &statics, &sweep);
         let fit = fits::fit(&sweep, options.range_deg);
         let moving = !oscillations.is_empty() || !turns.is_empty();
         let dynamic = if moving && hull.live.is_none() {

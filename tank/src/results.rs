@@ -1,9 +1,11 @@
 //! What a reduction found, whole: from it follow the JSON, the tables, the figures and the page.
 
+use glidepolar::diagnose::Diagnosis;
 use glidepolar::hull_tests::{ReducedHull, Reduction, SCHEMA, Trend};
 
 use crate::campaign::{Kind, Rejected, Run};
 use crate::derivatives::{Comparison, Derivatives};
+use crate::diagnose::{self, Diagnoses};
 use crate::fits::{SweepFit, TooFewPoints};
 use crate::hull::Hull;
 use crate::readings::Trace;
@@ -34,6 +36,10 @@ pub struct Results {
     pub balance: Option<BalanceSummary>,
     /// What the reader of the figures has to know.
     pub warnings: Vec<String>,
+    /// The steady runs as a diagnosis takes them.
+    pub steady: diagnose::Data,
+    /// What they depart from, where that was asked for.
+    pub diagnoses: Option<Diagnoses>,
 }
 
 /// One hull.
@@ -101,31 +107,44 @@ impl RunResults {
 }
 
 impl Results {
+    /// Asks what the steady runs depart from, and keeps the answer.
+    pub fn diagnose(&mut self) {
+        let diagnoses = Diagnoses::of(&self.steady, &self.hulls);
+        self.warnings.extend(diagnoses.warnings.iter().cloned());
+        self.diagnoses = Some(diagnoses);
+    }
+
     /// The figures in the form of `fits.json`.
     pub fn reduction(&self) -> Reduction {
         Reduction {
             schema: SCHEMA.to_owned(),
-            hulls: self.hulls.iter().map(HullResults::reduced).collect(),
+            hulls: (0..self.hulls.len()).map(|index| self.reduced(index)).collect(),
             trend: self.trend.as_ref().map(|lines| {
                 let [a, b, c, d] = lines.slopes();
                 Trend { a, b, c, d }
             }),
-            campaign_diagnosis: None,
+            campaign_diagnosis: self.diagnoses.as_ref().and_then(|d| json(d.campaign.as_ref()?)),
             warnings: self.warnings.clone(),
+        }
+    }
+
+    fn reduced(&self, index: usize) -> ReducedHull {
+        let hull = &self.hulls[index];
+        let of_hull = self.diagnoses.as_ref().and_then(|d| d.hulls.get(index)?.as_ref());
+        ReducedHull {
+            id: hull.hull.id.clone(),
+            ldr: hull.hull.ldr,
+            n_runs: hull.n_runs,
+            geometry: hull.hull.geometry,
+            fit: hull.fit.as_ref().ok().map(|fit| fit.estimates.clone()),
+            dynamic: hull.dynamic.as_ref().map(|d| d.estimates.clone()),
+            diagnosis: of_hull.and_then(|d| json(&d.diagnosis)),
+            extended: of_hull.and_then(|d| d.extended.clone()),
         }
     }
 }
 
-impl HullResults {
-    fn reduced(&self) -> ReducedHull {
-        ReducedHull {
-            id: self.hull.id.clone(),
-            ldr: self.hull.ldr,
-            n_runs: self.n_runs,
-            geometry: self.hull.geometry,
-            fit: self.fit.as_ref().ok().map(|fit| fit.estimates.clone()),
-            dynamic: self.dynamic.as_ref().map(|d| d.estimates.clone()),
-            diagnosis: None,
-        }
-    }
+/// Plain numbers and strings: always writable as JSON.
+fn json(diagnosis: &Diagnosis) -> Option<serde_json::Value> {
+    serde_json::to_value(diagnosis).ok()
 }

@@ -24,6 +24,8 @@ pub struct Tare {
 struct Channel {
     terms: Vec<Term>,
     fit: Fit,
+    /// What a change of force in each run does to the terms.
+    response: DMatrix<f64>,
 }
 
 type Term = fn(Argument) -> f64;
@@ -67,7 +69,11 @@ impl Tare {
         let channel = |index: usize| {
             let terms = terms(index, angles, speeds, runs.len());
             let fit = fit(index, &terms, runs, reference_speed_m_s, zero_errors, zero_dof)?;
-            Some(Channel { terms, fit })
+            let mut response = fit.gain.clone();
+            for (mut column, run) in response.column_iter_mut().zip(runs) {
+                column /= run.dynamic_pressure_Pa;
+            }
+            Some(Channel { terms, fit, response })
         };
         let channels = [channel(0)?, channel(1)?, channel(2)?];
         let largest_deg = runs.iter().map(|run| run.yaw_rad.abs().to_degrees()).fold(0.0, f64::max);
@@ -92,6 +98,11 @@ impl Tare {
         };
         let terms = &self.channels[channel].terms;
         DVector::from_iterator(terms.len(), terms.iter().map(|term| pressure * term(argument)))
+    }
+
+    /// What a change of force in each tare run does to the parameters of one channel: parameters by runs.
+    pub fn response(&self, channel: usize) -> &DMatrix<f64> {
+        &self.channels[channel].response
     }
 
     /// Covariance of the parameters of one channel and its degrees of freedom.

@@ -56,12 +56,7 @@ pub(super) struct Wishes<'a> {
 }
 
 /// Plans a campaign: the strut alone first (unless it was never tared), then hull after hull.
-pub(super) fn plan(
-    wishes: Wishes<'_>,
-    levels: &NoiseLevels,
-    hidden: &Hidden,
-    stream: &mut Stream,
-) -> Vec<PlannedRun> {
+pub(super) fn plan(wishes: Wishes<'_>, levels: &NoiseLevels, hidden: &Hidden, stream: &mut Stream) -> Vec<PlannedRun> {
     let mut crew = Crew {
         levels,
         stream,

@@ -1,0 +1,299 @@
+//! The mechanisms by which a towing tank and its hulls depart from `CL = a alpha, CD = b + c alpha^2, CM = d alpha`: one
+//! table. An entry is a name, its physics in a line with the source, its size, where it shows, and how widely it acts.
+//! To add one: an entry here, its term in the [model](super::model). Knows no data.
+
+use super::model::{STATION, Term};
+
+/// How far a mechanism reaches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reach {
+    /// One size for all hulls: balance, carriage, water.
+    Campaign,
+    /// Every hull has its own size.
+    Hull,
+    /// One day.
+    Day,
+    /// A channel's zero in the course of the days.
+    Drift,
+    /// Steady drift runs cannot show it: the fitted coefficients absorb it.
+    Absorbed,
+}
+
+/// One mechanism in the tank.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mechanism {
+    /// Name, as the diagnosis gives it.
+    pub name: &'static str,
+    /// The physics in a line.
+    pub physics: &'static str,
+    /// Who describes it.
+    pub source: &'static str,
+    /// Name, unit and term of each parameter; the first is its size.
+    pub parameters: &'static [Parameter],
+    /// How it is told, where not by the parameters themselves: names, and the share of each parameter in them.
+    pub told_as: &'static [(&'static str, &'static [f64])],
+    /// How far it reaches.
+    pub reach: Reach,
+    /// In which data it shows.
+    pub regime: &'static str,
+    /// The measurement that would show it where these runs do not.
+    pub shown_by: &'static str,
+}
+
+/// One parameter of a mechanism.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameter {
+    /// Name with its unit.
+    pub name: &'static str,
+    /// Unit.
+    pub unit: &'static str,
+    /// Where it enters the model.
+    pub term: Term,
+    /// Where it has no effect.
+    pub neutral: f64,
+    /// How far from neutral it is usually found, a standard deviation; for forces and moments a share of the largest one
+    /// that was measured.
+    pub usual: Usual,
+    /// Smallest and largest value that physics allows.
+    pub bounds: (f64, f64),
+}
+
+/// How far from neutral a parameter is usually found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Usual {
+    /// In its own unit.
+    Is(f64),
+    /// As a share of the largest reading of its channel (AF, SF, YM).
+    ShareOfChannel(usize, f64),
+}
+
+const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
+/// The mechanisms.
+pub const IN_TANK: &[Mechanism] = &[
+    Mechanism {
+        name: "crossflow",
+        physics: "Viscous crossflow: a normal force in proportion to sin(alpha)|sin(alpha)|, with its moment",
+        source: "Allen and Perkins 1951, NACA Report 1048",
+        parameters: &[
+            Parameter {
+                name: "crossflow_fore_per_rad2",
+                unit: "1/rad^2",
+                term: Term::CrossflowFore,
+                neutral: 0.0,
+                usual: Usual::Is(6.0),
+                bounds: (0.0, 40.0),
+            },
+            Parameter {
+                name: "crossflow_aft_per_rad2",
+                unit: "1/rad^2",
+                term: Term::CrossflowAft,
+                neutral: 0.0,
+                usual: Usual::Is(6.0),
+                bounds: (0.0, 40.0),
+            },
+        ],
+        told_as: &[("crossflow_per_rad2", &[1.0, 1.0]), ("crossflow_moment_per_rad2", &[-STATION, STATION])],
+        reach: Reach::Hull,
+        regime: "large angles, opposite on the two sides in lift and moment, alike in drag",
+        shown_by: "angles of 10 degrees and more on both sides",
+    },
+    Mechanism {
+        name: "yaw_misalignment",
+        physics: "The model sits askew on the yaw table: the true angle is the recorded one plus this",
+        source: "ITTC 7.5-02-06-02, captive model tests",
+        parameters: &[Parameter {
+            name: "yaw_misalignment_deg",
+            unit: "deg",
+            term: Term::Misalignment,
+            neutral: 0.0,
+            usual: Usual::Is(1.0),
+            bounds: (-15.0, 15.0),
+        }],
+        told_as: &[],
+        reach: Reach::Campaign,
+        regime: "lift and moment at zero angle, in proportion to their slopes at every speed",
+        shown_by: "the same angles on both sides, at two speeds or more",
+    },
+    Mechanism {
+        name: "side_force_zero",
+        physics: "The zero of SF under way differs from that at rest",
+        source: "ITTC 7.5-02-06-02, captive model tests",
+        parameters: &[Parameter {
+            name: "side_force_zero_N",
+            unit: "N",
+            term: Term::Zero(1),
+            neutral: 0.0,
+            usual: Usual::ShareOfChannel(1, 0.05),
+            bounds: ANY,
+        }],
+        told_as: &[],
+        reach: Reach::Campaign,
+        regime: "lift, the more the slower, alike at all angles",
+        shown_by: "both sides, at two speeds or more",
+    },
+    Mechanism {
+        name: "axial_force_zero",
+        physics: "The zero of AF under way differs from that at rest",
+        source: "ITTC 7.5-02-06-02, captive model tests",
+        parameters: &[Parameter {
+            name: "axial_force_zero_N",
+            unit: "N",
+            term: Term::Zero(0),
+            neutral: 0.0,
+            usual: Usual::ShareOfChannel(0, 0.1),
+            bounds: ANY,
+        }],
+        told_as: &[],
+        reach: Reach::Campaign,
+        regime: "drag, with the inverse square of the speed",
+        shown_by: "several tow speeds",
+    },
+    Mechanism {
+        name: "yaw_moment_zero",
+        physics: "The zero of YM under way differs from that at rest",
+        source: "ITTC 7.5-02-06-02, captive model tests",
+        parameters: &[Parameter {
+            name: "yaw_moment_zero_N_m",
+            unit: "N m",
+            term: Term::Zero(2),
+            neutral: 0.0,
+            usual: Usual::ShareOfChannel(2, 0.05),
+            bounds: ANY,
+        }],
+        told_as: &[],
+        reach: Reach::Campaign,
+        regime: "moment, the more the slower, alike at all angles",
+        shown_by: "both sides, at two speeds or more",
+    },
+    Mechanism {
+        name: "interaction",
+        physics: "AF shows a share of SF that the interaction matrix does not remove",
+        source: "ITTC 7.5-02-06-02, captive model tests",
+        parameters: &[Parameter {
+            name: "af_from_sf",
+            unit: "1",
+            term: Term::AxialFromSide,
+            neutral: 0.0,
+            usual: Usual::Is(0.05),
+            bounds: (-0.5, 0.5),
+        }],
+        told_as: &[],
+        reach: Reach::Campaign,
+        regime: "drag, opposite on the two sides",
+        shown_by: "the same angles on both sides",
+    },
+    Mechanism {
+        name: "zero_drift",
+        physics: "A channel's zero runs away after switching on and settles: a straight line between zeros misses it",
+        source: "warming up of strain-gauge balances",
+        parameters: &[
+            Parameter {
+                name: "zero_drift_N_per_hour",
+                unit: "N/h",
+                term: Term::None,
+                neutral: 0.0,
+                usual: Usual::ShareOfChannel(1, 0.1),
+                bounds: ANY,
+            },
+            Parameter {
+                name: "time_constant_h",
+                unit: "h",
+                term: Term::None,
+                neutral: 0.7,
+                usual: Usual::Is(0.7),
+                bounds: (0.05, 10.0),
+            },
+        ],
+        told_as: &[],
+        reach: Reach::Drift,
+        regime: "between the zeros of the first hours of a day",
+        shown_by: "start_time_s in runs.csv, and zeros often enough",
+    },
+    Mechanism {
+        name: "reynolds_drag",
+        physics: "Friction: b falls with Reynolds number along the ITTC-57 line, scaled to this exponent of the dynamic pressure",
+        source: "ITTC 1957, 7.5-02-02-01",
+        parameters: &[Parameter {
+            name: "drag_exponent",
+            unit: "1",
+            term: Term::DragExponent,
+            neutral: 0.0,
+            usual: Usual::Is(0.2),
+            bounds: (-0.5, 0.5),
+        }],
+        told_as: &[],
+        reach: Reach::Hull,
+        regime: "drag, with speed",
+        shown_by: "several tow speeds",
+    },
+    Mechanism {
+        name: "water_temperature",
+        physics: "The temperature entered for one day is wrong: density and viscosity are another's",
+        source: "ITTC 7.5-02-01-03, properties of water",
+        parameters: &[Parameter {
+            name: "water_temperature_error_c",
+            unit: "degC",
+            term: Term::Temperature,
+            neutral: 0.0,
+            usual: Usual::Is(5.0),
+            bounds: (-20.0, 20.0),
+        }],
+        told_as: &[],
+        reach: Reach::Day,
+        regime: "one day against the others",
+        shown_by: "the same runs repeated on several days",
+    },
+    Mechanism {
+        name: "port_starboard_asymmetry",
+        physics: "Lift and moment slope differ between the sides: the hull, its strut or its vortices are not symmetrical",
+        source: "Roddy 1990, DTRC/SHD-1298-08",
+        parameters: &[Parameter {
+            name: "asymmetry_ratio",
+            unit: "1",
+            term: Term::Asymmetry,
+            neutral: 1.0,
+            usual: Usual::Is(0.15),
+            bounds: (0.3, 3.0),
+        }],
+        told_as: &[],
+        reach: Reach::Hull,
+        regime: "lift and moment, one side against the other",
+        shown_by: "the same angles on both sides",
+    },
+    Mechanism {
+        name: "speed_scale",
+        physics: "The carriage is faster than it reads by this factor",
+        source: "ITTC 7.5-02-06-02, captive model tests",
+        parameters: &[],
+        told_as: &[],
+        reach: Reach::Absorbed,
+        regime: "all coefficients grow by its square, at every angle and speed alike",
+        shown_by: "a check of the speed over a measured distance, or pure sway, whose drift velocity the mechanism sets and not the carriage",
+    },
+    Mechanism {
+        name: "moment_centre_error",
+        physics: "The moment centre of the balance lies elsewhere than the manifest says",
+        source: "ITTC 7.5-02-06-02, captive model tests",
+        parameters: &[],
+        told_as: &[],
+        reach: Reach::Absorbed,
+        regime: "the moment gains a share of the side force, and d with it",
+        shown_by: "a known side load hung on the model at a measured place, or runs about two moment centres",
+    },
+    Mechanism {
+        name: "strut_tare",
+        physics: "The strut's own force is still in the readings",
+        source: "ITTC 7.5-02-06-02, captive model tests",
+        parameters: &[],
+        told_as: &[],
+        reach: Reach::Absorbed,
+        regime: "b gains the strut's drag, a and c its side force",
+        shown_by: "runs of the strut alone (kind `tare`) at the same speeds and angles",
+    },
+];
+
+/// The mechanism of this name.
+pub fn in_tank(name: &str) -> Option<&'static Mechanism> {
+    IN_TANK.iter().find(|mechanism| mechanism.name == name)
+}

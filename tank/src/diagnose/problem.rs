@@ -1,0 +1,502 @@
+//! A campaign's steady runs as the engine sees them: rows of CL, CD, CM, a baseline of every hull's own a, b, c, d, and the
+//! mechanisms that these runs could show.
+
+use glidepolar::diagnose::smooth::Kind;
+use glidepolar::diagnose::{Candidate, Covariate, Evidence, Headline, Point, Problem, Quantity};
+use nalgebra::{DMatrix, DVector, Vector3};
+
+use super::data::{Data, SteadyData, ZeroTimes};
+use super::drift::{Days, Drift};
+use super::mechanisms::{IN_TANK, Mechanism, Parameter, Reach, Usual};
+use super::model::{self, Setting, Term, Values};
+use crate::results::HullResults;
+use crate::series::median;
+use crate::sweep::NAMES;
+
+/// Standard deviation of the belief in a coefficient, relative to its fitted value: almost none.
+const RELATIVE_BELIEF: f64 = 3.0;
+/// The least value that this is relative to: a, b, c, d.
+const LEAST: [f64; 4] = [0.5, 0.05, 0.5, 0.5];
+/// The place of a moment centre is known to this share of the length.
+const MOMENT_CENTRE_BELIEF: f64 = 0.02;
+/// A strut that was never tared has this axial and side force, over the dynamic pressure, as a share of the frontal area.
+const STRUT_BELIEF: [f64; 2] = [0.1, 0.3];
+/// Speeds closer than this are one \[1\].
+const SAME_SPEED: f64 = 0.05;
+/// Time constants from which the search for a settling zero starts \[h\].
+const TIME_CONSTANTS_H: [f64; 4] = [0.35, 0.6, 1.0, 2.0];
+
+/// Steady runs against the model.
+pub struct TankProblem<'a> {
+    data: &'a Data,
+    /// Runs in the order of time: indices into the data.
+    order: Vec<usize>,
+    settings: Vec<Setting>,
+    days: Days,
+    sd: Vec<[f64; 3]>,
+    baseline: Vec<(&'static str, &'static str)>,
+    start: Vec<f64>,
+    belief: Vec<f64>,
+    candidates: Vec<Candidate>,
+    shapes: Vec<Shape>,
+}
+
+/// How a candidate acts.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shape {
+    /// One size on all runs.
+    All(&'static Mechanism),
+    /// A size of its own for each hull, the parameters of the first hull first.
+    EachHull(&'static Mechanism),
+    /// One size on the runs of one day.
+    Day(&'static Mechanism, usize),
+    /// A zero that settles: channel.
+    Drift(&'static Mechanism, usize),
+}
+
+impl Shape {
+    /// The mechanism.
+    pub fn mechanism(&self) -> &'static Mechanism {
+        match self {
+            Shape::All(m) | Shape::EachHull(m) | Shape::Day(m, _) | Shape::Drift(m, _) => m,
+        }
+    }
+}
+
+impl<'a> TankProblem<'a> {
+    /// A problem; `hulls` give the fits to start from.
+    pub fn new(data: &'a Data, hulls: &[HullResults]) -> TankProblem<'a> {
+        let mut order: Vec<usize> = (0..data.runs.len()).collect();
+        order.sort_by(|a, b| data.runs[*a].time_s.total_cmp(&data.runs[*b].time_s));
+        let days = Days::of(data);
+        let coefficients: Vec<[f64; 4]> = hulls.iter().map(start_of).collect();
+        let mut baseline = Vec::new();
+        let (mut start, mut belief) = (Vec::new(), Vec::new());
+        let names = [("a", "1/rad"), ("b", "1"), ("c", "1/rad^2"), ("d", "1/rad")];
+        for hull in &coefficients {
+            baseline.extend(names);
+            start.extend(hull);
+            belief.extend(hull.iter().zip(LEAST).map(|(value, least)| RELATIVE_BELIEF * value.abs().max(least)));
+        }
+        let length = median(&data.hulls.iter().map(|hull| hull.geometry.loa_m).collect::<Vec<_>>());
+        baseline.push(("moment_centre_error_m", "m"));
+        (start.push(0.0), belief.push(MOMENT_CENTRE_BELIEF * length)).0;
+        if !data.is_tared {
+            let area = data.hulls.first().map_or(1.0, |hull| hull.frontal_area_m2());
+            for (name, share) in ["strut_axial_m2", "strut_side_m2"].into_iter().zip(STRUT_BELIEF) {
+                baseline.push((name, "m2"));
+                (start.push(0.0), belief.push(share * area)).0;
+            }
+        }
+        let tare_errors = data.runs.first().map_or(0, |run| run.tare_errors.ncols());
+        baseline.extend((0..tare_errors).map(|_| ("tare_error", "1")));
+        start.extend((0..tare_errors).map(|_| 0.0));
+        belief.extend((0..tare_errors).map(|_| 1.0));
+        let settings = settings(data);
+        let sd = standard_deviations(data, &coefficients);
+        let mut problem = TankProblem {
+            data,
+            order,
+            settings,
+            days,
+            sd,
+            baseline,
+            start,
+            belief,
+            candidates: Vec::new(),
+            shapes: Vec::new(),
+        };
+        problem.find_candidates();
+        problem
+    }
+
+    /// How each candidate acts.
+    pub fn shapes(&self) -> &[Shape] {
+        &self.shapes
+    }
+
+    /// The run of each row of one quantity: indices into the data.
+    pub fn order(&self) -> &[usize] {
+        &self.order
+    }
+
+    /// The days.
+    pub fn days(&self) -> &Days {
+        &self.days
+    }
+
+    /// The values of all terms for a run at a point.
+    pub fn values(&self, run: usize, point: &Point) -> Values {
+        let mut values = model::neutral();
+        let hull = self.data.runs[run].hull;
+        values[..4].copy_from_slice(&point.baseline[4 * hull..4 * hull + 4]);
+        let common = 4 * self.data.hulls.len();
+        values[Term::MomentCentre.place()] = point.baseline[common];
+        if !self.data.is_tared {
+            values[Term::StrutAxial.place()] = point.baseline[common + 1];
+            values[Term::StrutSide.place()] = point.baseline[common + 2];
+        }
+        for (shape, sizes) in self.shapes.iter().zip(&point.candidates) {
+            for (i, parameter) in shape.mechanism().parameters.iter().enumerate() {
+                let Some(place) = self.place_of(shape, i, run) else { continue };
+                if parameter.term != Term::None && sizes[place] != parameter.neutral {
+                    values[parameter.term.place()] = sizes[place];
+                }
+            }
+        }
+        values
+    }
+
+    /// Where a candidate keeps the size that acts on a run; none where it does not.
+    fn place_of(&self, shape: &Shape, parameter: usize, run: usize) -> Option<usize> {
+        match shape {
+            Shape::All(_) => Some(parameter),
+            Shape::EachHull(m) => Some(m.parameters.len() * self.data.runs[run].hull + parameter),
+            Shape::Day(_, day) => (self.days.of_run(run) == Some(*day)).then_some(parameter),
+            Shape::Drift(..) => None,
+        }
+    }
+
+    /// What is added to the coefficients of a run beside the model: the tare's errors and drifting zeros.
+    fn added(&self, run: usize, point: &Point) -> Vector3<f64> {
+        let data = &self.data.runs[run];
+        let errors = DVector::from_column_slice(&point.baseline[self.baseline.len() - data.tare_errors.ncols()..]);
+        let mut sum: Vector3<f64> =
+            if errors.is_empty() { Vector3::zeros() } else { (&data.tare_errors * errors).fixed_rows::<3>(0).into() };
+        for (shape, sizes) in self.shapes.iter().zip(&point.candidates) {
+            if let Shape::Drift(_, channel) = shape
+                && sizes[0] != 0.0
+            {
+                let (net, _) = self.drift(run, *channel, sizes[1]);
+                sum += net * sizes[0];
+            }
+        }
+        sum
+    }
+
+    /// Effect of a zero that runs away at unit rate on a run's coefficients, and its slope against the time constant.
+    fn drift(&self, run: usize, channel: usize, time_constant_h: f64) -> (Vector3<f64>, Vector3<f64>) {
+        let data = &self.data.runs[run];
+        let drift = Drift { time_constant_h };
+        let reading = self.days.net(&drift, &data.zeros);
+        // Through the interaction, less what the tare took along.
+        let of_tare: Vec<(f64, f64)> =
+            self.data.tare_zeros.iter().map(|zeros: &ZeroTimes| self.days.net(&drift, zeros)).collect();
+        let mut force = [Vector3::zeros(); 2];
+        for to in 0..3 {
+            let share = data.interaction[(to, channel)];
+            let tare = data.tare_weights[to].iter().zip(&of_tare);
+            let (by_rate, by_time) = tare.fold((0.0, 0.0), |sum, (w, t)| (sum.0 + w * t.0, sum.1 + w * t.1));
+            force[0][to] = share * (reading.0 - by_rate);
+            force[1][to] = share * (reading.1 - by_time);
+        }
+        let map = self.map(run);
+        (map * force[0], map * force[1])
+    }
+
+    /// AF, SF, YM about the moment centre to CL, CD, CM.
+    fn map(&self, run: usize) -> nalgebra::Matrix3<f64> {
+        let s = &self.settings[run];
+        let column = |axial_N: f64, side_N: f64, yaw_N_m: f64| {
+            let c = glidepolar::coefficients::BalanceForce { axial_N, side_N, yaw_N_m }
+                .moved(s.mc_m, s.cb_m)
+                .in_wind_axes(s.yaw_rad)
+                .coefficients(s.pressure_Pa, s.area_m2, s.length_m);
+            Vector3::new(c.lift, c.drag, c.moment)
+        };
+        nalgebra::Matrix3::from_columns(&[column(1.0, 0.0, 0.0), column(0.0, 1.0, 0.0), column(0.0, 0.0, 1.0)])
+    }
+
+    fn find_candidates(&mut self) {
+        for mechanism in IN_TANK {
+            if self.why_not(mechanism).is_some() {
+                continue;
+            }
+            match mechanism.reach {
+                Reach::Campaign => self.add(Shape::All(mechanism)),
+                Reach::Hull => {
+                    self.add(Shape::All(mechanism));
+                    if self.data.hulls.len() > 1 {
+                        self.add(Shape::EachHull(mechanism));
+                    }
+                }
+                Reach::Day => {
+                    for day in 0..self.days.count() {
+                        if (0..self.data.runs.len()).any(|run| self.days.of_run(run) == Some(day)) {
+                            self.add(Shape::Day(mechanism, day));
+                        }
+                    }
+                }
+                Reach::Drift => (0..3).for_each(|channel| self.add(Shape::Drift(mechanism, channel))),
+                Reach::Absorbed => {}
+            }
+        }
+    }
+
+    /// Why these runs cannot show a mechanism at all; none where they can.
+    pub fn why_not(&self, mechanism: &Mechanism) -> Option<&'static str> {
+        let runs = &self.data.runs;
+        let speeds: Vec<f64> = runs.iter().filter_map(|run| run.point.speed_m_s).collect();
+        let (low, high) = range(&speeds);
+        let one_speed = speeds.len() < runs.len() || high < low * (1.0 + SAME_SPEED);
+        let one_sided =
+            runs.iter().all(|run| run.point.yaw_deg > -0.5) || runs.iter().all(|run| run.point.yaw_deg < 0.5);
+        match mechanism.name {
+            "reynolds_drag" if one_speed => Some("all runs were made at one speed, and b absorbs it"),
+            "axial_force_zero" if one_speed => Some("all runs were made at one speed, and b absorbs it"),
+            "zero_drift" if !self.data.is_raw => Some("the points came reduced, without their zeros"),
+            "zero_drift" if !self.data.in_time => Some("the runs do not say when they were made"),
+            "water_temperature" if self.days.count() < 2 => Some("all runs were made on one day"),
+            "port_starboard_asymmetry" | "interaction" if one_sided => Some("only one side was towed"),
+            _ => None,
+        }
+    }
+
+    fn add(&mut self, shape: Shape) {
+        let mechanism = shape.mechanism();
+        let usual = |parameter: &Parameter| match parameter.usual {
+            Usual::Is(usual) => usual,
+            Usual::ShareOfChannel(channel, share) => share * self.largest(channel),
+        };
+        let copies = if matches!(shape, Shape::EachHull(_)) { self.data.hulls.len() } else { 1 };
+        let parameters: Vec<&Parameter> = (0..copies).flat_map(|_| mechanism.parameters).collect();
+        let mut candidate = Candidate {
+            name: mechanism.name,
+            parameters: parameters.iter().map(|p| (p.name, p.unit)).collect(),
+            neutral: parameters.iter().map(|p| p.neutral).collect(),
+            usual: parameters.iter().map(|p| usual(p)).collect(),
+            bounds: parameters.iter().map(|p| p.bounds).collect(),
+            fixed: Vec::new(),
+        };
+        if let Shape::Drift(_, channel) = shape {
+            candidate.usual[0] = 0.1 * self.largest(channel);
+            for time_constant_h in TIME_CONSTANTS_H {
+                candidate.neutral[1] = time_constant_h;
+                self.candidates.push(candidate.clone());
+                self.shapes.push(shape.clone());
+            }
+        } else {
+            self.candidates.push(candidate);
+            self.shapes.push(shape);
+        }
+    }
+
+    /// Largest magnitude of a channel's force about the moment centre.
+    fn largest(&self, channel: usize) -> f64 {
+        let force = |run: usize| {
+            let c = Vector3::from(self.data.runs[run].point.coefficients);
+            self.map(run).try_inverse().map_or(0.0, |inverse| (inverse * c)[channel].abs())
+        };
+        (0..self.data.runs.len()).map(force).fold(f64::MIN_POSITIVE, f64::max)
+    }
+
+    fn covariates(&self) -> Vec<Covariate> {
+        let mut found = Vec::new();
+        let mut add = |name: &'static str, value: &dyn Fn(&SteadyData, usize) -> f64| {
+            let once: Vec<f64> = self.order.iter().map(|run| value(&self.data.runs[*run], *run)).collect();
+            if once.iter().any(|v| v.is_finite()) {
+                found.push(Covariate { name, kind: Kind::Line, values: once.repeat(3) });
+            }
+        };
+        add("yaw angle", &|run, _| run.point.yaw_deg.abs());
+        add("tow speed", &|run, _| run.point.speed_m_s.unwrap_or(f64::NAN));
+        if self.data.hulls.len() > 1 {
+            add("Froude number", &|run, _| {
+                let length = self.data.hulls[run.hull].geometry.loa_m;
+                run.point.speed_m_s.map_or(f64::NAN, |speed| speed / (9.81 * length).sqrt())
+            });
+        }
+        add("run order", &|run, _| run.time_s);
+        if self.data.is_raw {
+            add("time of day", &|_, index| self.days.hours(index).unwrap_or(f64::NAN));
+            add("speed of the run before", &|_, index| self.days.speed_before(index).unwrap_or(f64::NAN));
+            for hull in (0..self.data.hulls.len()).filter(|_| self.data.hulls.len() > 1) {
+                add("run order", &|run, _| if run.hull == hull { run.time_s } else { f64::NAN });
+            }
+        }
+        found
+    }
+}
+
+impl Problem for TankProblem<'_> {
+    fn baseline(&self) -> &[(&'static str, &'static str)] {
+        &self.baseline
+    }
+
+    fn candidates(&self) -> &[Candidate] {
+        &self.candidates
+    }
+
+    fn start(&self) -> Point {
+        let candidates = self.candidates.iter().map(|candidate| candidate.neutral.clone()).collect();
+        Point { baseline: self.start.clone(), candidates }
+    }
+
+    fn headline(&self) -> Headline {
+        Headline::MostGained
+    }
+
+    fn rows_per_column(&self) -> f64 {
+        2.0
+    }
+
+    fn least_advantage(&self) -> f64 {
+        3.0
+    }
+
+    fn most_chance(&self) -> f64 {
+        1e-4
+    }
+
+    fn evidence(&self, point: &Point) -> Evidence {
+        let n = self.order.len();
+        let mut residual = DVector::zeros(3 * n);
+        let mut baseline = DMatrix::zeros(3 * n, self.baseline.len());
+        let mut candidates: Vec<DMatrix<f64>> =
+            self.candidates.iter().map(|candidate| DMatrix::zeros(3 * n, candidate.neutral.len())).collect();
+        let common = 4 * self.data.hulls.len();
+        for (i, &run) in self.order.iter().enumerate() {
+            let data = &self.data.runs[run];
+            let reduced = model::reduced(&self.settings[run], &self.values(run, point));
+            let added = self.added(run, point);
+            for (k, (value, slopes)) in reduced.iter().enumerate() {
+                let row = k * n + i;
+                residual[row] = data.point.coefficients[k] - value - added[k];
+                for j in 0..4 {
+                    baseline[(row, 4 * data.hull + j)] = slopes[j];
+                }
+                baseline[(row, common)] = slopes[Term::MomentCentre.place()];
+                if !self.data.is_tared {
+                    baseline[(row, common + 1)] = slopes[Term::StrutAxial.place()];
+                    baseline[(row, common + 2)] = slopes[Term::StrutSide.place()];
+                }
+                let first = self.baseline.len() - data.tare_errors.ncols();
+                for j in 0..data.tare_errors.ncols() {
+                    baseline[(row, first + j)] = data.tare_errors[(k, j)];
+                }
+                for (shape, columns) in self.shapes.iter().zip(&mut candidates) {
+                    for (j, parameter) in shape.mechanism().parameters.iter().enumerate() {
+                        if let Some(place) = self.place_of(shape, j, run) {
+                            columns[(row, place)] = slopes[parameter.term.place()];
+                        }
+                    }
+                }
+            }
+            for ((shape, sizes), columns) in self.shapes.iter().zip(&point.candidates).zip(&mut candidates) {
+                if let Shape::Drift(_, channel) = shape {
+                    let (by_rate, by_time) = self.drift(run, *channel, sizes[1]);
+                    for k in 0..3 {
+                        columns[(k * n + i, 0)] = by_rate[k];
+                        columns[(k * n + i, 1)] = sizes[0] * by_time[k];
+                    }
+                }
+            }
+        }
+        let of_run =
+            |value: &dyn Fn(usize) -> f64| self.order.iter().map(|run| value(*run)).collect::<Vec<_>>().repeat(3);
+        Evidence {
+            quantities: (0..3).map(|k| Quantity { name: NAMES[k], unit: "1", rows: k * n..(k + 1) * n }).collect(),
+            time_s: of_run(&|run| self.data.runs[run].time_s),
+            stated_sd: (0..3).flat_map(|k| self.order.iter().map(move |run| self.sd[*run][k])).collect(),
+            block: (0..n).collect::<Vec<_>>().repeat(3),
+            leg: of_run(&|run| if self.data.runs[run].point.yaw_deg < 0.0 { -1.0 } else { 1.0 }),
+            residual,
+            baseline,
+            prior: (0..self.baseline.len()).map(|j| (self.start[j] - point.baseline[j], self.belief[j])).collect(),
+            candidates,
+            covariates: self.covariates(),
+        }
+    }
+}
+
+fn start_of(hull: &HullResults) -> [f64; 4] {
+    match &hull.fit {
+        Ok(fit) => [&fit.estimates.a, &fit.estimates.b, &fit.estimates.c, &fit.estimates.d].map(|q| q.value),
+        Err(_) => [1.0, 0.1, 1.0, 1.0],
+    }
+}
+
+fn settings(data: &Data) -> Vec<Setting> {
+    let reference_reynolds = median(&data.runs.iter().map(|run| run.reynolds).collect::<Vec<_>>());
+    data.runs
+        .iter()
+        .map(|run| {
+            let hull = &data.hulls[run.hull];
+            let change = |of: &dyn Fn(f64) -> f64| {
+                run.water.map_or(0.0, |water| {
+                    let t = water.temperature_C;
+                    (of(t + 1.0) - of(t - 1.0)) / (2.0 * of(t))
+                })
+            };
+            let water_at = |t: f64| run.water.map(|water| water.at(t));
+            Setting {
+                yaw_rad: run.point.alpha_rad(),
+                pressure_Pa: run.pressure_Pa,
+                reynolds: run.reynolds,
+                reference_reynolds: reference_reynolds * hull.geometry.loa_m / mean_length(data),
+                density_per_K: change(&|t| water_at(t).map_or(1.0, |w| w.density_kg_m3)),
+                viscosity_per_K: change(&|t| water_at(t).map_or(1.0, |w| w.kinematic_viscosity_m2_s)),
+                area_m2: hull.frontal_area_m2(),
+                length_m: hull.geometry.loa_m,
+                mc_m: hull.mc_m,
+                cb_m: hull.geometry.cb_m,
+                interaction: run.interaction,
+            }
+        })
+        .collect()
+}
+
+fn mean_length(data: &Data) -> f64 {
+    median(&data.runs.iter().map(|run| data.hulls[run.hull].geometry.loa_m).collect::<Vec<_>>())
+}
+
+/// Standard deviations of CL, CD, CM: within the run, and what the setting of the angle adds, as repeats show it in the
+/// moment.
+fn standard_deviations(data: &Data, coefficients: &[[f64; 4]]) -> Vec<[f64; 3]> {
+    let setting_rad = setting_rad(data, coefficients);
+    let largest = |k: usize| data.runs.iter().map(|run| run.point.coefficients[k].abs()).fold(0.0, f64::max);
+    let known = data.runs.iter().all(|run| run.point.se.iter().all(|se| *se > 0.0));
+    data.runs
+        .iter()
+        .map(|run| {
+            let [a, _, c, d] = coefficients[run.hull];
+            let slopes = [a, 2.0 * c * run.point.alpha_rad(), d];
+            [0, 1, 2].map(|k| {
+                // Points without errors of their own: all alike, and their scatter tells how large.
+                if known { run.point.se[k].hypot(slopes[k] * setting_rad) } else { 0.01 * largest(k).max(1e-6) }
+            })
+        })
+        .collect()
+}
+
+/// Standard deviation of the angle to which runs are set, from repeats \[rad\].
+fn setting_rad(data: &Data, coefficients: &[[f64; 4]]) -> f64 {
+    let key = |run: &SteadyData| {
+        (run.hull, run.point.nominal_yaw_deg.to_bits(), run.point.nominal_speed_m_s.map(f64::to_bits))
+    };
+    let (mut sum, mut dof) = (0.0, 0);
+    let mut seen = vec![false; data.runs.len()];
+    for i in 0..data.runs.len() {
+        if seen[i] {
+            continue;
+        }
+        let alike: Vec<&SteadyData> = (i..data.runs.len())
+            .filter(|j| key(&data.runs[*j]) == key(&data.runs[i]))
+            .inspect(|j| seen[*j] = true)
+            .map(|j| &data.runs[j])
+            .collect();
+        // The angle as recorded may differ between repeats, and the moment goes with it.
+        let d = coefficients[data.runs[i].hull][3];
+        let moments: Vec<f64> = alike.iter().map(|run| run.point.coefficients[2] / d - run.point.alpha_rad()).collect();
+        let mean = moments.iter().sum::<f64>() / moments.len() as f64;
+        sum += moments.iter().map(|m| (m - mean).powi(2)).sum::<f64>();
+        sum -= alike.iter().map(|run| (run.point.se[2] / d).powi(2)).sum::<f64>() * (alike.len() - 1) as f64
+            / alike.len() as f64;
+        dof += alike.len() - 1;
+    }
+    if dof == 0 { 0.0 } else { (sum / dof as f64).max(0.0).sqrt() }
+}
+
+fn range(values: &[f64]) -> (f64, f64) {
+    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
+}

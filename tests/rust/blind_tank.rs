@@ -1,0 +1,152 @@
+//! The diagnosis on campaigns whose hidden effect it is not told: the virtual tank draws size and sign from a seed and
+//! hands over files alone. A fixed selection runs always; `BLIND_SEEDS=20 cargo test -p glidepolar-tests --release --test
+//! blind_tank -- --ignored --nocapture` prints the table of confusions over so many seeds of every effect.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use glidepolar::diagnose::Diagnosis;
+use glidepolar_tank::diagnose::Diagnoses;
+use glidepolar_tank::virtual_tank::{EffectRequest, Options, write_campaign};
+use glidepolar_tank::{Options as Reduction, reduce_campaign};
+
+/// Effects that the diagnosis must be able to name.
+const CATALOGUED: &[&str] = &[
+    "crossflow",
+    "yaw_misalignment",
+    "side_force_zero",
+    "axial_force_zero",
+    "yaw_moment_zero",
+    "interaction",
+    "zero_drift",
+    "reynolds_drag",
+    "port_starboard_asymmetry",
+    "water_temperature",
+];
+
+/// Effects that steady runs cannot show, and nothing at all.
+const UNSEEN: &[&str] = &["none", "speed_scale", "moment_centre_error", "strut_tare"];
+
+/// Effects without a name in the catalogue of mechanisms.
+const UNCATALOGUED: &[&str] = &[
+    "uncatalogued-wave-hump",
+    "uncatalogued-gyre",
+    "uncatalogued-separation-bubble",
+    "uncatalogued-residual-current",
+    "uncatalogued-weed",
+    "uncatalogued-vibration",
+    "uncatalogued-blockage",
+    "uncatalogued-transition",
+];
+
+/// A campaign of three hulls at fixed angles, coarsely sampled, with an effect hidden in it.
+struct Hidden {
+    effect: &'static str,
+    seed: u64,
+    hulls: &'static [&'static str],
+}
+
+/// What was found, and what was true.
+struct Answer {
+    found: Diagnoses,
+    size: Option<(String, f64)>,
+}
+
+fn blind(effect: &'static str, seed: u64) -> Answer {
+    Hidden { effect, seed, hulls: &["LDR8.5", "LDR10.5", "LDR12.5"] }.ask()
+}
+
+impl Hidden {
+    /// Writes the files, reads them back and asks.
+    fn ask(&self) -> Answer {
+        let folder = tempfile::tempdir().expect("a folder");
+        let runs = folder.path().join("runs");
+        let options = Options {
+            seed: self.seed,
+            effects: EffectRequest::parse_list(self.effect).expect("an effect of the virtual tank"),
+            hulls: self.hulls.iter().map(|id| (*id).to_owned()).collect(),
+            statics_only: true,
+            size_mb: Some(2.0 * self.hulls.len() as f64),
+            ..Options::default()
+        };
+        let truth = write_campaign(&runs, &options).expect("a campaign");
+        std::fs::remove_file(runs.join("truth.toml")).expect("the truth");
+        let size = truth.effects.first().map(|hidden| (hidden.parameter.clone(), hidden.value));
+        Answer { found: ask(&runs), size }
+    }
+}
+
+/// What a user's `tank-reduce pmm_runs --diagnose` does.
+fn ask(folder: &Path) -> Diagnoses {
+    let mut results =
+        reduce_campaign(folder, &Reduction { range_deg: 10.0, strict: false }, &|_| ()).expect("a reduction");
+    results.diagnose();
+    results.diagnoses.expect("a diagnosis")
+}
+
+impl Answer {
+    fn campaign(&self) -> &Diagnosis {
+        self.found.campaign.as_ref().expect("a diagnosis of the campaign")
+    }
+
+    /// The name that stands first, or what is said instead of one.
+    fn first(&self) -> String {
+        match (self.campaign().causes.first(), &self.campaign().unexplained) {
+            (Some(cause), _) => cause.cause.clone(),
+            (None, Some(_)) => "unexplained".to_owned(),
+            (None, None) => "none".to_owned(),
+        }
+    }
+
+    /// Whether the true size lies in the interval of the first cause.
+    fn covers(&self) -> Option<bool> {
+        let (parameter, value) = self.size.as_ref()?;
+        let [low, high] = self.campaign().causes.first()?.parameters.get(parameter)?.ci95;
+        Some(low <= *value && *value <= high)
+    }
+}
+
+#[test]
+#[ignore = "hundreds of campaigns"]
+fn the_table_of_confusions() {
+    let seeds: u64 = std::env::var("BLIND_SEEDS").ok().and_then(|n| n.parse().ok()).unwrap_or(20);
+    let only = std::env::var("BLIND_EFFECT").unwrap_or_default();
+    for effect in CATALOGUED.iter().chain(UNSEEN).chain(UNCATALOGUED).filter(|effect| effect.contains(&only)) {
+        let (mut names, mut covered, mut sized, mut others) = (BTreeMap::new(), 0, 0, BTreeMap::new());
+        let started = std::time::Instant::now();
+        for seed in 0..seeds {
+            let answer = blind(effect, 1000 + seed);
+            *names.entry(answer.first()).or_insert(0) += 1;
+            for cause in answer.campaign().causes.iter().skip(1) {
+                *others.entry(cause.cause.clone()).or_insert(0) += 1;
+            }
+            if answer.first() == *effect
+                && let Some(covers) = answer.covers()
+            {
+                sized += 1;
+                covered += usize::from(covers);
+            }
+            if std::env::var_os("BLIND_SAY").is_some() {
+                println!("{effect} seed {seed}: true {:?}", answer.size);
+                for cause in &answer.campaign().causes {
+                    println!(
+                        "    {} {:?} p {:.1e} like {:?}",
+                        cause.cause,
+                        cause
+                            .parameters
+                            .iter()
+                            .map(|(k, q)| format!("{k} {:.4} +- {:.4}", q.value, q.se))
+                            .collect::<Vec<_>>(),
+                        cause.p_value,
+                        cause.indistinguishable_from
+                    );
+                }
+                println!("    left {:?}", answer.campaign().unexplained);
+            }
+        }
+        let seconds = started.elapsed().as_secs_f64() / seeds as f64;
+        println!(
+            "{effect:<32} first {names:?}, besides {others:?}, size covered {covered} of {sized} ({seconds:.1} s each)"
+        );
+    }
+}
