@@ -79,19 +79,19 @@ impl<'a> TankProblem<'a> {
             belief.extend(hull.iter().zip(LEAST).map(|(value, least)| RELATIVE_BELIEF * value.abs().max(least)));
         }
         let length = median(&data.hulls.iter().map(|hull| hull.geometry.loa_m).collect::<Vec<_>>());
-        baseline.push(("moment_centre_error_m", "m"));
-        (start.push(0.0), belief.push(MOMENT_CENTRE_BELIEF * length)).0;
+        let mut absorbed = vec![("moment_centre_error_m", "m", MOMENT_CENTRE_BELIEF * length)];
         if !data.is_tared {
             let area = data.hulls.first().map_or(1.0, |hull| hull.frontal_area_m2());
-            for (name, share) in ["strut_axial_m2", "strut_side_m2"].into_iter().zip(STRUT_BELIEF) {
-                baseline.push((name, "m2"));
-                (start.push(0.0), belief.push(share * area)).0;
-            }
+            let strut = ["strut_axial_m2", "strut_side_m2"].into_iter().zip(STRUT_BELIEF);
+            absorbed.extend(strut.map(|(name, share)| (name, "m2", share * area)));
         }
         let tare_errors = data.runs.first().map_or(0, |run| run.tare_errors.ncols());
-        baseline.extend((0..tare_errors).map(|_| ("tare_error", "1")));
-        start.extend((0..tare_errors).map(|_| 0.0));
-        belief.extend((0..tare_errors).map(|_| 1.0));
+        absorbed.extend((0..tare_errors).map(|_| ("tare_error", "1", 1.0)));
+        for (name, unit, usual) in absorbed {
+            baseline.push((name, unit));
+            start.push(0.0);
+            belief.push(usual);
+        }
         let settings = settings(data);
         let sd = standard_deviations(data, &coefficients);
         let mut problem = TankProblem {
@@ -182,16 +182,14 @@ impl<'a> TankProblem<'a> {
         // Through the interaction, less what the tare took along.
         let of_tare: Vec<(f64, f64)> =
             self.data.tare_zeros.iter().map(|zeros: &ZeroTimes| self.days.net(&drift, zeros)).collect();
-        let mut force = [Vector3::zeros(); 2];
-        for to in 0..3 {
+        let force = [0, 1, 2].map(|to| {
             let share = data.interaction[(to, channel)];
             let tare = data.tare_weights[to].iter().zip(&of_tare);
             let (by_rate, by_time) = tare.fold((0.0, 0.0), |sum, (w, t)| (sum.0 + w * t.0, sum.1 + w * t.1));
-            force[0][to] = share * (reading.0 - by_rate);
-            force[1][to] = share * (reading.1 - by_time);
-        }
+            (share * (reading.0 - by_rate), share * (reading.1 - by_time))
+        });
         let map = self.map(run);
-        (map * force[0], map * force[1])
+        (map * Vector3::from(force.map(|f| f.0)), map * Vector3::from(force.map(|f| f.1)))
     }
 
     /// AF, SF, YM about the moment centre to CL, CD, CM.
