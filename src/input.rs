@@ -83,15 +83,21 @@ impl InputError {
     }
 }
 
-/// Text from outside made fit for a terminal: control characters escaped, length bounded.
+/// Text from outside made fit for a terminal: control characters escaped, and those that turn the direction of text
+/// round; length bounded.
 pub fn printable(text: &str) -> String {
     const MAX: usize = 120;
     let escaped: String = text
         .chars()
         .take(MAX)
-        .flat_map(|c| if c.is_control() { c.escape_default().collect() } else { vec![c] })
+        .flat_map(|c| if c.is_control() || turns(c) { c.escape_default().collect() } else { vec![c] })
         .collect();
     if text.chars().nth(MAX).is_some() { escaped + "..." } else { escaped }
+}
+
+/// Whether a character turns the direction of the text after it, and can make it read as something else.
+pub(crate) fn turns(c: char) -> bool {
+    matches!(c, '\u{202A}'..='\u{202E}' | '\u{2066}'..='\u{2069}')
 }
 
 /// The known name nearest to a misspelt one, if any is near.
@@ -116,6 +122,7 @@ mod tests {
     #[test]
     fn terminal_escapes_do_not_survive() {
         assert_eq!(printable("\u{1b}[31mred"), "\\u{1b}[31mred");
+        assert_eq!(printable("a\u{202e}b"), "a\\u{202e}b");
         assert!(printable(&"x".repeat(1000)).len() < 200);
     }
 }

@@ -2,21 +2,22 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use glidepolar_archive::{Archive, Limits};
 
-use super::CliError;
+use super::fmu::{Standard, packed};
+use super::{Changes, CliError};
 use crate::fmu_archive::{PackError, Water, pack};
-use crate::input::InputError;
+use crate::input::{InputError, printable};
 use crate::output::{Replace, write_whole};
-use crate::vehicle::Vehicle;
 use crate::water::WaterColumn;
 
 /// Pack a vehicle as an FMU: the built library goes in as it is, start values and resources follow the vehicle
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     glidepolar export-fmu rogue -o Rogue.fmu\n  \
-    glidepolar export-fmu my-glider.toml -o MyGlider.fmu --fmi 2 --water-column summer.csv")]
+    glidepolar export-fmu my-glider.toml -o MyGlider.fmu --fmi 2 --water-column summer.csv\n  \
+    glidepolar export-fmu slocum-049 --set mechanisms.drag_growth_per_day=0.01 -o Fouled.fmu")]
 pub struct Arguments {
     /// Vehicle file, or the name of a built-in vehicle
     vehicle: String,
@@ -32,39 +33,18 @@ pub struct Arguments {
     /// Packed FMU to take the library from; else it is looked for beside this program and in target/fmu
     #[arg(long, value_name = "FMU")]
     template: Option<PathBuf>,
+    #[command(flatten)]
+    changes: Changes,
+    /// Print nothing but errors
+    #[arg(long, short)]
+    quiet: bool,
     /// Replace the file, too, where this program did not write it
     #[arg(long)]
     force: bool,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Standard {
-    /// FMI 2.0
-    #[value(name = "2")]
-    Fmi2,
-    /// FMI 3.0
-    #[value(name = "3")]
-    Fmi3,
-}
-
-impl Standard {
-    fn file(self) -> &'static str {
-        match self {
-            Standard::Fmi2 => "UnderwaterGlider_fmi2.fmu",
-            Standard::Fmi3 => "UnderwaterGlider.fmu",
-        }
-    }
-
-    fn version(self) -> &'static str {
-        match self {
-            Standard::Fmi2 => "fmiVersion=\"2.0\"",
-            Standard::Fmi3 => "fmiVersion=\"3.0\"",
-        }
-    }
-}
-
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
-    let vehicle = Vehicle::load(&arguments.vehicle)?;
+    let vehicle = arguments.changes.load(&arguments.vehicle)?;
     let water = match &arguments.water_column {
         None => None,
         Some(path) => {
@@ -72,7 +52,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
             Some((WaterColumn::parse(&text, path)?, text))
         }
     };
-    let path = template(arguments)?;
+    let path = match &arguments.template {
+        Some(path) => path.clone(),
+        None => packed(arguments.fmi)?,
+    };
     let template = Archive::read(&path, &Limits::default()).map_err(|error| CliError::Usage(error.to_string()))?;
     let description = String::from_utf8_lossy(template.get("modelDescription.xml").unwrap_or_default()).into_owned();
     if !description.contains(arguments.fmi.version()) {
@@ -91,7 +74,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     packed.write_to(&mut bytes).map_err(|error| CliError::Failed(error.to_string()))?;
     let replace = if arguments.force || is_own(&arguments.output) { Replace::Any } else { Replace::Own };
     write_whole(&arguments.output, bytes.get_ref(), replace)?;
-    println!("{}: {}, {}", arguments.output.display(), vehicle.name, arguments.fmi.version().replace('"', ""));
+    if !arguments.quiet {
+        let (file, version) = (arguments.output.display(), arguments.fmi.version().replace('"', ""));
+        println!("{file}: {}, {version}", printable(&vehicle.name));
+    }
     Ok(())
 }
 
@@ -100,31 +86,4 @@ fn is_own(path: &Path) -> bool {
     let description = |archive: Archive| archive.get("modelDescription.xml").map(<[u8]>::to_vec);
     let found = Archive::read(path, &Limits::default()).ok().and_then(description);
     found.is_some_and(|text| String::from_utf8_lossy(&text).contains("generationTool=\"glidepolar\""))
-}
-
-/// Where the built library is.
-fn template(arguments: &Arguments) -> Result<PathBuf, CliError> {
-    if let Some(path) = &arguments.template {
-        return Ok(path.clone());
-    }
-    let name = arguments.fmi.file();
-    let program = std::env::current_exe().ok();
-    let beside = program.as_deref().and_then(Path::parent).map(Path::to_owned);
-    let mut places: Vec<PathBuf> = Vec::new();
-    if let Some(beside) = beside {
-        // target/release/glidepolar stands beside target/fmu, an installed program beside its share.
-        places.extend([
-            beside.join(name),
-            beside.join("../fmu").join(name),
-            beside.join("../share/glidepolar").join(name),
-        ]);
-    }
-    places.push(Path::new("target/fmu").join(name));
-    places.iter().find(|place| place.is_file()).cloned().ok_or_else(|| {
-        let looked: Vec<String> = places.iter().map(|place| place.display().to_string()).collect();
-        CliError::Usage(format!(
-            "no packed {name} found (looked for {}); pack one with `cargo xtask fmu`, or name one with --template",
-            looked.join(", ")
-        ))
-    })
 }

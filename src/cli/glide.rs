@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::{CliError, Output, glide_page, vehicle_input};
+use super::{Changes, CliError, Output, glide_page, vehicle_input};
 use crate::dynamics::{Parameters, Surroundings};
 use crate::glide::{Attitude, GlideError, SteadyGlide, at_path, at_pitch, shallowest};
 use crate::vehicle::Vehicle;
@@ -17,7 +17,7 @@ use crate::vehicle::Vehicle;
     glidepolar glide slocum-049 --net-mass-kg 0.25 --pitch-deg -26\n  \
     glidepolar glide my-glider.toml --net-mass-kg 0.25        every pitch at this net mass: the polar\n  \
     glidepolar glide slocum-049 --out polar                   the polar as a page with figures\n  \
-    glidepolar glide slocum-graver --json -")]
+    glidepolar glide slocum-graver --set hydro.b=0.14 --json -  what a rougher hull would do")]
 pub struct Arguments {
     /// Vehicle file or name of a built-in vehicle
     vehicle: String,
@@ -39,6 +39,8 @@ pub struct Arguments {
     /// Depth, for hulls that yield [m]
     #[arg(long, value_name = "Z", default_value_t = 0.0)]
     depth_m: f64,
+    #[command(flatten)]
+    changes: Changes,
     /// Write report.html and its figures to DIR
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
@@ -47,7 +49,7 @@ pub struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
-    let vehicle = Vehicle::load(&arguments.vehicle)?;
+    let vehicle = arguments.changes.load(&arguments.vehicle)?;
     let parameters = vehicle.glide_parameters();
     let water = water(arguments, &parameters)?;
     let glides = match (arguments.glide_angle_deg, arguments.speed_m_s, arguments.net_mass_kg, arguments.pitch_deg) {

@@ -44,8 +44,12 @@ pub(super) struct Frame<'a> {
     pub output: &'a Output,
 }
 
-pub(super) fn run(vehicle: &str, file: &Path, arguments: &MissionArguments, frame: &Frame<'_>) -> Result<(), CliError> {
-    let vehicle = Vehicle::load(vehicle)?;
+pub(super) fn run(
+    vehicle: &Vehicle,
+    file: &Path,
+    arguments: &MissionArguments,
+    frame: &Frame<'_>,
+) -> Result<(), CliError> {
     let parameters = vehicle.parameters()?;
     let mut mission = Mission::load(file)?;
     mission.duration_s = mission.duration_s.min(frame.stop_s.unwrap_or(f64::INFINITY));
@@ -70,7 +74,7 @@ pub(super) fn run(vehicle: &str, file: &Path, arguments: &MissionArguments, fram
         let input = InputFile::read(file)?;
         mission_page::page(&vehicle.name, &mission, &flight, &trace, input).write(&folder)?;
     }
-    let report = Report::new(&vehicle, &mission, &flight);
+    let report = Report::new(vehicle, &mission, &flight);
     if frame.output.shows_tables() {
         report.print();
     }

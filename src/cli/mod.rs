@@ -8,6 +8,7 @@
 pub mod assemble;
 pub mod diagnose;
 mod export_fmu;
+mod fmu;
 pub mod glide;
 mod glide_page;
 mod history_page;
@@ -15,23 +16,27 @@ pub mod identify;
 mod mission;
 mod mission_page;
 pub mod plan;
+mod plan_page;
 mod plan_tables;
+pub mod shell;
 pub mod simulate;
+mod sweep;
 mod table;
 pub mod track;
+mod track_page;
 pub mod vehicles;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory, Parser, Subcommand};
 
 use crate::glide::GlideError;
-use crate::input::InputError;
+use crate::input::{InputError, Place, printable};
 use crate::output::{OutputFolder, Replace, write_whole};
 use crate::report::InputFile;
 use crate::simulate::mission::MissionError;
-use crate::vehicle::MissingKeys;
+use crate::vehicle::{MissingKeys, Vehicle};
 
 /// An underwater glider from the towing tank to the sea and back.
 #[derive(Debug, Parser)]
@@ -45,15 +50,18 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Assemble(assemble::Arguments),
-    Diagnose(diagnose::Arguments),
-    ExportFmu(export_fmu::Arguments),
     Glide(glide::Arguments),
-    Plan(plan::Arguments),
-    Identify(identify::Arguments),
     Simulate(simulate::Arguments),
+    Identify(identify::Arguments),
+    Diagnose(diagnose::Arguments),
     Track(track::Arguments),
+    Plan(plan::Arguments),
+    Assemble(assemble::Arguments),
     Vehicles(vehicles::Arguments),
+    ExportFmu(export_fmu::Arguments),
+    Fmu(fmu::Arguments),
+    Completions(shell::CompletionsArguments),
+    Man(shell::ManArguments),
 }
 
 /// Where results go; the same for every command.
@@ -111,6 +119,39 @@ impl Output {
     }
 }
 
+/// Values that are not the vehicle's own, for this run.
+#[derive(Debug, Clone, Default, Args)]
+pub struct Changes {
+    /// Change a value of the vehicle for this run (repeat): hydro.b=0.14; keys: `glidepolar vehicles --keys`
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    set: Vec<String>,
+}
+
+impl Changes {
+    /// Reads a vehicle file or takes a built-in vehicle, and changes what was asked for, as if the file said so.
+    ///
+    /// # Errors
+    /// Where the vehicle cannot be read, a key is unknown or a value is out of bounds.
+    pub fn load(&self, name_or_file: &str) -> Result<Vehicle, CliError> {
+        let vehicle = Vehicle::load(name_or_file)?;
+        if self.set.is_empty() {
+            return Ok(vehicle);
+        }
+        let mut changed = vehicle.clone();
+        for change in &self.set {
+            let pair = change.split_once('=').map(|(key, value)| (key.trim(), value.trim().parse::<f64>()));
+            let Some((key, Ok(value))) = pair else {
+                return Err(CliError::Usage(format!("--set {}: expected KEY=NUMBER", printable(change))));
+            };
+            changed.set(key, value).map_err(|error| InputError { place: Place::file("--set"), ..error })?;
+        }
+        // Read again, so that the same bounds hold for a value as in a file.
+        let mut changed = Vehicle::parse(&changed.to_toml(), format!("{name_or_file} with --set"))?;
+        changed.is_builtin = vehicle.is_builtin;
+        Ok(changed)
+    }
+}
+
 /// A vehicle as a report lists it among what was read.
 ///
 /// # Errors
@@ -155,8 +196,20 @@ impl CliError {
     }
 }
 
+/// What a program does before anything else.
+pub fn begin() {
+    // A reader that has seen enough (`| head`) closes the pipe; the program then ends, as others do, and complains of
+    // nothing. Rust's own start-up turns that off.
+    #[cfg(unix)]
+    // SAFETY: no other thread runs yet, and the default action calls no code of this program.
+    unsafe {
+        libc::signal(libc::SIGPIPE, libc::SIG_DFL);
+    }
+}
+
 /// Reads the arguments of this process, does what they ask and says what went wrong.
 pub fn main() -> ExitCode {
+    begin();
     let cli = Cli::parse();
     match run(cli) {
         Ok(()) => ExitCode::SUCCESS,
@@ -170,11 +223,14 @@ pub fn main() -> ExitCode {
 fn run(cli: Cli) -> Result<(), CliError> {
     match cli.command {
         Command::Assemble(arguments) => assemble::run(&arguments),
+        Command::Completions(arguments) => arguments.run(Cli::command()),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::ExportFmu(arguments) => export_fmu::run(&arguments),
+        Command::Fmu(arguments) => fmu::run(&arguments),
         Command::Glide(arguments) => glide::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
+        Command::Man(arguments) => arguments.run(Cli::command()),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Track(arguments) => track::run(&arguments),
         Command::Vehicles(arguments) => vehicles::run(&arguments),

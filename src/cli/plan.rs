@@ -5,11 +5,13 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
+use super::plan_page::{self, Calibrated, Planned};
 use super::plan_tables::{read_dives, read_strokes};
-use super::{CliError, Output};
+use super::{Changes, CliError, Output, vehicle_input};
 use crate::estimate::Estimate;
-use crate::plan::calibrate::{DiveFit, PumpFit, fit_dives, fit_pump};
+use crate::plan::calibrate::{DiveFit, PumpFit, Stroke, fit_dives, fit_pump};
 use crate::plan::{Ask, Dive, Outlook, PlanError, Sensor, outlook};
+use crate::report::InputFile;
 use crate::simulate::mission::LegOrder;
 use crate::vehicle::Vehicle;
 
@@ -19,7 +21,8 @@ use crate::vehicle::Vehicle;
     glidepolar plan seaglider --battery-Wh 2700 --depth-m 1000 --pitch-deg 20\n  \
     glidepolar plan my-glider.toml --battery-Ah 120 --battery-V 15 --depth-m 180 --days 21 --dives-per-surfacing 7\n  \
     glidepolar plan my-glider.toml --depth-m 180 --sensor-W 0.5 --sensor-drag-m2 0.0015      with and without\n  \
-    glidepolar plan seaglider --moves motor_moves.csv --dives dives.csv --write calibrated.toml\n\n\
+    glidepolar plan seaglider --moves motor_moves.csv --dives dives.csv --write calibrated.toml\n  \
+    glidepolar plan seaglider --battery-Wh 2700 --depth-m 1000 --out plan/                       as a page\n\n\
     Distances are through the water: currents come on top. Intervals (95 %) hold the [uncertainty] of the vehicle file\n\
     and the model error. --moves and --dives calibrate pump, hotel and surfacing from battery counters: tables with the\n\
     columns dive, depth_m, vbd_ad_start, vbd_ad_end, vbd_secs, vbd_A, vbd_V and dive, duration_s, VBD_CNV_cc_per_count,\n\
@@ -84,17 +87,37 @@ pub struct Arguments {
     /// Calibrate: write the vehicle with its new constants to FILE
     #[arg(long, value_name = "FILE", requires = "moves")]
     write: Option<PathBuf>,
+    /// Write report.html and its figures to DIR
+    #[arg(long, value_name = "DIR", help_heading = "Output")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    changes: Changes,
     #[command(flatten)]
     output: Output,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
-    let mut vehicle = Vehicle::load(&arguments.vehicle)?;
+    let mut vehicle = arguments.changes.load(&arguments.vehicle)?;
     let calibration = calibrate(arguments, &mut vehicle)?;
     let plan = match arguments.depth_m {
         None => None,
         Some(depth_m) => Some(plan(arguments, &vehicle, depth_m)?),
     };
+    if let Some(out) = &arguments.out {
+        let planned = plan.as_ref().map(|plan| Planned {
+            ask: &plan.ask,
+            without: &plan.outlook,
+            with_sensor: plan.with_sensor.as_ref(),
+        });
+        let calibrated =
+            calibration.as_ref().map(|c| Calibrated { pump: &c.pump, dives: &c.dives, strokes: &c.strokes });
+        let mut page = plan_page::page(&vehicle, planned.as_ref(), calibrated.as_ref());
+        page = page.input(vehicle_input(&arguments.vehicle)?);
+        for file in arguments.moves.iter().chain(&arguments.dives) {
+            page = page.input(InputFile::read(file)?);
+        }
+        page.write(&arguments.output.folder(out)?)?;
+    }
     let report = Report { schema: "glidepolar.plan/1", vehicle: vehicle.name.clone(), calibration, plan };
     if arguments.output.shows_tables() {
         report.print();
@@ -124,7 +147,7 @@ fn calibrate(arguments: &Arguments, vehicle: &mut Vehicle) -> Result<Option<Cali
     if let Some(path) = &arguments.write {
         arguments.output.write(path, vehicle.to_toml().as_bytes())?;
     }
-    Ok(Some(Calibration { pump, dives }))
+    Ok(Some(Calibration { pump, dives, strokes }))
 }
 
 fn plan(arguments: &Arguments, vehicle: &Vehicle, depth_m: f64) -> Result<Plan, CliError> {
@@ -174,7 +197,8 @@ fn plan(arguments: &Arguments, vehicle: &Vehicle, depth_m: f64) -> Result<Plan, 
         if sensor == Sensor::default() { None } else { Some(outlook(vehicle, &Ask { sensor, ..ask.clone() })?) };
     let without = outlook(vehicle, &ask)?;
     let sensor_costs_days = with_sensor.as_ref().map(|with| without.days.value - with.days.value);
-    Ok(Plan { battery_Wh: battery_J / 3600.0, outlook: without, with_sensor, sensor_costs_days })
+    let ask = Ask { sensor, ..ask };
+    Ok(Plan { ask, battery_Wh: battery_J / 3600.0, outlook: without, with_sensor, sensor_costs_days })
 }
 
 fn battery_J(a: &Arguments, vehicle: &Vehicle) -> Result<f64, CliError> {
@@ -218,10 +242,14 @@ struct Report {
 struct Calibration {
     pump: PumpFit,
     dives: DiveFit,
+    #[serde(skip)]
+    strokes: Vec<Stroke>,
 }
 
 #[derive(Debug, Serialize)]
 struct Plan {
+    #[serde(skip)]
+    ask: Ask,
     battery_Wh: f64,
     #[serde(flatten)]
     outlook: Outlook,
@@ -233,7 +261,7 @@ struct Plan {
 
 impl Report {
     fn print(&self) {
-        if let Some(Calibration { pump, dives }) = &self.calibration {
+        if let Some(Calibration { pump, dives, .. }) = &self.calibration {
             println!("{}: {} strokes of the pump, {} dives", self.vehicle, pump.strokes, dives.dives);
             line("pump, per pressure", &pump.pump_J_per_dbar_cc, 5);
             line("pump, per volume", &pump.pump_J_per_cc, 2);

@@ -7,12 +7,11 @@ use serde::Serialize;
 
 use super::history_page::History;
 use super::mission::{self, Frame, MissionArguments};
-use super::{CliError, Output, vehicle_input};
+use super::{Changes, CliError, Output, sweep, vehicle_input};
 use crate::dynamics::Actuation;
 use crate::input::InputError;
 use crate::report::InputFile;
 use crate::simulate::{COLUMNS, Row, Schedule, Settings, fly};
-use crate::vehicle::Vehicle;
 
 /// More rows than this are a slip of the keyboard.
 const MAX_ROWS: f64 = 1e8;
@@ -28,15 +27,13 @@ const INTERVAL_S: f64 = 1.0;
 #[command(after_help = "Examples:\n  \
     glidepolar simulate slocum-graver --stop 1000 --csv history.csv\n  \
     glidepolar simulate my-glider.toml --inputs commands.csv --stop 3600 --interval 10 --csv history.csv\n  \
-<<<<<<< HEAD
     glidepolar simulate slocum-049 --mission missions/rising-seabed.toml --out voyage/\n  \
-=======
-    glidepolar simulate slocum-049 --mission missions/rising-seabed.toml --legs legs.csv\n  \
->>>>>>> 4e0e554 (Draw simulations and missions as a page)
+    glidepolar simulate slocum-graver --sweep variants.csv --stop 1000 --csv results.csv\n  \
     glidepolar simulate --mission-keys\n\n\
     A mission says how deep, at which pitch and with how much ballast, when to surface, and what seabed and water the\n\
-    glider meets. Without mission and inputs the glider goes on in its steady glide. The table of inputs has a column `time` and columns named\n\
-    as the FMU's inputs; FMPy takes the same file (`fmpy simulate ... --input-file`).")]
+    glider meets. Without mission and inputs the glider goes on in its steady glide. The table of inputs has a column\n\
+    `time` and columns named as the FMU's inputs; FMPy takes the same file (`fmpy simulate ... --input-file`). A sweep's\n\
+    table has columns named as the FMU's parameters and one row for each variant; --csv then has each one's last moment.")]
 pub struct Arguments {
     /// Vehicle file or name of a built-in vehicle
     #[arg(required_unless_present = "mission_keys")]
@@ -46,6 +43,11 @@ pub struct Arguments {
     /// Inputs against time (CSV)
     #[arg(long, value_name = "FILE")]
     inputs: Option<PathBuf>,
+    /// Fly many variants at once: a table of parameters (CSV), a row for each
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["mission", "out"])]
+    sweep: Option<PathBuf>,
+    #[command(flatten)]
+    changes: Changes,
     /// End of the time history [s]; default 1000, of a mission its own
     #[arg(long, value_name = "S")]
     stop: Option<f64>,
@@ -97,9 +99,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
             csv: arguments.csv.as_deref(),
             output: &arguments.output,
         };
-        return mission::run(name, file, &arguments.mission, &frame);
+        return mission::run(&arguments.changes.load(name)?, file, &arguments.mission, &frame);
     }
-    let vehicle = Vehicle::load(name)?;
+    let vehicle = arguments.changes.load(name)?;
     let parameters = vehicle.parameters()?;
     let schedule = match &arguments.inputs {
         None => Schedule::default(),
@@ -108,6 +110,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
             Schedule::parse(&text, path)?
         }
     };
+    if let Some(variants) = &arguments.sweep {
+        let (csv, output) = (arguments.csv.as_deref(), &arguments.output);
+        return sweep::run(&vehicle.name, &parameters, variants, &schedule, &settings, csv, output);
+    }
     let mut table = arguments.csv.as_ref().map(|_| COLUMNS.join(",") + "\n");
     let mut summary = Summary::default();
     let mut history = arguments.mission.out.as_ref().map(|_| History::default());

@@ -7,10 +7,12 @@ use clap::Args;
 use serde::Serialize;
 
 use super::table::for_each_row;
-use super::{CliError, Output};
+use super::track_page::{self, Remarks};
+use super::{CliError, Output, vehicle_input};
 use crate::dynamics::Parameters;
 use crate::input::{InputError, Place};
 use crate::log::{CHANNELS, Channel, Columns, DBAR_PA, FlightLog, Opened, in_situ_density_kg_m3, open};
+use crate::report::InputFile;
 use crate::track::{DiveTrack, Fix, Sample, Settings, Track, reckon};
 use crate::vehicle::Vehicle;
 
@@ -25,7 +27,8 @@ const KEEP_S: f64 = 120.0;
 #[command(after_help = "Examples:\n  \
     glidepolar track p542*.nc --vehicle my-seaglider.toml --declination-deg -23\n  \
     glidepolar track log.csv --vehicle my-glider.toml --fixes fixes.csv --csv track.csv\n  \
-    glidepolar track log.csv --vehicle my-glider.toml --write log-with-speed.csv\n\n\
+    glidepolar track log.csv --vehicle my-glider.toml --write log-with-speed.csv\n  \
+    glidepolar track log.csv --vehicle my-glider.toml --fixes fixes.csv --out track/\n\n\
     Fixes: a table with time_s (or start_time_s), lat_deg, lon_deg; with dac_east_m_s and dac_north_m_s beside them the\n\
     currents are compared. The vehicle should be one whose trim and polar were identified (`glidepolar identify`).")]
 pub struct Arguments {
@@ -59,6 +62,9 @@ pub struct Arguments {
     /// Write the log with the polar's speed through the water to FILE (CSV)
     #[arg(long, value_name = "FILE")]
     write: Option<PathBuf>,
+    /// Write report.html and its figures to DIR
+    #[arg(long, value_name = "DIR", help_heading = "Output")]
+    out: Option<PathBuf>,
     #[command(flatten)]
     output: Output,
 }
@@ -106,6 +112,21 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         a.output.write(path, log_table(&log, &track).as_bytes())?;
     }
     let comparison = Comparison::new(&track.dives, &stored);
+    if let Some(out) = &a.out {
+        let remarks = Remarks {
+            vehicle: &vehicle.name,
+            is_builtin: vehicle.is_builtin,
+            has_uncertainty: !moved.is_empty(),
+            declination_deg: a.declination_deg,
+            stored: &stored,
+            comparison: comparison.as_ref().map(Comparison::sentence),
+        };
+        let mut page = track_page::page(&track, &remarks).input(vehicle_input(&a.vehicle)?);
+        for file in a.logs.iter().chain(&a.fixes) {
+            page = page.input(InputFile::read(file)?);
+        }
+        page.write(&a.output.folder(out)?)?;
+    }
     let report = Report { schema: "glidepolar.track/1", vehicle: &vehicle.name, dives: &track.dives, comparison };
     if a.output.shows_tables() {
         report.print();
@@ -336,6 +357,22 @@ impl Comparison {
     }
 }
 
+impl Comparison {
+    fn sentence(&self) -> String {
+        format!(
+            "Against the stored currents of {} dives: mean difference {:+.3} m/s east, {:+.3} north, rms {:.3}; a turn of \
+             the ways by {:+.1} deg and a factor {:.3} would leave {:.3} m/s.",
+            self.dives,
+            self.mean_difference_east_m_s,
+            self.mean_difference_north_m_s,
+            self.rms_difference_m_s,
+            self.turn_deg,
+            self.factor,
+            self.rms_left_m_s
+        )
+    }
+}
+
 impl Report<'_> {
     fn print(&self) {
         println!("{}: ways through the water and currents, +- standard error", self.vehicle);
@@ -357,15 +394,8 @@ impl Report<'_> {
                 dive.north_se_m / 1e3
             );
         }
-        if let Some(c) = &self.comparison {
-            println!(
-                "against the stored currents of {} dives: mean difference {:+.3} east, {:+.3} north, rms {:.3} m/s",
-                c.dives, c.mean_difference_east_m_s, c.mean_difference_north_m_s, c.rms_difference_m_s
-            );
-            println!(
-                "a turn of the ways by {:+.1} deg and a factor {:.3} would leave {:.3} m/s",
-                c.turn_deg, c.factor, c.rms_left_m_s
-            );
+        if let Some(comparison) = &self.comparison {
+            println!("{}", comparison.sentence());
         }
     }
 }

@@ -25,6 +25,22 @@ pub struct Start {
     pub inputs: Inputs<f64>,
 }
 
+impl Start {
+    /// The same start for a glider with other parameters, which need not glide steadily in it: depth, attitude,
+    /// velocities and commands stay, the moving mass sits at its height and at rest in the hull. So starts an FMU whose
+    /// parameters were set.
+    pub fn with(&self, parameters: &Parameters<f64>) -> Start {
+        let (p, s) = (parameters, &self.state);
+        let state = State {
+            moving_mass_3_m: p.moving_mass_height_m,
+            momentum_1_kg_m_s: p.moving_mass_kg * (s.v1_m_s + p.moving_mass_height_m * s.pitch_rate_rad_s),
+            momentum_3_kg_m_s: p.moving_mass_kg * (s.v3_m_s - s.moving_mass_1_m * s.pitch_rate_rad_s),
+            ..*s
+        };
+        Start { state, inputs: self.inputs }
+    }
+}
+
 /// The start of this glider: at 10 m depth, in the steady glide down at 25 deg and 0.30 m/s with the commands that hold
 /// it; level and at rest where no such glide exists.
 pub fn start(parameters: &Parameters<f64>) -> Start {
@@ -101,6 +117,16 @@ mod tests {
             assert!(rate.abs() < 1e-12, "{rates:?}");
         }
         assert!((rates.depth_m - 0.30 * 25f64.to_radians().sin()).abs() < 1e-12, "{rates:?}");
+    }
+
+    #[test]
+    fn a_changed_glider_starts_where_the_first_one_did() {
+        let p = Parameters::default();
+        assert_eq!(start(&p).with(&p), start(&p));
+        let heavier = Parameters { moving_mass_kg: 2.0 * p.moving_mass_kg, ..p };
+        let (first, second) = (start(&p).state, start(&p).with(&heavier).state);
+        assert_eq!(second.momentum_1_kg_m_s, 2.0 * first.momentum_1_kg_m_s);
+        assert_eq!((second.pitch_rad, second.v1_m_s), (first.pitch_rad, first.v1_m_s));
     }
 
     #[test]

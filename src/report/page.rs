@@ -3,8 +3,7 @@
 use super::draw::document;
 use super::figure::Figure;
 use super::table::{Cell, Table};
-use super::text::turns;
-use crate::input::InputError;
+use crate::input::{InputError, turns};
 use crate::output::OutputFolder;
 use minijinja::{Environment, Value, context};
 use sha2::{Digest, Sha256};

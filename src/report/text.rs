@@ -1,5 +1,6 @@
 //! Text in figures: made harmless, measured, and marked up where a symbol has italics and subscripts.
 
+use crate::input::turns;
 use plotters::style::{FontStyle, IntoFont, register_font};
 use std::sync::Once;
 
@@ -30,11 +31,6 @@ pub(super) fn clean(text: &str, max: usize) -> String {
         kept.push('…');
     }
     kept
-}
-
-/// Whether a character turns the direction of the text around it.
-pub(super) fn turns(c: char) -> bool {
-    matches!(c, '\u{202A}'..='\u{202E}' | '\u{2066}'..='\u{2069}')
 }
 
 /// A symbol with its markup: `C_L` in italics with a lowered, upright L.

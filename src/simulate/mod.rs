@@ -7,7 +7,7 @@ pub mod mission;
 pub mod schedule;
 
 use crate::dynamics::{Actuation, Glider, IntegrationError, Integrator, Parameters, State};
-use crate::glide::start;
+use crate::glide::{Start, start};
 
 pub use schedule::Schedule;
 
@@ -58,9 +58,22 @@ pub fn fly(
     parameters: &Parameters<f64>,
     schedule: &Schedule,
     settings: &Settings,
+    on_row: impl FnMut(&Row) -> bool,
+) -> Result<(), IntegrationError> {
+    fly_from(&start(parameters), parameters, schedule, settings, on_row)
+}
+
+/// The same from another start: that of the vehicle before a parameter of it was changed, as in an FMU.
+///
+/// # Errors
+/// As [`fly`].
+pub fn fly_from(
+    begin: &Start,
+    parameters: &Parameters<f64>,
+    schedule: &Schedule,
+    settings: &Settings,
     mut on_row: impl FnMut(&Row) -> bool,
 ) -> Result<(), IntegrationError> {
-    let begin = start(parameters);
     let mut state = begin.state;
     let mut glider = Glider::new(*parameters, settings.actuation, begin.inputs);
     let mut integrator = Integrator::new(settings.tolerance);

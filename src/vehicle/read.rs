@@ -26,7 +26,8 @@ pub(super) fn read(text: &str, origin: &Path) -> Result<Vehicle, InputError> {
     let mut source = None;
     for (key, item) in document.as_table().iter() {
         match key {
-            "name" => name = Some(toml.string(key, item)?),
+            // Shown on terminals and in tables wherever the vehicle is.
+            "name" => name = Some(printable(&toml.string(key, item)?)),
             "source" => source = Some(toml.string(key, item)?),
             "schema" => _ = toml.string(key, item)?,
             _ => reader.section(key, item)?,

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, Parser, Subcommand};
-use glidepolar::cli::{CliError, Output};
+use clap::{Args, CommandFactory, Parser, Subcommand};
+use glidepolar::cli::{CliError, Output, shell};
 
 use crate::demo_cli;
 use glidepolar_tank::{Options, Progress, output, reduce_campaign, reduce_points};
@@ -23,6 +23,8 @@ pub struct Cli {
     command: Option<Command>,
     #[command(flatten)]
     reduce: Reduce,
+    #[command(flatten)]
+    shell: shell::Options,
 }
 
 #[derive(Debug, Subcommand)]
@@ -64,6 +66,7 @@ impl Cli {
             Some(Command::Demo(arguments)) => {
                 demo_cli::run(arguments).map_err(|error| CliError::Usage(error.to_string()))
             }
+            None if self.shell.is_asked_for() => self.shell.run(Cli::command()),
             None => self.reduce.run(),
         }
     }

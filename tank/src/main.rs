@@ -6,9 +6,10 @@ mod demo_cli;
 use std::process::ExitCode;
 
 use clap::Parser;
-use glidepolar::cli::{CliError, show};
+use glidepolar::cli::{CliError, begin, show};
 
 fn main() -> ExitCode {
+    begin();
     match cli::Cli::parse().run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

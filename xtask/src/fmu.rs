@@ -36,7 +36,7 @@ pub fn run(workspace: &Workspace, merge: &[PathBuf]) -> Result<Fmus> {
         }
     }
     binaries.insert(host, fs::read(&library)?);
-    let notice = licences::notice(workspace)?;
+    let notice = licences::notice(workspace, "glidepolar-fmu", "The library in this FMU is")?;
 
     let folder = workspace.target("fmu");
     let mut written = Vec::new();
@@ -101,7 +101,7 @@ fn portable_cargo(workspace: &Workspace, host: &Platform) -> Option<Command> {
 
 /// Flags that keep this machine out of the binary: no paths of it in the messages, on Windows no runtime library to
 /// install first.
-fn rustc_flags(workspace: &Workspace, host: &Platform) -> Vec<String> {
+pub fn rustc_flags(workspace: &Workspace, host: &Platform) -> Vec<String> {
     let mut flags = vec![format!("--remap-path-prefix={}=glidepolar", workspace.path("").display())];
     let home = |variable: &str, below: &str| {
         std::env::var_os(variable).map(PathBuf::from).or_else(|| Some(std::env::home_dir()?.join(below)))

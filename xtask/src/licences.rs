@@ -1,4 +1,4 @@
-//! The licence texts of everything that is linked into the FMU's library: its licences ask that they go along.
+//! The licence texts of everything that is linked into what is given to others: their licences ask that they go along.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -9,12 +9,12 @@ use serde_json::Value;
 
 use crate::workspace::{Workspace, capture};
 
-/// The notice for the packages of the library: which there are, under what licence, and each distinct text once with
-/// the packages it came with.
-pub fn notice(workspace: &Workspace) -> Result<String> {
-    let packages = linked_packages(workspace)?;
-    let mut text = String::from(
-        "The library in this FMU is built from the packages below and from the Rust standard library\n\
+/// The notice for the packages that a package is built from: which there are, under what licence, and each distinct text
+/// once with the packages it came with. `subject` is what is built, as the beginning of a sentence: "The library is".
+pub fn notice(workspace: &Workspace, package: &str, subject: &str) -> Result<String> {
+    let packages = linked_packages(workspace, package)?;
+    let mut text = format!(
+        "{subject} built from the packages below and from the Rust standard library\n\
          (MIT OR Apache-2.0, The Rust Project Developers). Their licence texts follow.\n\n",
     );
     let mut texts: BTreeMap<String, Vec<String>> = BTreeMap::new();
@@ -41,11 +41,12 @@ struct Package {
     folder: PathBuf,
 }
 
-/// The packages that are linked into the library, this project's own and build-time ones apart.
-fn linked_packages(workspace: &Workspace) -> Result<BTreeSet<Package>> {
+/// The packages that are linked into a package, this project's own and build-time ones apart.
+fn linked_packages(workspace: &Workspace, package: &str) -> Result<BTreeSet<Package>> {
     let tree = capture(workspace.cargo().args([
         "tree",
-        "--package=glidepolar-fmu",
+        "--package",
+        package,
         "--edges=normal,no-proc-macro",
         "--prefix=none",
         "--format={p}",
@@ -99,7 +100,7 @@ mod tests {
     #[test]
     fn the_notice_names_what_is_linked_and_carries_its_licence() {
         let workspace = Workspace::find().unwrap();
-        let notice = notice(&workspace).unwrap();
+        let notice = notice(&workspace, "glidepolar-fmu", "The library is").unwrap();
         let list = notice.split("\n---").next().unwrap();
         // The equations are generic over nalgebra's and num-dual's numbers; clap belongs to the command line alone.
         for linked in ["\nnalgebra ", "\nnum-dual ", "\nserde "] {

@@ -14,6 +14,7 @@ mod platform;
 mod python;
 mod requirements;
 mod test;
+mod wheel;
 mod workspace;
 
 use std::path::PathBuf;
@@ -41,6 +42,14 @@ enum Chore {
         #[arg(long = "merge", value_name = "OTHER.fmu")]
         merge: Vec<PathBuf>,
     },
+    /// Build the wheel with both commands and both FMUs into target/wheels/
+    Wheel {
+        /// Unoptimised and for this machine only, as the tests take it
+        #[arg(long)]
+        quick: bool,
+    },
+    /// Write the manual pages of both commands into target/man/
+    Man,
     /// Build everything and run all tests, those with other programs included
     Test {
         /// Run only this part
@@ -69,6 +78,10 @@ fn run(chore: Chore) -> Result<()> {
     match chore {
         Chore::Setup => python::ensure(&workspace).map(drop),
         Chore::Fmu { merge } => fmu::run(&workspace, &merge).map(drop),
+        Chore::Wheel { quick } => {
+            wheel::run(&workspace, if quick { wheel::Kind::Tests } else { wheel::Kind::Release }).map(drop)
+        }
+        Chore::Man => wheel::man(&workspace),
         Chore::Test { only } => test::run(&workspace, only),
         Chore::Demo => demo::run(&workspace),
         Chore::FetchData => fetch_data::run(&workspace),

@@ -11,6 +11,7 @@ use anyhow::{Context, Result};
 use crate::fmu::{self, Fmus};
 use crate::importers;
 use crate::python::{self, Python};
+use crate::wheel;
 use crate::workspace::{Workspace, capture, run as run_command};
 
 /// A part of the tests that can be run alone.
@@ -62,6 +63,7 @@ fn rust_tests(workspace: &Workspace) -> Command {
 struct Tested {
     programs: Vec<(&'static str, PathBuf)>,
     fmus: Fmus,
+    wheel: PathBuf,
     python: Python,
     importers: PathBuf,
     skipped: PathBuf,
@@ -82,6 +84,7 @@ impl Tested {
         ]))?;
         let program = |name: &str| workspace.target("debug").join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
         let fmus = fmu::run(workspace, &[])?;
+        let wheel = wheel::build(workspace, wheel::Kind::Tests, &python, &fmus)?;
         let skipped = workspace.target("skipped-tests.txt");
         fs::write(&skipped, "").with_context(|| format!("cannot write {}", skipped.display()))?;
         let importers = importers::build(workspace, &skipped)?;
@@ -92,6 +95,7 @@ impl Tested {
                 ("GLIDEPOLAR_REPORT_EXAMPLE", program("examples/report")),
             ],
             fmus,
+            wheel,
             python,
             importers,
             skipped,
@@ -105,6 +109,7 @@ impl Tested {
             .env("GLIDEPOLAR_FMU3", &self.fmus.fmi3)
             .env("GLIDEPOLAR_FMU2", &self.fmus.fmi2)
             .env("GLIDEPOLAR_FMU_LIBRARY", &self.fmus.library)
+            .env("GLIDEPOLAR_WHEEL", &self.wheel)
             .env("GLIDEPOLAR_PYTHON", self.python.interpreter())
             .env("GLIDEPOLAR_IMPORTERS", &self.importers)
             .env("GLIDEPOLAR_SKIPPED", &self.skipped)

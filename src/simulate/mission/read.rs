@@ -17,7 +17,8 @@ pub(super) fn read(text: &str, origin: &Path) -> Result<Mission, InputError> {
     let (mut name, mut source) = (None, None);
     for (key, item) in document.as_table().iter() {
         match (key, item.as_table_like()) {
-            ("name", _) => name = Some(toml.string(key, item)?),
+            // Shown on terminals and in tables wherever the mission is.
+            ("name", _) => name = Some(printable(&toml.string(key, item)?)),
             ("source", _) => source = Some(toml.string(key, item)?),
             (_, Some(section)) => reader.section(key, section, &toml.place_of_key(document.as_table(), key))?,
             _ => return Err(unknown_key(key, toml.place_of_key(document.as_table(), key))),

@@ -1,0 +1,177 @@
+//! `glidepolar simulate --sweep`: one vehicle in many variants, all flown through the same inputs on all cores; the last
+//! moment of each.
+//!
+//! A variant starts where the vehicle itself does, as an FMU does whose parameters were set.
+
+use std::fmt::Write;
+use std::path::Path;
+use std::time::Instant;
+
+use csv::{ReaderBuilder, StringRecord};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::{CliError, Output};
+use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
+use crate::glide::start;
+use crate::input::{InputError, Place, nearest, printable};
+use crate::simulate::{COLUMNS, Row, Schedule, Settings, fly_from};
+
+/// A table of more numbers than this is no sweep for one machine.
+const MOST_NUMBERS: usize = 50_000_000;
+
+#[allow(clippy::too_many_arguments, reason = "called once, with what the command line has parsed")]
+pub(super) fn run(
+    vehicle: &str,
+    parameters: &Parameters<f64>,
+    file: &Path,
+    schedule: &Schedule,
+    settings: &Settings,
+    csv: Option<&Path>,
+    output: &Output,
+) -> Result<(), CliError> {
+    let variants = Variants::read(file)?;
+    let begin = start(parameters);
+    let clock = Instant::now();
+    let last_moment = |values: &[f64]| {
+        let mut changed = *parameters;
+        for (column, value) in variants.parameters.iter().zip(values) {
+            *changed.at(*column) = *value;
+        }
+        let mut last = None;
+        fly_from(&begin.with(&changed), &changed, schedule, settings, |row| {
+            last = Some(*row);
+            true
+        })
+        .ok()
+        .and(last)
+    };
+    let ends: Vec<Option<Row>> = variants.values.par_chunks(variants.parameters.len()).map(last_moment).collect();
+    let seconds = clock.elapsed().as_secs_f64();
+    if let Some(path) = csv {
+        output.write(path, variants.table(&ends).as_bytes())?;
+    }
+    let failed: Vec<usize> = (1..).zip(&ends).filter(|(_, end)| end.is_none()).map(|(row, _)| row).collect();
+    let report = Summary {
+        schema: "glidepolar.sweep/1",
+        vehicle,
+        variants: ends.len(),
+        failed: &failed,
+        stop_s: settings.stop_s,
+        seconds,
+        variants_per_s: ends.len() as f64 / seconds,
+    };
+    if output.shows_tables() {
+        report.print();
+    }
+    output.write_json(&report)
+}
+
+/// What is varied, and how.
+struct Variants {
+    /// Which parameter each column is.
+    parameters: Vec<usize>,
+    /// Row by row.
+    values: Vec<f64>,
+}
+
+impl Variants {
+    fn read(file: &Path) -> Result<Self, InputError> {
+        let failed = |error: csv::Error| {
+            let line = error.position().map(|position| position.line() as usize);
+            let place = line.map_or(Place::file(file), |line| Place::line(file, line));
+            InputError::new(place, printable(&error.to_string()))
+                .help("a table of variants has a header of parameters and a number for each in every row")
+        };
+        let mut reader =
+            ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_path(file).map_err(failed)?;
+        let header = reader.headers().map_err(failed)?.clone();
+        let mut parameters = Vec::new();
+        for (column, name) in header.iter().enumerate() {
+            let place = || Place::line(file, 1).column(column + 1);
+            let index = parameter_index(name).ok_or_else(|| {
+                let error = InputError::new(place(), format!("unknown parameter `{}`", printable(name)));
+                match nearest(name, PARAMETERS.iter().map(|row| row.name)) {
+                    Some(near) => error.help(format!("did you mean `{near}`?")),
+                    None => error.help("the parameters are those of the FMU: `fmpy info \"$(glidepolar fmu)\"`"),
+                }
+            })?;
+            if parameters.contains(&index) {
+                return Err(InputError::new(place(), format!("`{name}` stands twice")).help("leave one column out"));
+            }
+            parameters.push(index);
+        }
+        let (mut values, mut record) = (Vec::new(), StringRecord::new());
+        while reader.read_record(&mut record).map_err(failed)? {
+            let line = record.position().map_or(0, |position| position.line() as usize);
+            for (column, (cell, index)) in record.iter().zip(&parameters).enumerate() {
+                let known = &PARAMETERS[*index];
+                let value = cell.parse().ok().filter(|value| (known.min..=known.max).contains(value));
+                values.push(value.ok_or_else(|| {
+                    let place = Place::line(file, line).column(column + 1);
+                    let problem = format!("`{}` cannot be {}", known.name, printable(cell));
+                    InputError::new(place, problem)
+                        .help(format!("expected a number from {} to {} {}", known.min, known.max, known.unit))
+                })?);
+            }
+            if values.len() > MOST_NUMBERS {
+                let error = InputError::new(Place::line(file, line), "too many variants for one sweep");
+                return Err(error.help("split the table"));
+            }
+        }
+        if values.is_empty() {
+            return Err(InputError::new(Place::file(file), "no variants: expected a row for each under the header"));
+        }
+        Ok(Variants { parameters, values })
+    }
+
+    /// The parameters as they were read and, beside them, where each variant ended; nothing where it cannot be flown.
+    fn table(&self, ends: &[Option<Row>]) -> String {
+        let names: Vec<&str> = self.parameters.iter().map(|index| PARAMETERS[*index].name).chain(COLUMNS).collect();
+        let mut table = names.join(",") + "\n";
+        for (values, end) in self.values.chunks(self.parameters.len()).zip(ends) {
+            for (column, value) in values.iter().enumerate() {
+                // Writing to a string cannot fail.
+                let _ = write!(table, "{}{value}", if column == 0 { "" } else { "," });
+            }
+            for column in 0..COLUMNS.len() {
+                let _ = match end {
+                    Some(end) => write!(table, ",{}", end[column]),
+                    None => write!(table, ","),
+                };
+            }
+            table.push('\n');
+        }
+        table
+    }
+}
+
+/// What was done, as JSON gives it.
+#[derive(Debug, Serialize)]
+struct Summary<'a> {
+    schema: &'static str,
+    vehicle: &'a str,
+    variants: usize,
+    /// Rows of the table, from 1, whose equations give no finite rate of change.
+    failed: &'a [usize],
+    stop_s: f64,
+    seconds: f64,
+    variants_per_s: f64,
+}
+
+impl Summary<'_> {
+    fn print(&self) {
+        println!(
+            "{}: {} variants of {:.0} s each in {:.2} s, {:.0} a second",
+            printable(self.vehicle),
+            self.variants,
+            self.stop_s,
+            self.seconds,
+            self.variants_per_s
+        );
+        if !self.failed.is_empty() {
+            let rows: Vec<String> = self.failed.iter().take(20).map(usize::to_string).collect();
+            println!("{} cannot be flown, rows {}: their cells are empty", self.failed.len(), rows.join(", "));
+        }
+    }
+}

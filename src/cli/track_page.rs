@@ -1,0 +1,158 @@
+//! The track as a page: what `glidepolar track --out` writes.
+
+use crate::report::{Axis, Cell, Figure, Layer, Panel, Report, Section, Table};
+use crate::track::{DiveTrack, Track};
+
+/// Points of the track that a figure shows at most.
+const MOST_POINTS: usize = 50_000;
+
+/// 95 % of a normal distribution lie within so many standard errors.
+const Z95: f64 = 1.96;
+
+/// What a page says beyond the track itself.
+pub(super) struct Remarks<'a> {
+    pub vehicle: &'a str,
+    pub is_builtin: bool,
+    pub has_uncertainty: bool,
+    pub declination_deg: f64,
+    /// Currents that the table of fixes has: time of the fix, east, north.
+    pub stored: &'a [(f64, f64, f64)],
+    /// One sentence on how they compare.
+    pub comparison: Option<String>,
+}
+
+/// The page, to which the caller adds the files that were read.
+pub(super) fn page(track: &Track, remarks: &Remarks<'_>) -> Report {
+    let dives = &track.dives;
+    let (east, north) = dives.iter().fold((0.0, 0.0), |(e, n), dive| (e + dive.east_m, n + dive.north_m));
+    let mut report = Report::new("Track", remarks.vehicle).finding(format!(
+        "{} dives: {:.2} km east and {:.2} km north through the water.",
+        dives.len(),
+        east / 1e3,
+        north / 1e3
+    ));
+    let currents: Vec<&DiveTrack> = dives.iter().filter(|dive| dive.current.is_some()).collect();
+    if !currents.is_empty() {
+        let mean =
+            |of: fn(&DiveTrack) -> f64| currents.iter().map(|dive| of(dive)).sum::<f64>() / currents.len() as f64;
+        report = report.finding(format!(
+            "Currents between fixes on {} dives, on the mean {:+.3} m/s east and {:+.3} m/s north.",
+            currents.len(),
+            mean(|dive| dive.current.map_or(f64::NAN, |c| c.east_m_s)),
+            mean(|dive| dive.current.map_or(f64::NAN, |c| c.north_m_s))
+        ));
+    }
+    report.findings.extend(remarks.comparison.clone());
+    for warning in warnings(dives, remarks) {
+        report = report.warning(warning);
+    }
+    let mut ways = Section::new("Way through the water").figure(way(track));
+    if currents.is_empty() {
+        ways = ways.text("Without fixes (--fixes) nothing can be said about currents: the way over ground is another.");
+    }
+    report = report.section(ways);
+    if !currents.is_empty() {
+        report = report.section(Section::new("Currents").figure(currents_figure(&currents, remarks)));
+    }
+    report.section(Section::new("Dives").folded().table(table(dives)))
+}
+
+fn warnings(dives: &[DiveTrack], remarks: &Remarks<'_>) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if remarks.is_builtin {
+        warnings.push(
+            "The polar is a built-in vehicle's, not one identified from this glider's own flight: speeds can be wrong by \
+             tens of per cent."
+                .to_owned(),
+        );
+    }
+    if !remarks.has_uncertainty {
+        warnings.push("The vehicle states no [uncertainty]: the errors are those of the compass alone.".to_owned());
+    }
+    if remarks.declination_deg == 0.0 {
+        warnings.push(
+            "No declination was given (--declination-deg): headings are taken for true. Where the log's are magnetic, the \
+             way is turned."
+                .to_owned(),
+        );
+    }
+    let without: usize = dives.iter().map(|dive| dive.without_glide).sum();
+    if without > 0 {
+        warnings
+            .push(format!("No steady glide balances at {without} samples; the glider is taken to stand still there."));
+    }
+    let gaps: f64 = dives.iter().map(|dive| dive.gaps_s).sum();
+    if gaps > 0.0 {
+        warnings.push(format!("{:.0} min of gaps in the log were not bridged.", gaps / 60.0));
+    }
+    warnings
+}
+
+fn way(track: &Track) -> Figure {
+    let stride = track.points.len().div_ceil(MOST_POINTS).max(1);
+    let (east, north) = track.points.iter().step_by(stride).map(|p| (p.east_m / 1e3, p.north_m / 1e3)).unzip();
+    let mut at = (0.0, 0.0);
+    let (ends_east, ends_north): (Vec<f64>, Vec<f64>) = track
+        .dives
+        .iter()
+        .map(|dive| {
+            at = (at.0 + dive.east_m / 1e3, at.1 + dive.north_m / 1e3);
+            at
+        })
+        .unzip();
+    let panel = Panel::new(Axis::new("North", "y", "km"))
+        .layer(Layer::line(east, north).label("way"))
+        .layer(Layer::points(ends_east, ends_north).label("ends of dives"));
+    Figure::new("way", Axis::new("East", "x", "km"))
+        .panel(panel)
+        .caption("The way through the water from the start of the log; scales of the axes differ.")
+}
+
+fn currents_figure(dives: &[&DiveTrack], remarks: &Remarks<'_>) -> Figure {
+    let begin = dives.first().map_or(0.0, |dive| dive.start_s);
+    let panel = |y: Axis, of: fn(&DiveTrack) -> Option<(f64, f64)>, stored: fn(&(f64, f64, f64)) -> f64| {
+        let hours: Vec<f64> = dives.iter().map(|dive| (0.5 * (dive.start_s + dive.end_s) - begin) / 3600.0).collect();
+        let (values, errors) = dives.iter().filter_map(|dive| of(dive)).map(|(v, se)| (v, Z95 * se)).unzip();
+        let mut panel = Panel::new(y).layer(Layer::points(hours, values).y_error(errors).label("reckoned"));
+        if !remarks.stored.is_empty() {
+            let half = dives.first().map_or(0.0, |dive| 0.5 * (dive.end_s - dive.start_s));
+            let (times, theirs) =
+                remarks.stored.iter().map(|row| ((row.0 + half - begin) / 3600.0, stored(row))).unzip();
+            panel = panel.layer(Layer::points(times, theirs).label("in the table of fixes"));
+        }
+        panel.layer(Layer::at_y(0.0))
+    };
+    let east = panel(
+        Axis::new("Current to the east", "u", "m/s"),
+        |dive| dive.current.map(|c| (c.east_m_s, c.east_se_m_s)),
+        |row| row.1,
+    );
+    let north = panel(
+        Axis::new("Current to the north", "v", "m/s"),
+        |dive| dive.current.map(|c| (c.north_m_s, c.north_se_m_s)),
+        |row| row.2,
+    );
+    Figure::new("currents", Axis::new("Time", "t", "h")).panel(east).panel(north).caption(
+        "Mean current over depth between fixes, drift at the surface included; bars: 95 % of compass and polar.",
+    )
+}
+
+fn table(dives: &[DiveTrack]) -> Table {
+    let columns =
+        ["Dive", "Duration [h]", "East [km]", "North [km]", "Current east [m/s]", "Current north [m/s]", "Gaps [min]"];
+    let caption = "Ways through the water and currents, with standard errors.";
+    dives.iter().fold(Table::new(caption, columns), |table, dive| {
+        let current = |of: fn(&crate::track::Current) -> (f64, f64)| {
+            dive.current.as_ref().map(of).map_or(Cell::from("-"), |(value, se)| Cell::estimate(value, se))
+        };
+        table.row([
+            Cell::from(dive.dive as usize),
+            Cell::fixed((dive.end_s - dive.start_s) / 3600.0, 2),
+            Cell::estimate(dive.east_m / 1e3, dive.east_se_m / 1e3),
+            Cell::estimate(dive.north_m / 1e3, dive.north_se_m / 1e3),
+            current(|c| (c.east_m_s, c.east_se_m_s)),
+            current(|c| (c.north_m_s, c.north_se_m_s)),
+            Cell::fixed(dive.gaps_s / 60.0, 1),
+        ])
+    })
+}
