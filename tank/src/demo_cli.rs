@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 /// Write a synthetic campaign of the five Phoenix hulls, with stated truth, to try the reduction on.
 #[derive(Debug, Args)]
-#[command(after_help = catalogue_text())]
+#[command(after_help = after_help())]
 pub struct DemoArgs {
     /// Folder to write: new, empty, or an earlier synthetic campaign (which is replaced)
     #[arg(default_value = "pmm_runs")]
@@ -35,6 +35,15 @@ pub struct DemoArgs {
     /// Print nothing but errors
     #[arg(long)]
     quiet: bool,
+}
+
+/// Examples, then what can be hidden.
+fn after_help() -> String {
+    let examples = "Examples:\n  \
+        tank-reduce demo pmm_runs                           five hulls, nothing wrong\n  \
+        tank-reduce demo pmm_runs --effect crossflow        something hidden, its size drawn from the seed\n  \
+        tank-reduce demo small --hull LDR8.5 --seed 7       one hull, another campaign\n\n";
+    examples.to_owned() + &catalogue_text()
 }
 
 /// Runs the command.
