@@ -1,0 +1,98 @@
+"""The scripts in examples/, as a user runs them: few variants in every run, a thousand by command:
+
+    GLIDEPOLAR_VARIANTS=1000 target/python/bin/python -m pytest tests/python/test_examples.py -s -k sweep
+"""
+
+import csv
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parents[2]
+EXAMPLES = ROOT / "examples"
+
+
+def run(script: str, *arguments, cwd: Path):
+    command = [str(word) for word in (sys.executable, EXAMPLES / script, *arguments)]
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=280)
+
+
+def number(text: str, pattern: str) -> float:
+    found = re.search(pattern, text)
+    assert found, text
+    return float(found[1])
+
+
+def test_a_sweep_on_dask_equals_that_of_the_command(glidepolar, fmu3, tmp_path):
+    variants = int(os.environ.get("GLIDEPOLAR_VARIANTS", "24"))
+    done = run(
+        "dask_sweep.py", "--variants", variants, "--fmu", fmu3, "--compare", glidepolar, "--output", "sweep.csv", cwd=tmp_path
+    )
+    print(done.stdout)
+    assert done.returncode == 0, done.stderr
+    assert number(done.stdout, r"(\d+) variants of 1000 s") == variants
+    assert number(done.stdout, r", (\d+) a second\nglidepolar") > 0
+    assert number(done.stdout, r"largest difference (\S+) of") <= 1e-9
+    with (tmp_path / "sweep.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    # The variants are flown, and differ.
+    assert len(rows) == variants == len({row["depth_m"] for row in rows})
+    assert all(20 < float(row["depth_m"]) < 500 for row in rows)
+
+
+def test_a_sweep_that_differs_fails(glidepolar, fmu2, tmp_path):
+    """Another program in the place of glidepolar: one that sweeps other numbers."""
+    impostor = tmp_path / "impostor"
+    impostor.write_text(f'#!/bin/sh\nexec "{glidepolar}" "$@" --set hydro.CL0=0.0001\n')
+    impostor.chmod(0o755)
+    if os.name == "nt":
+        pytest.skip("shell scripts do not run here")
+    done = run("dask_sweep.py", "--variants", "2", "--fmu", fmu2, "--compare", impostor, "--stop", "100", cwd=tmp_path)
+    assert done.returncode == 1 and "differ by more than" in done.stderr, done.stdout + done.stderr
+
+
+@pytest.fixture(scope="module")
+def flight(glidepolar, tmp_path_factory) -> Path:
+    """A log and the FMU of the vehicle that made it."""
+    folder = tmp_path_factory.mktemp("flight")
+    mission = ROOT / "missions/rising-seabed.toml"
+    subprocess.run(
+        [glidepolar, "simulate", "slocum-049", "--mission", mission, "--stop", "4000", "--interval", "5", "--quiet",
+         "--log", folder / "log.csv"], check=True,
+    )  # fmt: skip
+    return folder
+
+
+def test_a_log_of_the_fmus_own_vehicle_is_flown_again(glidepolar, fmu3, flight):
+    fmu = flight / "own.fmu"
+    subprocess.run([glidepolar, "export-fmu", "slocum-049", "-o", fmu, "--template", fmu3, "-q", "--force"], check=True)
+    for moved, depth_m, w_cm_s in ((["--battpos"], 5.0, 1.0), ([], 5.0, 1.0)):
+        done = run("fly_a_log.py", "log.csv", "--fmu", fmu, "--keep-trim", *moved, "--output", "flown.csv", cwd=flight)
+        assert done.returncode == 0, done.stderr
+        measured = number(done.stdout, r"vertical velocity measured +(\S+) cm/s")
+        assert measured > 15, "the glider hardly moves: nothing is shown"
+        assert number(done.stdout, r"velocity measured.*\n +model less measured +(\S+) cm/s") < w_cm_s
+        assert number(done.stdout, r"depth, model less measured +(\S+) m") < depth_m
+        flown = np.genfromtxt(flight / "flown.csv", delimiter=",", names=True)
+        assert flown["time"][-1] == pytest.approx(4000, abs=5)
+
+
+def test_a_log_from_sea_goes_through(fmu3, tmp_path):
+    data = Path(os.environ.get("GLIDEPOLAR_DATA", ROOT.parent / "shared/data"))
+    log = data / "comet_2016_baltic_1hz.csv"
+    if not log.is_file():
+        pytest.skip(f"no measured data: {log} is missing")
+    done = run("fly_a_log.py", log, "--fmu", fmu3, "--hours", "0.5", "--flights", "2", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert number(done.stdout, r"vertical velocity measured +(\S+) cm/s") > 5
+
+
+def test_a_log_without_what_is_needed_is_refused_in_words(fmu3, tmp_path):
+    (tmp_path / "log.csv").write_text("time_s,depth_m\n0,1\n")
+    done = run("fly_a_log.py", "log.csv", "--fmu", fmu3, cwd=tmp_path)
+    assert done.returncode == 1 and "error: no row" in done.stderr and "Traceback" not in done.stderr
