@@ -3,6 +3,7 @@
 pub mod toml;
 
 use std::fmt;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// A place in a file. Lines and columns count from 1; a column counts characters in text files and cells in tables.
@@ -79,8 +80,26 @@ impl InputError {
 
     /// A file that could not be read or written at all.
     pub fn io(file: impl AsRef<Path>, error: &std::io::Error) -> Self {
-        InputError::new(Place::file(file), error.to_string())
+        let path = file.as_ref();
+        let plain = InputError::new(Place::file(path), error.to_string());
+        match error.kind() {
+            ErrorKind::NotFound => match neighbour(path) {
+                Some(near) => plain.help(format!("did you mean {}?", printable(&near.to_string_lossy()))),
+                None => plain,
+            },
+            ErrorKind::IsADirectory => plain.help("a file is needed here, and this is a folder: name the files in it"),
+            _ => plain,
+        }
     }
+}
+
+/// The file beside a missing one whose name is nearest to it.
+fn neighbour(path: &Path) -> Option<PathBuf> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let entries = std::fs::read_dir(folder.unwrap_or(Path::new("."))).ok()?;
+    let names: Vec<String> = entries.flatten().filter_map(|entry| entry.file_name().into_string().ok()).collect();
+    let near = nearest(path.file_name()?.to_str()?, names.iter().map(String::as_str))?;
+    Some(folder.map_or_else(|| PathBuf::from(near), |folder| folder.join(near)))
 }
 
 /// Text from outside made fit for a terminal: control characters escaped, and those that turn the direction of text
@@ -117,6 +136,18 @@ mod tests {
         assert_eq!(Place::offset("f", text, 0).to_string(), "f:1:1");
         assert_eq!(Place::offset("f", text, 8).to_string(), "f:2:2");
         assert_eq!(Place::offset("f", text, 999).line, Some(3));
+    }
+
+    #[test]
+    fn a_missing_file_is_told_of_the_one_beside_it() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("flight_2016.csv"), "").unwrap();
+        let missing = |name: &str| {
+            let path = folder.path().join(name);
+            InputError::io(&path, &std::fs::File::open(&path).unwrap_err()).help
+        };
+        assert!(missing("flihgt_2016.csv").unwrap().contains("flight_2016.csv"));
+        assert_eq!(missing("something else"), None);
     }
 
     #[test]

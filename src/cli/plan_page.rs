@@ -3,7 +3,7 @@
 use crate::estimate::Estimate;
 use crate::plan::calibrate::{DiveFit, PumpFit, Stroke};
 use crate::plan::{Ask, Outlook, outlook};
-use crate::report::{Axis, Cell, Dash, Figure, Layer, Panel, Report, Section, Table, with_interval};
+use crate::report::{Axis, Cell, Dash, Figure, Layer, Panel, Report, Section, Table};
 use crate::vehicle::Vehicle;
 
 /// Pitch angles at which the plan is drawn [deg].
@@ -70,7 +70,9 @@ fn planned(report: Report, vehicle: &Vehicle, plan: &Planned<'_>) -> Report {
     }
     let mut voyage = Table::new("The voyage, 95 % intervals.", heading("Quantity", with_sensor.is_some()));
     let mut dive = Table::new("One dive, 95 % intervals.", heading("Quantity", with_sensor.is_some()));
-    let rows: [(&str, bool, fn(&Outlook) -> &Estimate); 12] = [
+    /// Name, whether it is the voyage's and not the dive's, and the quantity.
+    type Quantity = (&'static str, bool, fn(&Outlook) -> &Estimate);
+    let rows: [Quantity; 12] = [
         ("Days", true, |o| &o.days),
         ("Dives", true, |o| &o.dives),
         ("Pumpings", true, |o| &o.pumpings),
@@ -85,7 +87,7 @@ fn planned(report: Report, vehicle: &Vehicle, plan: &Planned<'_>) -> Report {
         ("Whole energy [kJ]", false, |o| &o.dive_energy_kJ),
     ];
     for (name, is_voyage, of) in rows {
-        let cells = [Cell::from(name), Cell::from(of(without))].into_iter().chain(with_sensor.map(|w| of(w).into()));
+        let cells = [Cell::from(name), cell(of(without))].into_iter().chain(with_sensor.map(|w| cell(of(w))));
         if is_voyage { voyage.push(cells) } else { dive.push(cells) }
     }
     report
@@ -98,8 +100,13 @@ fn heading(first: &str, sensor: bool) -> Vec<String> {
     [first].iter().chain(more).map(|name| (*name).to_owned()).collect()
 }
 
+/// A value with its interval, where it has any width.
+fn cell(q: &Estimate) -> Cell {
+    if q.ci95[0] == q.ci95[1] { Cell::number(q.value, 4) } else { Cell::from(q) }
+}
+
 fn shown(q: &Estimate) -> String {
-    with_interval(q.value, q.ci95[0], q.ci95[1])
+    cell(q).to_string()
 }
 
 /// Which consumer takes how much of a dive.

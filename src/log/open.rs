@@ -90,6 +90,10 @@ pub fn open(path: impl AsRef<Path>, columns: &Columns) -> Result<Opened, InputEr
         let whole = if seaglider::is_one(&path)? { seaglider::read(&path)? } else { og1::read(&path, columns)? };
         return Ok(Opened::Series(Box::new(LogPieces::Whole(Some(Box::new(whole))))));
     }
+    if magic == *b"dbd_labe" {
+        let error = InputError::new(Place::file(&path), "is a Slocum's binary file, which is not read here");
+        return Err(error.help("convert the mission to NetCDF (pyglider) or CSV (dbdreader), with its ballast volume"));
+    }
     if read == 0 {
         return Err(InputError::new(Place::file(&path), "the file is empty, expected a flight log"));
     }

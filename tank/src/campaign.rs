@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use glidepolar::input::{InputError, nearest, printable};
+use glidepolar::input::{InputError, Place, nearest, printable};
 use nalgebra::Matrix3;
 use serde::Deserialize;
 use toml::Spanned;
@@ -151,7 +151,14 @@ impl Campaign {
     /// # Errors
     /// Where either file cannot be used as a whole, with file, line and column.
     pub fn read(folder: &Path) -> Result<Campaign, InputError> {
+        std::fs::metadata(folder).map_err(|error| InputError::io(folder, &error))?;
         let manifest_file = folder.join("campaign.toml");
+        if !manifest_file.exists() {
+            let error = InputError::new(Place::file(folder), "is no campaign's folder: it has no campaign.toml");
+            let help =
+                "a campaign is campaign.toml, runs.csv and data/; `tank-reduce demo pmm_runs` writes one to copy";
+            return Err(error.help(help));
+        }
         let source = Source::read(&manifest_file)?;
         let manifest: Manifest = source.parse()?;
         let hulls = hulls(&manifest, &source)?;

@@ -36,6 +36,14 @@ REPORTS = {
         "--out",
     ),
     "history": ("GLIDEPOLAR_COMMAND", "simulate", "slocum-graver", "--quiet", "--out"),
+    "plan": (
+        "GLIDEPOLAR_COMMAND", "plan", "seaglider", "--battery-Wh", "2700", "--depth-m", "1000", "--sensor-W", "0.5",
+        "--sensor-drag-m2", "0.001", "--quiet", "--out",
+    ),  # fmt: skip
+    "calibration": ("GLIDEPOLAR_COMMAND", "plan", "seaglider", "--moves", "MOVES", "--dives", "DIVES", "--quiet", "--out"),
+    "track": (
+        "GLIDEPOLAR_COMMAND", "track", "LOG", "--vehicle", "slocum-049", "--fixes", "FIXES", "--quiet", "--out",
+    ),  # fmt: skip
     "points": (
         "GLIDEPOLAR_TANK_REDUCE",
         ROOT / "tank/data/suboff_roddy1990.csv",
@@ -47,10 +55,45 @@ REPORTS = {
 }
 
 
+@pytest.fixture(scope="session")
+def tables(tmp_path_factory) -> dict[str, Path]:
+    """Tables that stand in the commands by a word in capitals: a simulated glider's log with fixes beside it, and the
+    counters of one that pumps 0.03 J per dbar and cc, and 10 J per cc."""
+    folder = tmp_path_factory.mktemp("tables")
+    found = {name: folder / f"{name.lower()}.csv" for name in ("LOG", "FIXES", "MOVES", "DIVES")}
+    mission = ROOT / "missions/rising-seabed.toml"
+    command = [path_from("GLIDEPOLAR_COMMAND"), "simulate", "slocum-049", "--mission", mission, "--quiet", "--log", found["LOG"]]
+    subprocess.run(command, check=True)
+    header, *rows = [line for line in found["LOG"].read_text().splitlines() if not line.startswith("#")]
+    turning = (f"{row},{1 + number / 600:.4f}" for number, row in enumerate(rows))
+    found["LOG"].write_text("\n".join([f"{header},heading_rad", *turning]) + "\n")
+    found["FIXES"].write_text(
+        "time_s,lat_deg,lon_deg,dac_east_m_s,dac_north_m_s\n"
+        "0,47.5,-52.5,0.05,0.02\n4000,47.508,-52.487,0.04,0.03\n11000,47.51,-52.46,0.02,0.05\n18000,47.5,-52.44,0,0\n"
+    )
+    strokes, dives = [], []
+    charge = 0.0
+    for dive in range(1, 13):
+        depth, duration = 300 + 70 * (5 * dive % 12), 6000 + 700 * dive
+        energy = 0.0
+        for number, share in enumerate((0.02, 0.5, 1.0), start=1):
+            volume = 40.0 * number
+            joule = (0.03 * depth * share * 1.01043 + 10) * volume * (1 + 0.02 * (-1) ** (dive + number))
+            strokes.append(f"{dive},{depth * share:.1f},3000,{3000 - volume / 0.25:.0f},{joule / 15:.2f},1,15")
+            energy += joule
+        charge += (energy + 4000 + 0.2 * duration) / 15 / 3600
+        dives.append(f"{dive},{duration},0.25,{charge:.5f},15,0,10")
+    found["MOVES"].write_text("\n".join(["dive,depth_m,vbd_ad_start,vbd_ad_end,vbd_secs,vbd_A,vbd_V", *strokes]) + "\n")
+    columns = "dive,duration_s,VBD_CNV_cc_per_count,ah24_cum_Ah,ah24_min_V,ah10_cum_Ah,ah10_min_V"
+    found["DIVES"].write_text("\n".join([columns, *dives]) + "\n")
+    return found
+
+
 @pytest.fixture(scope="session", params=REPORTS)
-def page(request, tmp_path_factory) -> Path:
+def page(request, tables, tmp_path_factory) -> Path:
     """Each report in turn."""
     program, *arguments = REPORTS[request.param]
+    arguments = [tables.get(argument, argument) for argument in arguments]
     folder = tmp_path_factory.mktemp("reports") / request.param
     subprocess.run([path_from(program), *arguments, folder], check=True, capture_output=True)
     return folder / "report.html"

@@ -8,20 +8,29 @@ use anyhow::{Context, Result};
 use crate::wheel;
 use crate::workspace::{Workspace, run as run_command};
 
-/// The arguments of a command that writes a report, and which of its figures are kept under what name.
-const FIGURES: [(&[&str], &[(&str, &str)]); 3] = [
-    (&["glide", "slocum-049"], &[("polar", "glide-polar")]),
-    (
-        &["simulate", "slocum-049", "--mission", "missions/rising-seabed.toml"],
-        &[("depth", "rising-seabed"), ("record", "rising-seabed-record")],
-    ),
-    (&["simulate", "slocum-049", "--mission", "missions/voyage-215.toml"], &[("way", "voyage-215")]),
+/// A command that writes a report, and which of its figures are kept.
+struct Drawing {
+    arguments: &'static [&'static str],
+    /// Name in the report, name in docs/figures/.
+    figures: &'static [(&'static str, &'static str)],
+}
+
+const DRAWINGS: [Drawing; 3] = [
+    Drawing { arguments: &["glide", "slocum-049"], figures: &[("polar", "glide-polar")] },
+    Drawing {
+        arguments: &["simulate", "slocum-049", "--mission", "missions/rising-seabed.toml"],
+        figures: &[("depth", "rising-seabed"), ("record", "rising-seabed-record")],
+    },
+    Drawing {
+        arguments: &["simulate", "slocum-049", "--mission", "missions/voyage-215.toml"],
+        figures: &[("way", "voyage-215")],
+    },
 ];
 
 /// Draws them all.
 pub fn run(workspace: &Workspace) -> Result<()> {
     wheel::build_programs(workspace)?;
-    for (number, (arguments, figures)) in FIGURES.iter().enumerate() {
+    for (number, Drawing { arguments, figures }) in DRAWINGS.iter().enumerate() {
         let folder = workspace.target(format!("figures/{number}"));
         let mut command = wheel::program(workspace, "glidepolar");
         run_command(command.args(*arguments).arg("--quiet").arg("--out").arg(&folder))?;
