@@ -65,7 +65,8 @@ pub fn build(workspace: &Workspace, kind: Kind, python: &Python, fmus: &Fmus) ->
             maturin.args(["--zig", "--auditwheel", "check", "--compatibility", &tag]);
         }
     }
-    // zig is the package's, wherever another may be installed.
+    // In the same target folder, where everything but the last link is there already. The programs end up in the place of
+    // those that cargo built from the same sources. zig is the package's, wherever another may be installed.
     maturin.env("CARGO_ZIGBUILD_PYTHON_PATH", python.interpreter()).env("CARGO_TARGET_DIR", workspace.target(""));
     if out.exists() {
         fs::remove_dir_all(&out).with_context(|| format!("cannot empty {}", out.display()))?;
