@@ -151,12 +151,15 @@ impl Campaign {
     /// # Errors
     /// Where either file cannot be used as a whole, with file, line and column.
     pub fn read(folder: &Path) -> Result<Campaign, InputError> {
-        std::fs::metadata(folder).map_err(|error| InputError::io(folder, &error))?;
+        let help =
+            "a campaign's folder has campaign.toml, runs.csv and data/; `tank-reduce demo pmm_runs` writes one to copy";
+        std::fs::metadata(folder).map_err(|error| {
+            let error = InputError::io(folder, &error);
+            if error.help.is_some() { error } else { error.help(help) }
+        })?;
         let manifest_file = folder.join("campaign.toml");
         if !manifest_file.exists() {
             let error = InputError::new(Place::file(folder), "is no campaign's folder: it has no campaign.toml");
-            let help =
-                "a campaign is campaign.toml, runs.csv and data/; `tank-reduce demo pmm_runs` writes one to copy";
             return Err(error.help(help));
         }
         let source = Source::read(&manifest_file)?;
