@@ -3,6 +3,7 @@
 //! One module per command; they share [`workspace`] (folders, running other programs), [`python`] (the project's
 //! Python environment) and nothing of the physics: a chore works, too, while the library does not compile.
 
+mod bench;
 mod check_library;
 mod demo;
 mod fetch_data;
@@ -61,6 +62,8 @@ enum Chore {
     Demo,
     /// Draw the figures in docs/figures/ anew
     Figures,
+    /// Measure speed, cost and scale beside other programs; writes docs/benchmarks.md
+    Bench(bench::Choice),
     /// Download real flight logs, as they lie in published source packages, into data/
     FetchData,
 }
@@ -88,6 +91,7 @@ fn run(chore: Chore) -> Result<()> {
         Chore::Test { only } => test::run(&workspace, only),
         Chore::Demo => demo::run(&workspace),
         Chore::Figures => figures::run(&workspace),
+        Chore::Bench(choice) => bench::run(workspace, &choice),
         Chore::FetchData => fetch_data::run(&workspace),
     }
 }

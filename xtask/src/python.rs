@@ -1,4 +1,5 @@
-//! The project's own Python environment, in target/python, with the packages that tests/python/requirements.txt pins.
+//! The project's own Python environments: target/python, with the packages that tests/python/requirements.txt pins, and
+//! target/bench-python, with the programs that the bench measures beside this one.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -10,7 +11,15 @@ use glidepolar_archive::write_whole;
 use crate::requirements::stamp;
 use crate::workspace::{Workspace, capture, run};
 
-const REQUIREMENTS: &str = "tests/python/requirements.txt";
+/// An environment's folder below target/, and the file that lists its packages.
+struct Wanted {
+    folder: &'static str,
+    requirements: &'static str,
+}
+
+const USUAL: Wanted = Wanted { folder: "python", requirements: "tests/python/requirements.txt" };
+const PEERS: Wanted = Wanted { folder: "bench-python", requirements: "benches/peers/requirements.txt" };
+
 /// The oldest Python for which all pinned packages exist.
 const OLDEST: (u32, u32) = (3, 11);
 
@@ -34,9 +43,18 @@ impl Python {
 
 /// Returns the environment, made anew if it is missing or was made from something else than what is wanted now.
 pub fn ensure(workspace: &Workspace) -> Result<Python> {
-    let folder = workspace.target("python");
-    let requirements = workspace.path(REQUIREMENTS);
-    let wanted = fs::read(&requirements).with_context(|| format!("cannot read {REQUIREMENTS}"))?;
+    make(workspace, &USUAL)
+}
+
+/// The same for the environment of the bench.
+pub fn ensure_peers(workspace: &Workspace) -> Result<Python> {
+    make(workspace, &PEERS)
+}
+
+fn make(workspace: &Workspace, wanted: &Wanted) -> Result<Python> {
+    let folder = workspace.target(wanted.folder);
+    let requirements = workspace.path(wanted.requirements);
+    let wanted = fs::read(&requirements).with_context(|| format!("cannot read {}", wanted.requirements))?;
     let base = find_interpreter(workspace)?;
     let wanted = stamp(&wanted, &base.version, &folder);
     let stamp_file = folder.join("glidepolar-stamp");
@@ -69,7 +87,7 @@ fn install(workspace: &Workspace, python: &Python, requirements: &Path) -> Resul
     // The pinned pip first: it is what reads the rest.
     let text = fs::read_to_string(requirements)?;
     let pinned_pip =
-        text.lines().find(|line| line.starts_with("pip==")).context("requirements.txt does not pin pip")?;
+        text.lines().find(|line| line.starts_with("pip==")).context("the list of packages does not pin pip")?;
     run(pip().arg(pinned_pip))
         .and_then(|()| run(pip().arg("--only-binary=:all:").arg("--requirement").arg(requirements)))
         .context("the packages could not be installed; is the package index reachable (`python3 -m pip download pip`)?")

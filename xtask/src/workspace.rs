@@ -10,6 +10,8 @@ use anyhow::{Context, Result, bail};
 pub struct Workspace {
     root: PathBuf,
     target: PathBuf,
+    /// Variables that every command is given.
+    environment: &'static [(&'static str, &'static str)],
 }
 
 impl Workspace {
@@ -24,13 +26,18 @@ impl Workspace {
             Some(folder) => std::path::absolute(folder)?,
             None => root.join("target"),
         };
-        Ok(Self { root, target })
+        Ok(Self { root, target, environment: &[] })
+    }
+
+    /// The same checkout, with these variables for every command.
+    pub fn with_environment(self, environment: &'static [(&'static str, &'static str)]) -> Self {
+        Self { environment, ..self }
     }
 
     /// Some other folder in place of a checkout.
     #[cfg(test)]
     pub fn at(root: &Path) -> Self {
-        Self { root: root.to_owned(), target: root.join("target") }
+        Self { root: root.to_owned(), target: root.join("target"), environment: &[] }
     }
 
     /// A path below the checkout's root.
@@ -51,7 +58,7 @@ impl Workspace {
     /// A command that runs at the checkout's root and sees no standard input.
     pub fn command(&self, program: impl AsRef<OsStr>) -> Command {
         let mut command = Command::new(program);
-        command.current_dir(&self.root).stdin(Stdio::null());
+        command.current_dir(&self.root).stdin(Stdio::null()).envs(self.environment.iter().copied());
         command
     }
 

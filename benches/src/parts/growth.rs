@@ -1,0 +1,146 @@
+//! Time and memory against samples, mechanisms, runs and instances.
+
+use anyhow::Result;
+use glidepolar::identify::{Question, by_dive, fit};
+
+use super::{Context, tank};
+use crate::arguments::Sized;
+use crate::child::{time_and_memory, work};
+use crate::contest::{Contender, Samples, contest};
+use crate::data::COMET;
+use crate::figure::{Curve, growth};
+use crate::peer::number;
+use crate::report::{Part, Row, Unit};
+
+pub fn measure(context: &Context<'_>) -> Result<Part> {
+    let mut part = Part::new(
+        "Growth",
+        "Time and memory against size; the slope is that of the logarithms over the larger half of the sizes, 1 where \
+         twice as much costs twice as much.",
+    );
+    let studies: [(&str, fn(&Context<'_>, &mut Part) -> Result<()>); 4] =
+        [("samples", samples), ("mechanisms", mechanisms), ("runs", runs), ("instances", instances)];
+    for (name, study) in studies {
+        if let Err(error) = study(context, &mut part) {
+            part.row(Row::new(format!("slope against {name}"), Unit::Count, Err(error)));
+        }
+    }
+    Ok(part)
+}
+
+/// A joint fit of comet's samples, again and again.
+fn samples(context: &Context<'_>, part: &mut Part) -> Result<()> {
+    let sizes: &[usize] = context.choice.size(Sized {
+        quick: &[1_000, 4_000],
+        usual: &[3_000, 10_000, 30_000, 100_000, 300_000, 1_000_000],
+        full: &[3_000, 10_000, 30_000, 100_000, 300_000, 1_000_000, 3_000_000, 10_000_000],
+    });
+    let mut points = (Vec::new(), Vec::new());
+    for &n in sizes {
+        let (mut seconds, mut bytes) = (Samples::default(), Samples::default());
+        for _ in 0..context.choice.size(Sized { quick: 1, usual: 3, full: 3 }) {
+            let (s, b) = time_and_memory(&work("fit", n, &[context.root()])?)?;
+            seconds.push(s);
+            bytes.push(b);
+        }
+        points.0.push((n as f64, seconds.median()));
+        points.1.push((n as f64, bytes.median() / 1e6));
+    }
+    told(part, "samples", "joint fit of four parameters, two cores", "Steady samples", points);
+    Ok(())
+}
+
+/// More and more of the model's parameters free.
+fn mechanisms(context: &Context<'_>, part: &mut Part) -> Result<()> {
+    const ORDER: [&str; 8] = [
+        "b",
+        "ballast_offset_kg",
+        "c_per_rad2",
+        "a_per_rad",
+        "drag_exponent",
+        "climb_dive_drag_ratio",
+        "hull_compressibility_per_Pa",
+        "pitch_offset_rad",
+    ];
+    let observations = COMET.read(context.root())?;
+    let baseline = COMET.baseline(&observations)?;
+    let dives = by_dive(&observations);
+    let mut points = Vec::new();
+    for n in 1..=ORDER.len() {
+        let mut question = Question::new(baseline, &ORDER[..n])?;
+        question.several_starts = false;
+        let mut evaluations = 1;
+        let [outcome] = contest(
+            context.choice.size(Sized { quick: 1, usual: 5, full: 9 }),
+            [Contender::timed("fit", 1, || {
+                evaluations = fit(&question, &mut dives.clone())?.evaluations;
+                Ok(())
+            })],
+        );
+        // The number of steps is the landscape's, not the code's.
+        points.push((n as f64, outcome.samples()?.median() / evaluations as f64));
+    }
+    let curve = Curve { label: "one evaluation of samples and slopes".to_owned(), points };
+    part.row(Row::new("slope of time against free parameters", Unit::Count, Ok(Samples::one(curve.slope()))));
+    let panels = vec![("Time", "s", vec![curve])];
+    part.figures.push(growth(
+        "growth-mechanisms",
+        "Free parameters",
+        panels,
+        "One pass over comet's samples with exact slopes, by the number of free parameters; the mean over a fit.",
+    ));
+    Ok(())
+}
+
+/// Campaigns of more and more runs.
+fn runs(context: &Context<'_>, part: &mut Part) -> Result<()> {
+    let sizes: &[f64] = context.choice.size(Sized {
+        quick: &[3.0, 6.0],
+        usual: &[10.0, 30.0, 100.0, 300.0],
+        full: &[10.0, 30.0, 100.0, 300.0, 1000.0],
+    });
+    let mut points = (Vec::new(), Vec::new());
+    for &megabytes in sizes {
+        let folder = tank::campaign(context, megabytes)?;
+        let runs = folder.path().join("pmm_runs");
+        let (seconds, bytes) = time_and_memory(&work("tank-reduce", 1, &[&runs])?)?;
+        points.0.push((megabytes, seconds));
+        points.1.push((megabytes, bytes / 1e6));
+    }
+    told(part, "runs", "reduction of a campaign, two cores", "Size of the campaign [MB]", points);
+    Ok(())
+}
+
+/// More and more instances of the FMU alive at once.
+fn instances(context: &Context<'_>, part: &mut Part) -> Result<()> {
+    let sizes: &[usize] = context.choice.size(Sized {
+        quick: &[100, 1_000],
+        usual: &[100, 300, 1_000, 3_000, 10_000, 30_000],
+        full: &[100, 300, 1_000, 3_000, 10_000, 30_000, 100_000],
+    });
+    let mut points = (Vec::new(), Vec::new());
+    for &n in sizes {
+        let answer = work("instances", n, &[context.root(), context.library()?])?;
+        points.0.push((n as f64, number(&answer, "seconds")?));
+        points.1.push((n as f64, number(&answer, "bytes")? / 1e6));
+    }
+    if let Some((n, megabytes)) = points.1.last() {
+        part.row(Row::new("memory of an FMU instance", Unit::Bytes, Ok(Samples::one(megabytes * 1e6 / n))));
+    }
+    told(part, "instances", "instantiate, initialise, one step of 1 s", "Instances alive at once", points);
+    Ok(())
+}
+
+type Points = Vec<(f64, f64)>;
+
+/// Two slopes and one figure.
+fn told(part: &mut Part, name: &str, label: &str, axis: &str, (time, memory): (Points, Points)) {
+    let curve = |points| Curve { label: label.to_owned(), points };
+    let (time, memory) = (curve(time), curve(memory));
+    for (what, curve) in [("time", &time), ("memory", &memory)] {
+        part.row(Row::new(format!("slope of {what} against {name}"), Unit::Count, Ok(Samples::one(curve.slope()))));
+    }
+    let caption = format!("Time and peak memory: {label}.");
+    let panels = vec![("Time", "s", vec![time]), ("Memory", "MB", vec![memory])];
+    part.figures.push(growth(&format!("growth-{name}"), axis, panels, &caption));
+}

@@ -1,0 +1,206 @@
+//! Fits on real logs, beside the package that the field uses and beside NumPy and SciPy on the very same model.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::{Context as _, Result, ensure};
+use glidepolar::dynamics::Parameters;
+use glidepolar::dynamics::parameters::DRAG_REFERENCE_SPEED_M_S;
+use glidepolar::identify::{Dive, Fit, Question, Request, Trim, by_dive, fit, identify};
+use glidepolar::log::{DBAR_PA, Observation};
+use serde_json::{Value, json};
+
+use super::Context;
+use crate::arguments::Sized;
+use crate::contest::{Contender, Samples, contest};
+use crate::data::{COMET, Log, SG542};
+use crate::peer::{Peer, number};
+use crate::report::{Goal, Part, Row, Unit};
+
+/// gliderflight's data, as `cargo xtask fetch-data` lays them down.
+const PEER_DATA: &str = "data/gliderflight/gliderflight_data.npy";
+
+pub fn measure(context: &Context<'_>) -> Result<Part> {
+    let mut part = Part::new(
+        "Identification",
+        "A fit is a, b, c and a ballast offset (on sg542, which has no speed, a is held) on all steady samples, from \
+         several starts, with standard errors; the whole command reads the log, fits, leaves dives out and fits again, \
+         profiles. SciPy gets the same samples, the same model, baseline and weights, from one start, and must find \
+         the same values. gliderflight calibrates drag and mass on its own data, the same flight as comet.",
+    );
+    for log in [COMET, SG542] {
+        if let Err(error) = steady(context, &mut part, &log) {
+            part.row(Row::new(format!("steady fit, {}", log.name), Unit::Seconds, Err(error)));
+        }
+    }
+    if let Err(error) = beside_gliderflight(context, &mut part) {
+        part.row(Row::new("comet, whole command", Unit::Seconds, Err(error)));
+    }
+    Ok(part)
+}
+
+fn steady(context: &Context<'_>, part: &mut Part, log: &Log) -> Result<()> {
+    let observations = log.read(context.root())?;
+    let dives = by_dive(&observations);
+    let question = Question::new(log.baseline(&observations)?, log.free())?;
+    let found = fit(&question, &mut dives.clone())?;
+    let single = Question { several_starts: false, ..question.clone() };
+
+    let samples = context.work(&format!("{}-samples.json", log.name));
+    write_samples(&samples, &question, &dives, &found)?;
+    let mut peer = Peer::start(context.python(), context.root(), "least_squares.py", &[&samples]);
+    let mut first = None;
+    let rounds = context.choice.size(Sized { quick: 2, usual: 7, full: 15 });
+    let [ours, one_start, theirs] = contest(
+        rounds,
+        [
+            Contender::timed("glidepolar", 1, || Ok(fit(&question, &mut dives.clone()).map(drop)?)),
+            Contender::timed("glidepolar, one start", 1, || Ok(fit(&single, &mut dives.clone()).map(drop)?)),
+            Contender::new("SciPy", || {
+                let peer = peer.as_mut().map_err(|e| anyhow::anyhow!("{e:#}"))?;
+                let answer = peer.ask(&json!({}))?;
+                let seconds = number(&answer, "seconds")?;
+                first = Some(answer);
+                Ok(seconds)
+            }),
+        ],
+    );
+    let n: usize = dives.iter().map(|dive| dive.observations.len()).sum();
+    part.row(
+        Row::new(format!("steady fit, {}, {n} samples", log.name), Unit::Seconds, ours.samples().cloned())
+            .against("least_squares, one start, no standard errors", theirs.samples().cloned())
+            .goal(Goal::AtMost(0.020)),
+    );
+    part.row(
+        Row::new(format!("steady fit from one start, {}", log.name), Unit::Seconds, one_start.samples().cloned())
+            .against("least_squares, one start, no standard errors", theirs.samples().cloned()),
+    );
+    if let Some(answer) = first {
+        part.remark(format!("{}: {}", log.name, agreement(&found, log.free(), &answer)?));
+    }
+    Ok(())
+}
+
+/// Whether the peer found the same: the largest difference, in standard errors of this fit.
+fn agreement(found: &Fit, free: &[&str], answer: &Value) -> Result<String> {
+    let theirs: BTreeMap<String, f64> = serde_json::from_value(answer["values"].clone())?;
+    let mut worst = 0.0_f64;
+    for name in free {
+        let position = found.position(name).context("a free parameter")?;
+        let value = found.value(found.free[position]);
+        worst = worst.max((value - theirs.get(*name).context("a value of the peer")?).abs() / found.se(position));
+    }
+    let evaluations = number(answer, "evaluations")?;
+    let verdict = if worst < 0.3 {
+        format!("SciPy finds the same values within {worst:.1e} standard errors")
+    } else {
+        format!("SciPy ends {worst:.1} standard errors away: the ratio compares unlike fits")
+    };
+    Ok(format!(
+        "{verdict}; it takes {evaluations:.0} steps, each with {} more evaluations for the slopes; the fit here takes {} with exact \
+         slopes over all starts, most of them on part of the samples.",
+        free.len(),
+        found.evaluations
+    ))
+}
+
+/// What SciPy needs to minimise the very same sum.
+fn write_samples(file: &Path, question: &Question, dives: &[Dive], found: &Fit) -> Result<()> {
+    let baseline: &Parameters<f64> = &question.baseline;
+    let samples: Vec<&Observation> = dives.iter().flat_map(|dive| &dive.observations).collect();
+    let column = |value: &dyn Fn(&Observation) -> f64| -> Vec<Option<f64>> {
+        samples.iter().map(|o| Some(value(o)).filter(|v| v.is_finite())).collect()
+    };
+    // Without the offset, which is fitted.
+    let neutral = Parameters { ballast_offset_kg: 0.0, ..*baseline };
+    let net_mass = |o: &Observation| {
+        let celsius = if o.temperature_C.is_finite() { o.temperature_C } else { neutral.reference_temperature_C };
+        let water = glidepolar::dynamics::Surroundings {
+            density_kg_m3: o.density_kg_m3,
+            pressure_Pa: neutral.pressure_scale * o.pressure_dbar * DBAR_PA,
+            temperature_C: celsius,
+            time_s: o.time_s,
+        };
+        neutral.net_mass_kg(o.ballast_m3, &water)
+    };
+    let q0 = 0.5 * baseline.reference_density_kg_m3 * DRAG_REFERENCE_SPEED_M_S * DRAG_REFERENCE_SPEED_M_S;
+    let free: Vec<&str> = question.free.iter().map(|row| glidepolar::dynamics::PARAMETERS[*row].name).collect();
+    let text = json!({
+        "pitch": column(&|o| o.pitch_rad),
+        "density": column(&|o| o.density_kg_m3),
+        "net": column(&net_mass),
+        "sink": column(&|o| o.sink_m_s),
+        "speed": column(&|o| o.speed_m_s),
+        "sink_sd": found.weights.sink_m_s,
+        "speed_sd": Some(found.weights.speed_m_s).filter(|sd| sd.is_finite()),
+        "area": baseline.frontal_area_m2,
+        "gravity": baseline.gravity_m_s2,
+        "q0": q0,
+        "exponent": baseline.drag_exponent,
+        "free": free,
+        "baseline": {
+            "a_per_rad": baseline.a_per_rad,
+            "b": baseline.b,
+            "c_per_rad2": baseline.c_per_rad2,
+            "ballast_offset_kg": baseline.ballast_offset_kg,
+        },
+    });
+    Ok(std::fs::write(file, text.to_string())?)
+}
+
+fn beside_gliderflight(context: &Context<'_>, part: &mut Part) -> Result<()> {
+    let data = context.root().join(PEER_DATA);
+    let peer = if data.is_file() {
+        Peer::start(context.python(), context.root(), "gliderflight_calibration.py", &[&data])
+    } else {
+        Err(anyhow::anyhow!("{PEER_DATA} is not there; fetch it by `cargo xtask fetch-data`"))
+    };
+    let mut peer = peer.map(|peer| peer.patience(1200));
+    let vehicle = COMET.vehicle()?;
+    let request = Request { trim: Trim::Neutral, free: Vec::new(), pin: Vec::new() };
+    let rounds = context.choice.size(Sized { quick: 1, usual: 5, full: 9 });
+    let [whole, theirs] = contest(
+        rounds,
+        [
+            Contender::timed("glidepolar", 1, || {
+                let observations = COMET.read(context.root())?;
+                Ok(identify(&vehicle, &observations, &request).map(drop)?)
+            }),
+            Contender::new("gliderflight", || {
+                let peer = peer.as_mut().map_err(|e| anyhow::anyhow!("{e:#}"))?;
+                let answer = peer.ask(&json!({"model": "steady"}))?;
+                ensure!(answer["finished"] == json!(true), "it did not finish");
+                number(&answer, "seconds")
+            }),
+        ],
+    );
+    part.row(
+        Row::new("comet, from the file to the whole result", Unit::Seconds, whole.samples().cloned())
+            .against("gliderflight, steady, calibration of two parameters alone", theirs.samples().cloned()),
+    );
+    let Ok(peer) = peer.as_mut() else { return Ok(()) };
+    unsteady(context, part, peer)
+}
+
+/// The peer's calibration with inertia takes minutes: stopped after a while unless all of it was asked for.
+fn unsteady(context: &Context<'_>, part: &mut Part, peer: &mut Peer) -> Result<()> {
+    let budget_s = context.choice.size(Sized { quick: 5.0, usual: 60.0, full: 1100.0 });
+    let begin = Instant::now();
+    let answer = peer.ask(&json!({"model": "dynamic", "budget_s": budget_s}));
+    let name = match &answer {
+        Ok(answer) if answer["finished"] == json!(true) => "gliderflight, dynamic".to_owned(),
+        Ok(answer) => format!(
+            "gliderflight, dynamic, stopped after {} evaluations: at least",
+            answer["evaluations"].as_u64().unwrap_or(0)
+        ),
+        Err(_) => "gliderflight, dynamic".to_owned(),
+    };
+    let theirs = answer.map(|_| Samples::one(begin.elapsed().as_secs_f64()));
+    part.row(
+        Row::new("unsteady fit, comet", Unit::Seconds, Err(anyhow::anyhow!("there is no unsteady fit yet")))
+            .against(name, theirs)
+            .goal(Goal::AtMost(1.0)),
+    );
+    Ok(())
+}
