@@ -36,6 +36,9 @@ pub struct Run {
     /// The shared library that is in both
     #[arg(long)]
     pub library: Option<PathBuf>,
+    /// The command `glidepolar`
+    #[arg(long)]
+    pub command: Option<PathBuf>,
     /// The Python that has the other programs
     #[arg(long)]
     pub python: Option<PathBuf>,

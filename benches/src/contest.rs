@@ -35,6 +35,11 @@ impl Samples {
         self.quantile(0.5)
     }
 
+    /// The least: what a thing takes when nothing disturbs it.
+    pub fn least(&self) -> f64 {
+        self.0.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
     /// First and third quartile.
     pub fn quartiles(&self) -> (f64, f64) {
         (self.quantile(0.25), self.quantile(0.75))

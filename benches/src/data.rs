@@ -43,6 +43,14 @@ impl Log {
         Ok(Vehicle::load(self.vehicle)?)
     }
 
+    /// How the command is told of vehicle and columns.
+    pub fn words(&self) -> Vec<&'static str> {
+        let mut words = vec!["--vehicle", self.vehicle];
+        words.extend(self.speed.iter().flat_map(|name| ["--speed-column", name]));
+        words.extend(self.pitch.iter().flat_map(|choice| ["--column", choice]));
+        words
+    }
+
     /// The whole log as the command reads it.
     pub fn read(&self, root: &Path) -> Result<Vec<Observation>> {
         let mut columns = Columns::default();

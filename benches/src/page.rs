@@ -12,7 +12,7 @@ use crate::report::Part;
 const HEAD: [&str; 7] = ["what", "glidepolar", "beside", "its figure", "ratio", "goal", "met"];
 
 /// The hand-written explanations, included as they are.
-const NOTES: &str = "docs/benchmarks-notes.md";
+const NOTES: &str = "benches/notes.md";
 
 /// A part's table for a terminal.
 pub fn console(part: &Part) -> String {

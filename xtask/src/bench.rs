@@ -34,20 +34,22 @@ pub struct Choice {
 pub fn run(workspace: Workspace, choice: &Choice) -> Result<()> {
     let begin = Instant::now();
     let workspace = workspace.with_environment(&RELEASE);
-    run_command(workspace.cargo().args(["build", "--release", "--package", "glidepolar-benches"]))?;
+    let packages = ["--package=glidepolar-benches", "--package=glidepolar", "--bins"];
+    run_command(workspace.cargo().args(["build", "--release"]).args(packages))?;
     let fmus = or_say("the FMU", fmu::run(&workspace, &[]));
     let python = or_say("the other programs", python::ensure_peers(&workspace));
     or_say("gliderflight's data", fetch_data::run(&workspace));
     eprintln!("built in {:.0} s", begin.elapsed().as_secs_f64());
 
-    let program = format!("glidepolar-bench{}", std::env::consts::EXE_SUFFIX);
-    let mut bench = workspace.command(workspace.target("release").join(program));
+    let program = |name: &str| workspace.target("release").join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
+    let mut bench = workspace.command(program("glidepolar-bench"));
     bench.arg("run").arg("--root").arg(workspace.path("")).arg("--work").arg(workspace.target("bench"));
     let mut give = |name: &str, path: Option<PathBuf>| {
         if let Some(path) = path {
             bench.arg(name).arg(path);
         }
     };
+    give("--command", Some(program("glidepolar")));
     give("--python", python.map(|python| python.interpreter()));
     if let Some(fmus) = fmus {
         give("--fmu3", Some(fmus.fmi3));

@@ -152,7 +152,7 @@ fn right_hand_side(context: &Context<'_>, part: &mut Part) {
     {
         let begin = start(&parameters);
         let counted = floor::count(&parameters);
-        let costs = floor::costs(context.choice.rounds());
+        let costs = floor::costs();
         let bound = floor::seconds(&counted, &costs);
         let [ours] = contest(
             context.choice.rounds(),

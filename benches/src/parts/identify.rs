@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::process::Command;
 use std::time::Instant;
 
 use anyhow::{Context as _, Result, ensure};
 use glidepolar::dynamics::Parameters;
 use glidepolar::dynamics::parameters::DRAG_REFERENCE_SPEED_M_S;
-use glidepolar::identify::{Dive, Fit, Question, Request, Trim, by_dive, fit, identify};
+use glidepolar::identify::{Dive, Fit, Question, by_dive, fit};
 use glidepolar::log::{DBAR_PA, Observation};
 use serde_json::{Value, json};
 
@@ -157,16 +158,11 @@ fn beside_gliderflight(context: &Context<'_>, part: &mut Part) -> Result<()> {
         Err(anyhow::anyhow!("{PEER_DATA} is not there; fetch it by `cargo xtask fetch-data`"))
     };
     let mut peer = peer.map(|peer| peer.patience(1200));
-    let vehicle = COMET.vehicle()?;
-    let request = Request { trim: Trim::Neutral, free: Vec::new(), pin: Vec::new() };
     let rounds = context.choice.size(Sized { quick: 1, usual: 5, full: 9 });
     let [whole, theirs] = contest(
         rounds,
         [
-            Contender::timed("glidepolar", 1, || {
-                let observations = COMET.read(context.root())?;
-                Ok(identify(&vehicle, &observations, &request).map(drop)?)
-            }),
+            Contender::timed("glidepolar", 1, || command(context, &[])),
             Contender::new("gliderflight", || {
                 let peer = peer.as_mut().map_err(|e| anyhow::anyhow!("{e:#}"))?;
                 let answer = peer.ask(&json!({"model": "steady"}))?;
@@ -176,31 +172,42 @@ fn beside_gliderflight(context: &Context<'_>, part: &mut Part) -> Result<()> {
         ],
     );
     part.row(
-        Row::new("comet, from the file to the whole result", Unit::Seconds, whole.samples().cloned())
+        Row::new("comet, the whole command", Unit::Seconds, whole.samples().cloned())
             .against("gliderflight, steady, calibration of two parameters alone", theirs.samples().cloned()),
     );
-    let Ok(peer) = peer.as_mut() else { return Ok(()) };
-    unsteady(context, part, peer)
+    unsteady(context, part, peer.as_mut().ok());
+    Ok(())
 }
 
-/// The peer's calibration with inertia takes minutes: stopped after a while unless all of it was asked for.
-fn unsteady(context: &Context<'_>, part: &mut Part, peer: &mut Peer) -> Result<()> {
+/// Dives flown through time. The peer's calibration takes minutes: stopped after a while unless all of it was asked for.
+fn unsteady(context: &Context<'_>, part: &mut Part, peer: Option<&mut Peer>) {
+    let rounds = context.choice.size(Sized { quick: 1, usual: 5, full: 9 });
+    let [ours] = contest(rounds, [Contender::timed("glidepolar", 1, || command(context, &["--unsteady"]))]);
     let budget_s = context.choice.size(Sized { quick: 5.0, usual: 60.0, full: 1100.0 });
     let begin = Instant::now();
-    let answer = peer.ask(&json!({"model": "dynamic", "budget_s": budget_s}));
+    let answer = peer.map(|peer| peer.ask(&json!({"model": "dynamic", "budget_s": budget_s})));
+    let answer = answer.unwrap_or_else(|| Err(anyhow::anyhow!("gliderflight or its data are missing")));
     let name = match &answer {
-        Ok(answer) if answer["finished"] == json!(true) => "gliderflight, dynamic".to_owned(),
-        Ok(answer) => format!(
+        Ok(answer) if answer["finished"] == json!(false) => format!(
             "gliderflight, dynamic, stopped after {} evaluations: at least",
             answer["evaluations"].as_u64().unwrap_or(0)
         ),
-        Err(_) => "gliderflight, dynamic".to_owned(),
+        _ => "gliderflight, dynamic".to_owned(),
     };
     let theirs = answer.map(|_| Samples::one(begin.elapsed().as_secs_f64()));
     part.row(
-        Row::new("unsteady fit, comet", Unit::Seconds, Err(anyhow::anyhow!("there is no unsteady fit yet")))
+        Row::new("comet, the whole command with --unsteady", Unit::Seconds, ours.samples().cloned())
             .against(name, theirs)
             .goal(Goal::AtMost(1.0)),
     );
+}
+
+/// `glidepolar identify` on comet, from the start of the program to its end.
+fn command(context: &Context<'_>, further: &[&str]) -> Result<()> {
+    let mut command = Command::new(context.command()?);
+    command.arg("identify").arg(COMET.path(context.root())?).args(COMET.words()).args(further);
+    let output = command.arg("--quiet").output()?;
+    let complaint = String::from_utf8_lossy(&output.stderr);
+    ensure!(output.status.success(), "{}", complaint.lines().next().unwrap_or("the command failed without a word"));
     Ok(())
 }

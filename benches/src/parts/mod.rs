@@ -86,6 +86,10 @@ impl Context<'_> {
         self.run.work.join(name)
     }
 
+    pub fn command(&self) -> Result<&std::path::Path> {
+        self.run.command.as_deref().context("the command `glidepolar` was not built")
+    }
+
     pub fn library(&self) -> Result<&std::path::Path> {
         self.run.library.as_deref().context("the FMU's library was not built")
     }
