@@ -219,6 +219,7 @@ mod arithmetic {
 #[cfg(test)]
 mod tests {
     use num_dual::DualNum;
+    use num_traits::Signed;
 
     use super::*;
 

@@ -18,7 +18,8 @@ pub fn measure(context: &Context<'_>) -> Result<Part> {
         "Time and memory against size; the slope is that of the logarithms over the larger half of the sizes, 1 where \
          twice as much costs twice as much.",
     );
-    let studies: [(&str, fn(&Context<'_>, &mut Part) -> Result<()>); 4] =
+    type Study = fn(&Context<'_>, &mut Part) -> Result<()>;
+    let studies: [(&str, Study); 4] =
         [("samples", samples), ("mechanisms", mechanisms), ("runs", runs), ("instances", instances)];
     for (name, study) in studies {
         if let Err(error) = study(context, &mut part) {
