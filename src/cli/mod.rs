@@ -5,6 +5,8 @@
 //! Standard output carries results, standard error messages. The library does the work; a command reads arguments,
 //! calls it and shows what came back.
 
+#![allow(rustdoc::broken_intra_doc_links, reason = "the arguments' documentation is their help: units in brackets")]
+
 pub mod assemble;
 pub mod diagnose;
 mod export_fmu;

@@ -109,7 +109,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         a.output.write(path, track_table(&track).as_bytes())?;
     }
     if let Some(path) = &a.write {
-        a.output.write(path, log_table(&log, &track).as_bytes())?;
+        a.output.write(path, log_table(&log, &track, &samples).as_bytes())?;
     }
     let comparison = Comparison::new(&track.dives, &stored);
     if let Some(out) = &a.out {
@@ -261,14 +261,16 @@ fn track_table(track: &Track) -> String {
     table
 }
 
-/// The log in its own columns, the speed of the polar among them.
-fn log_table(log: &FlightLog, track: &Track) -> String {
+/// The log in its own columns, the speed of the polar among them, and the density that was taken where the log has none.
+/// `samples` are those that the track was reckoned from.
+fn log_table(log: &FlightLog, track: &Track, samples: &[Sample]) -> String {
     let channels: Vec<_> =
         CHANNELS.iter().filter(|info| log.has(info.channel) && info.channel != Channel::Speed).collect();
     let names: Vec<&str> = channels.iter().map(|info| info.name).collect();
     let mut table = format!("# speed_through_water_m_s is the polar's, by glidepolar track\n{},", names.join(","));
-    table.push_str("speed_through_water_m_s\n");
-    let mut points = track.points.iter().peekable();
+    let adds_density = !log.has(Channel::Density);
+    table.push_str(if adds_density { "density_kg_m3,speed_through_water_m_s\n" } else { "speed_through_water_m_s\n" });
+    let mut points = track.points.iter().zip(samples).peekable();
     for row in 0..log.len() {
         for info in &channels {
             let value = log.at(info.channel, row);
@@ -277,10 +279,15 @@ fn log_table(log: &FlightLog, track: &Track) -> String {
             }
             table.push(',');
         }
-        if let Some(point) = points.next_if(|point| point.time_s == log.at(Channel::Time, row))
-            && point.speed_m_s.is_finite()
-        {
-            let _ = write!(table, "{:.5}", point.speed_m_s);
+        let here = points.next_if(|(point, _)| point.time_s == log.at(Channel::Time, row));
+        if adds_density {
+            if let Some(density) = here.map(|(_, sample)| sample.density_kg_m3).filter(|density| density.is_finite()) {
+                let _ = write!(table, "{density:.4}");
+            }
+            table.push(',');
+        }
+        if let Some(speed_m_s) = here.map(|(point, _)| point.speed_m_s).filter(|speed| speed.is_finite()) {
+            let _ = write!(table, "{speed_m_s:.5}");
         }
         table.push('\n');
     }

@@ -1,5 +1,7 @@
 //! The command line `tank-reduce`: arguments in, files and a short table out. The library does the work.
 
+#![allow(rustdoc::broken_intra_doc_links, reason = "the arguments' documentation is their help: units in brackets")]
+
 use std::path::{Path, PathBuf};
 
 use clap::{Args, CommandFactory, Parser, Subcommand};

@@ -1,6 +1,6 @@
 //! The mechanisms by which a towing tank and its hulls depart from `CL = a alpha, CD = b + c alpha^2, CM = d alpha`: one
 //! table. An entry is a name, its physics in a line with the source, its size, where it shows, and how widely it acts.
-//! To add one: an entry here, its term in the [model](super::model). Knows no data.
+//! To add one: an entry here, its term in `model`. Knows no data.
 
 use super::model::{STATION, Term};
 
