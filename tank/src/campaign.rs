@@ -55,6 +55,8 @@ pub struct Rejected {
 pub struct Balance {
     /// `force = interaction * (reading - zero)`, AF, SF, YM.
     pub interaction: Matrix3<f64>,
+    /// Standard uncertainties of the elements of `interaction`, shared by all runs.
+    pub interaction_uncertainty: Option<Matrix3<f64>>,
     /// Standard uncertainty of AF, SF \[N\] and YM \[N m\] from the calibration, shared by all runs.
     pub uncertainty: Option<[f64; 3]>,
 }
@@ -314,7 +316,7 @@ impl Campaign {
 
 impl Default for Balance {
     fn default() -> Self {
-        Balance { interaction: Matrix3::identity(), uncertainty: None }
+        Balance { interaction: Matrix3::identity(), interaction_uncertainty: None, uncertainty: None }
     }
 }
 
@@ -361,6 +363,7 @@ struct TankKeys {
 #[allow(non_snake_case, reason = "units stand in names as they are written")]
 struct BalanceKeys {
     interaction: Option<Spanned<[[f64; 3]; 3]>>,
+    interaction_uncertainty: Option<Spanned<[[f64; 3]; 3]>>,
     uncertainty_N: Option<[Spanned<f64>; 2]>,
     uncertainty_N_m: Option<Spanned<f64>>,
 }
@@ -385,6 +388,14 @@ impl BalanceKeys {
                 return Err(InputError::new(source.place(matrix), problem)
                     .help("rows and columns are AF, SF, YM; without interaction write [[1,0,0],[0,1,0],[0,0,1]]"));
             }
+        }
+        if let Some(matrix) = &self.interaction_uncertainty {
+            let elements = Matrix3::from_fn(|i, j| matrix.get_ref()[i][j]);
+            if !elements.iter().all(|u| u.is_finite() && *u >= 0.0) {
+                let problem = "interaction_uncertainty has an element below zero, expected standard uncertainties of the elements of interaction";
+                return Err(InputError::new(source.place(matrix), problem));
+            }
+            balance.interaction_uncertainty = Some(elements);
         }
         let not_negative = |name: &str, value: &Spanned<f64>| source.within(name, value, 0.0, f64::MAX, "zero or more");
         let forces = self.uncertainty_N.as_ref();

@@ -4,9 +4,14 @@ use glidepolar::hull_tests::{Estimate, HullFit};
 use glidepolar::input::printable;
 
 use crate::campaign::Rejected;
+use crate::derivatives::Derivatives;
 use crate::results::{HullResults, RunResults};
 use crate::series::robust_sd;
 use crate::trend::{COEFFICIENTS, Lines};
+
+/// Slender bodies have lift and moment slopes of one to two per radian on their frontal area (2 by slender-body theory);
+/// with angles in radians taken for degrees they come out 57 times as large.
+const STEEPEST_PER_RAD: f64 = 12.0;
 
 /// Whether the slopes have signs that physics forbids, and which entry of the manifest would explain them.
 ///
@@ -30,6 +35,13 @@ pub fn signs(id: &str, fit: &HullFit) -> Vec<String> {
             "is YM recorded with the opposite sign, or are mc_m and cb_m exchanged? Expected: YM positive bow to starboard, both distances aft of the nose",
         )),
         (false, false) => {}
+    }
+    let steep = [("a", &fit.a), ("d", &fit.d)].into_iter().find(|(_, q)| q.value.abs() > STEEPEST_PER_RAD);
+    if let Some((name, q)) = steep {
+        warnings.push(told(
+            &format!("slope {name} = {:.1} per rad", q.value),
+            "are the angles in radians? Expected: yaw_deg in degrees, in runs.csv and in the runs' files",
+        ));
     }
     if negative(&fit.b) {
         warnings.push(told(
@@ -68,15 +80,38 @@ pub fn dynamic(hull: &HullResults) -> Vec<String> {
             ));
         }
     }
+    let (low, high) = dynamic.reduced_frequencies.unwrap_or_default();
     for (name, p_value) in &dynamic.frequency_dependence {
         if *p_value < 1e-4 {
             warnings.push(format!(
-                "{id}: {name}' moves with frequency (p = {p_value:.0e}); reduced frequencies {:.2} to {:.2} may be too high for a steady value",
-                dynamic.reduced_frequencies.0, dynamic.reduced_frequencies.1
+                "{id}: {name}' moves with frequency (p = {p_value:.0e}); reduced frequencies {low:.2} to {high:.2} may be too high for a steady value"
             ));
         }
     }
+    warnings.extend(left_out(id, dynamic));
     warnings
+}
+
+/// Derivatives that the campaign's runs do not tell, and why.
+fn left_out(id: &str, dynamic: &Derivatives) -> Option<String> {
+    let e = &dynamic.estimates;
+    let all = [
+        ("Yr", &e.yr),
+        ("Nr", &e.nr),
+        ("Yvdot", &e.yvdot),
+        ("Nvdot", &e.nvdot),
+        ("Yrdot", &e.yrdot),
+        ("Nrdot", &e.nrdot),
+    ];
+    let missing: Vec<&str> = all.into_iter().filter(|(_, q)| q.is_none()).map(|(name, _)| name).collect();
+    let missing = if missing.is_empty() { return None } else { missing.join(", ") };
+    Some(if dynamic.slopes_from_sweep {
+        format!("{id}: no usable sway runs: Yv and Nv are those of the steady sweep, and {missing} are left out")
+    } else if e.yr.is_none() {
+        format!("{id}: no usable yaw runs or turns: {missing} are left out")
+    } else {
+        format!("{id}: no usable yaw runs: {missing} are left out")
+    })
 }
 
 /// A tank so narrow that its walls matter.

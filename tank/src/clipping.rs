@@ -1,9 +1,10 @@
-//! Channels that ran into the end of their range.
+//! Channels that ran into the end of their range, or never left their place.
 
 use std::path::Path;
 
 use glidepolar::input::{InputError, Place};
 
+use crate::campaign::{Kind, Run};
 use crate::history::History;
 
 const NAMES: [&str; 3] = ["AF_N", "SF_N", "YM_N_m"];
@@ -28,6 +29,23 @@ pub fn check(history: &History, file: &Path) -> Result<(), InputError> {
                 let problem = format!("{name} stands at {limit} for {length} samples: the channel is clipped");
                 return Err(InputError::new(place, problem).help("repeat the run in a wider range of the balance"));
             }
+        }
+    }
+    Ok(())
+}
+
+/// Looks for channels that show one value from rest to rest, where the run must load them.
+///
+/// # Errors
+/// Where one does.
+pub fn check_alive(history: &History, run: &Run) -> Result<(), InputError> {
+    let askew = run.yaw_deg.abs() > 0.5 || matches!(run.kind, Kind::Sway | Kind::Yaw | Kind::Arc);
+    for (channel, (values, name)) in history.channels().into_iter().zip(NAMES).enumerate() {
+        let is_loaded = run.kind != Kind::Zero && (channel == 0 || askew);
+        if is_loaded && values.iter().all(|x| *x == values[0]) {
+            let problem = format!("{name} is {} in every row of a run under way: the channel is dead", values[0]);
+            return Err(InputError::new(Place::file(&run.file), problem)
+                .help("is it connected, and was the right column exported?"));
         }
     }
     Ok(())

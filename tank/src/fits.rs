@@ -113,11 +113,12 @@ fn coefficients(sweep: &Sweep, rows: &[usize]) -> Option<[Fit; 3]> {
     let (lift, mut drag, moment) = (solve(0)?, solve(1)?, solve(2)?);
     if sweep.has_errors() {
         // Runs are never set to quite the same angle. The moment, least noisy and steepest, tells by how much; drag feels
-        // it the more the larger the angle.
+        // it the more the larger the angle: by its own growth, less the lift that is turned into it with the wind axes.
         let setting_rad = setting_rad(&moment);
+        let per_rad2 = 2.0 * drag.parameters[1] - lift.parameters[0];
         let mut problem = problem(sweep, rows, 1, MODEL[1]);
         for (variance, row) in problem.variance.iter_mut().zip(rows) {
-            *variance += (2.0 * drag.parameters[1] * sweep.points[*row].alpha_rad() * setting_rad).powi(2);
+            *variance += (per_rad2 * sweep.points[*row].alpha_rad() * setting_rad).powi(2);
         }
         drag = problem.solve(Scatter::BetweenRuns)?;
     }
@@ -275,9 +276,9 @@ fn range_warning(id: &str, fit: &SweepFit) -> Option<String> {
     }
     let names: Vec<&str> = moved.iter().map(|(name, _)| *name).collect();
     let texts: Vec<&str> = moved.iter().map(|(_, text)| text.as_str()).collect();
-    let (verb, model) = if names.len() == 1 { ("depends", "model") } else { ("depend", "models") };
+    let (verb, model) = if names.len() == 1 { ("depends", "model differs") } else { ("depend", "models differ") };
     Some(format!(
-        "{id}: {} {verb} on the range of angles: {}; the {model} differ in kind from the readings",
+        "{id}: {} {verb} on the range of angles: {}; the {model} in kind from the readings",
         names.join(", "),
         texts.join("; ")
     ))

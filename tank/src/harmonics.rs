@@ -13,13 +13,21 @@ pub const HARMONICS: usize = 3;
 pub const TERMS: usize = 2 * HARMONICS + 1;
 /// A mean with its harmonics: `[mean, cos1, sin1, cos2, sin2, cos3, sin3]`, the phase counted from the window's begin.
 pub type Series = [f64; TERMS];
+/// Frequency \[Hz\] and covariance of the readings' cosine (or sine) coefficient there.
+pub type NoiseSpectrum = Vec<(f64, Matrix3<f64>)>;
 
 /// Amplitudes within this of the full one count as full.
 const AMPLITUDE_TOLERANCE: f64 = 0.01;
 /// A measured frequency this far from the commanded one is used instead of it.
 const FREQUENCY_TOLERANCE: f64 = 0.003;
-/// Frequencies beside a harmonic from which its noise is taken.
-const NEIGHBOURS: usize = 4;
+/// Pairs of frequencies, one below and one above a harmonic, from which its noise is taken at most.
+const NEIGHBOURS: usize = 2;
+/// Share of the window at either end over which samples gain and lose their weight. The smooth end of a build-up that the
+/// window may still hold hardly shows in the motion, but its acceleration would in the force.
+const TAPER: f64 = 0.08;
+/// A third harmonic of the motion below so many standard errors is noise of the position sensor: twice differentiated it
+/// would pass for a force.
+const SIGNIFICANT: f64 = 3.0;
 
 /// What an oscillating run came to.
 #[derive(Debug, Clone)]
@@ -42,6 +50,10 @@ pub struct Harmonics {
     pub readings: [Series; 3],
     /// Covariance of a cosine (or sine) coefficient of the readings, harmonic by harmonic.
     pub noise: [Matrix3<f64>; HARMONICS],
+    /// The same covariance at every frequency \[Hz\] beside the harmonics from which it was taken.
+    pub spectrum: NoiseSpectrum,
+    /// Length of the window, weights counted \[s\]: the covariance of a coefficient goes with one over it.
+    pub effective_s: f64,
     /// Middle of the window since the run's begin \[s\].
     pub middle_s: f64,
 }
@@ -125,28 +137,34 @@ fn regress(history: &History, window: Window, frequency_hz: f64, cycles: usize, 
     let sway = history.sway_m().map_or(zeros.as_slice(), |sway| window.of(sway));
     let [af, sf, ym] = window.of3(history.channels());
     let columns = [sway, window.of(history.yaw_deg()), af, sf, ym];
+    let taper = taper(window.len());
     let mut normal = SMatrix::<f64, TERMS, TERMS>::zeros();
     let mut right = SMatrix::<f64, TERMS, 5>::zeros();
     for i in 0..window.len() {
         let basis = basis(omega * (time[i] - time[0]));
-        normal.ger(1.0, &basis, &basis, 1.0);
+        normal.ger(taper[i], &basis, &basis, 1.0);
         let observed = SVector::<f64, 5>::from_fn(|j, _| columns[j][i]);
-        right.ger(1.0, &basis, &observed, 1.0);
+        right.ger(taper[i], &basis, &observed, 1.0);
     }
     // Whole cycles of three harmonics are as good as orthogonal: always invertible.
     let solved = normal.cholesky().map(|c| c.solve(&right)).unwrap_or_else(SMatrix::zeros);
     let series = |j: usize| -> Series { std::array::from_fn(|k| solved[(k, j)]) };
+    let motion = |j: usize| without_noise(series(j), columns[j], time, omega);
     let readings = [series(2), series(3), series(4)];
     let speeds = window.of(history.speed_m_s());
+    let (noise, spectrum) = noise([af, sf, ym], &readings, time, omega, cycles, &taper);
+    let [sum, squares] = [1, 2].map(|power| taper.iter().map(|w| w.powi(power)).sum::<f64>());
     Harmonics {
-        noise: noise([af, sf, ym], &readings, time, omega, cycles),
+        noise,
+        spectrum,
+        effective_s: sum * sum / squares * history.interval_s(),
         window,
         cycles,
         frequency_hz,
         measured_hz,
         speed_m_s: speeds.iter().sum::<f64>() / speeds.len() as f64,
-        sway_m: series(0),
-        yaw_rad: series(1).map(f64::to_radians),
+        sway_m: motion(0),
+        yaw_rad: motion(1).map(f64::to_radians),
         readings,
         middle_s: 0.5 * (time[0] + time[time.len() - 1]),
     }
@@ -159,14 +177,42 @@ fn basis(phase: f64) -> SVector<f64, TERMS> {
     SVector::from([1.0, c1, s1, c2, s2, c3, s3])
 }
 
-/// The residuals' Fourier coefficients at frequencies beside each harmonic stand for the noise at the harmonic itself.
+/// Weights of a window's samples: one, with cosine lobes at both ends.
+fn taper(samples: usize) -> Vec<f64> {
+    let lobe = TAPER * samples as f64;
+    let weight = |i: usize| {
+        let inside = (i as f64 + 0.5).min(samples as f64 - 0.5 - i as f64) / lobe;
+        if inside < 1.0 { (0.5 * std::f64::consts::PI * inside).sin().powi(2) } else { 1.0 }
+    };
+    (0..samples).map(weight).collect()
+}
+
+/// A motion less those of its higher harmonics that the scatter of its own sensor explains.
+fn without_noise(mut series: Series, column: &[f64], time: &[f64], omega: f64) -> Series {
+    let left = column.iter().zip(time).map(|(x, t)| {
+        let basis = basis(omega * (t - time[0]));
+        (x - (0..TERMS).map(|k| series[k] * basis[k]).sum::<f64>()).powi(2)
+    });
+    let n = column.len() as f64;
+    let variance = 2.0 * left.sum::<f64>() / (n * n);
+    for k in [3, 5] {
+        if series[k].powi(2) + series[k + 1].powi(2) < SIGNIFICANT.powi(2) * variance {
+            (series[k], series[k + 1]) = (0.0, 0.0);
+        }
+    }
+    series
+}
+
+/// The residuals' Fourier coefficients at frequencies beside each harmonic, as many below as above since noise falls with
+/// frequency, stand for the noise at the harmonic itself.
 fn noise(
     channels: [&[f64]; 3],
     fitted: &[Series; 3],
     time: &[f64],
     omega: f64,
     cycles: usize,
-) -> [Matrix3<f64>; HARMONICS] {
+    taper: &[f64],
+) -> ([Matrix3<f64>; HARMONICS], NoiseSpectrum) {
     let n = time.len();
     // Of the window's own frequencies (multiples of 1 over its length) those that are no harmonic; half multiples where
     // one cycle leaves none.
@@ -174,11 +220,9 @@ fn noise(
     let is_free = |share: f64| (share - share.round()).abs() > 1e-6;
     let shares: [Vec<f64>; HARMONICS] = std::array::from_fn(|k| {
         let centre = (k + 1) as f64;
-        let mut near: Vec<f64> =
-            (1..=((centre + 3.0) / step) as usize).map(|j| j as f64 * step).filter(|s| is_free(*s)).collect();
-        near.sort_by(|a, b| (a - centre).abs().total_cmp(&(b - centre).abs()));
-        near.truncate(NEIGHBOURS);
-        near
+        let apart = (1..).map(|j| j as f64 * step).take_while(|apart| *apart < centre - 0.5 * step);
+        let pairs = apart.filter(|apart| is_free(centre - apart)).take(NEIGHBOURS);
+        pairs.flat_map(|apart| [centre - apart, centre + apart]).collect()
     });
     let mut frequencies: Vec<f64> = shares.iter().flatten().copied().collect();
     frequencies.sort_by(f64::total_cmp);
@@ -195,23 +239,26 @@ fn noise(
             channels[channel][i] - (0..TERMS).map(|k| fitted[channel][k] * basis[k]).sum::<f64>()
         });
         for (j, (sine, cosine)) in phasors.iter_mut().enumerate() {
-            transforms[j].0 += residual * *cosine;
-            transforms[j].1 += residual * *sine;
+            transforms[j].0 += residual * (taper[i] * *cosine);
+            transforms[j].1 += residual * (taper[i] * *sine);
             let (ds, dc) = turn[j];
             (*sine, *cosine) = (*sine * dc + *cosine * ds, *cosine * dc - *sine * ds);
         }
     }
-    let scale = (2.0 / n as f64).powi(2);
-    shares.map(|near| {
-        let mut sum = Matrix3::zeros();
-        for share in &near {
-            if let Some(j) = frequencies.iter().position(|f| f == share) {
-                let (a, b) = &transforms[j];
-                sum += a * a.transpose() + b * b.transpose();
-            }
-        }
-        sum * (scale / (2 * near.len()).max(1) as f64)
-    })
+    let scale = (2.0 / taper.iter().sum::<f64>()).powi(2);
+    let spectrum: NoiseSpectrum = frequencies
+        .iter()
+        .zip(&transforms)
+        .map(|(share, (a, b))| {
+            let hz = share * omega / std::f64::consts::TAU;
+            (hz, (a * a.transpose() + b * b.transpose()) * (0.5 * scale))
+        })
+        .collect();
+    let mean = |near: Vec<f64>| {
+        let found = near.iter().filter_map(|share| frequencies.iter().position(|f| f == share));
+        found.map(|j| spectrum[j].1).sum::<Matrix3<f64>>() / near.len().max(1) as f64
+    };
+    (shares.map(mean), spectrum)
 }
 
 /// Amplitude and phase of a motion over one cycle, from every start.

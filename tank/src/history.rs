@@ -124,6 +124,13 @@ impl History {
 
     /// Where each cell of a row goes; cells that are not used go nowhere.
     fn header(&mut self, file: &Path, line: usize, header: &[u8]) -> Result<Vec<usize>, InputError> {
+        if header.contains(&0) {
+            return Err(InputError::new(
+                Place::file(file),
+                "the file is no plain text, expected CSV in ASCII or UTF-8",
+            )
+            .help("exported by a spreadsheet as Unicode text? save it as CSV UTF-8"));
+        }
         let text = String::from_utf8_lossy(header);
         if text.contains(';') && !text.contains(',') {
             return Err(InputError::new(

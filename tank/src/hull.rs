@@ -8,6 +8,8 @@
 //! loa_m = 1.724               # overall length
 //! mc_m = 0.736                # moment centre of the balance, aft of the nose
 //! cb_m = 0.815                # centre of buoyancy, aft of the nose
+//! mc_uncertainty_m = 0.0005   # optional: standard uncertainties of both
+//! cb_uncertainty_m = 0.001
 //! live_mass_kg = 55.0         # everything below the balance, entrained water included; for oscillations and turns
 //! xg_m = 0.82                 # its centre aft of the nose
 //! izz_kg_m2 = 11.0            # its moment of inertia about the moment centre
@@ -23,6 +25,9 @@ use toml::Spanned;
 
 use crate::toml_file::Source;
 
+/// No model in a towing tank is longer \[m\].
+const LONGEST_MODEL_M: f64 = 50.0;
+
 /// A hull.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hull {
@@ -34,6 +39,8 @@ pub struct Hull {
     pub geometry: HullGeometry,
     /// Moment centre of the balance aft of the nose \[m\].
     pub mc_m: f64,
+    /// Standard uncertainties of moment centre and centre of buoyancy; zero where none is stated \[m\].
+    pub centre_uncertainties_m: [f64; 2],
     /// Mass below the balance, where stated.
     pub live: Option<LiveMass>,
     /// Wetted surface, where stated \[m2\].
@@ -75,6 +82,8 @@ pub(crate) struct HullKeys {
     loa_m: Spanned<f64>,
     mc_m: Spanned<f64>,
     cb_m: Spanned<f64>,
+    mc_uncertainty_m: Option<Spanned<f64>>,
+    cb_uncertainty_m: Option<Spanned<f64>>,
     live_mass_kg: Option<Spanned<f64>>,
     xg_m: Option<Spanned<f64>>,
     izz_kg_m2: Option<Spanned<f64>>,
@@ -97,6 +106,10 @@ impl HullKeys {
         }
         let diameter_m = source.positive("diameter_m", &self.diameter_m)?;
         let loa_m = source.positive("loa_m", &self.loa_m)?;
+        if loa_m > LONGEST_MODEL_M {
+            let problem = format!("loa_m is {loa_m}, expected at most {LONGEST_MODEL_M} m");
+            return Err(InputError::new(source.place(&self.loa_m), problem).help("in millimetres? all sizes are in m"));
+        }
         if loa_m <= diameter_m {
             let problem = format!("loa_m is {loa_m}, expected more than the diameter of {diameter_m} m");
             return Err(InputError::new(source.place(&self.loa_m), problem));
@@ -109,6 +122,14 @@ impl HullKeys {
         let aft = format!("a distance aft of the nose, 0 to {loa_m} m");
         let mc_m = source.within("mc_m", &self.mc_m, 0.0, loa_m, &aft)?;
         let cb_m = source.within("cb_m", &self.cb_m, 0.0, loa_m, &aft)?;
+        let uncertainty = |name: &str, value: &Option<Spanned<f64>>| match value {
+            Some(value) => source.within(name, value, 0.0, loa_m, "a standard uncertainty in m, zero or more"),
+            None => Ok(0.0),
+        };
+        let centre_uncertainties_m = [
+            uncertainty("mc_uncertainty_m", &self.mc_uncertainty_m)?,
+            uncertainty("cb_uncertainty_m", &self.cb_uncertainty_m)?,
+        ];
         let optional = |name: &str, value: &Option<Spanned<f64>>| {
             value.as_ref().map(|value| source.positive(name, value)).transpose()
         };
@@ -134,6 +155,7 @@ impl HullKeys {
             ldr,
             geometry,
             mc_m,
+            centre_uncertainties_m,
             live: self.live(source, &aft, loa_m)?,
             wetted_area_m2: optional("wetted_area_m2", &self.wetted_area_m2)?,
             base_area_m2,

@@ -135,6 +135,7 @@ mod tests {
             ldr: 8.5,
             geometry: HullGeometry { diameter_m: 0.203, loa_m: 1.724, cb_m: 0.815, volume_m3: None },
             mc_m: 0.736,
+            centre_uncertainties_m: [0.0; 2],
             live: Some(LiveMass { mass_kg: 50.0, xg_m: 0.9, izz_kg_m2: 12.0 }),
             wetted_area_m2: None,
             base_area_m2: 0.0,

@@ -79,6 +79,10 @@ const YAW_DIFFERENCE_DEG: f64 = 0.5;
 /// Slope of a reading over its window, in units of a standard error on five degrees of freedom, that one run in a million
 /// shows by chance.
 const DRIFT_T: f64 = 27.0;
+/// Samples further apart are no record of a balance \[s\].
+const SLOWEST_INTERVAL_S: f64 = 0.5;
+/// Other units of speed, and how many of them are 1 m/s.
+const SPEED_UNITS: [(&str, f64); 4] = [("km/h", 3.6), ("knots", 1.9438), ("feet per second", 3.2808), ("mm/s", 1000.0)];
 /// Over this long the speed is averaged at both ends of a window \[s\].
 const END_S: f64 = 0.5;
 
@@ -91,6 +95,8 @@ pub fn read(run: &Run, hull_length_m: f64, history: &mut History) -> Result<Read
     let wrong = |problem: String| InputError::new(Place::file(&run.file), problem);
     let no_window = |error: NoWindow| wrong(error.to_string());
     clipping::check(history, &run.file)?;
+    clipping::check_alive(history, run)?;
+    check_time(run, history)?;
     check_units(run, history)?;
     let rest = window::at_rest(history);
     let mut notices = Vec::new();
@@ -99,6 +105,7 @@ pub fn read(run: &Run, hull_length_m: f64, history: &mut History) -> Result<Read
         Kind::Tare | Kind::Static | Kind::Arc => {
             let found = window::steady(history, hull_length_m).map_err(no_window)?;
             let steady = steady(history, found);
+            check_speed_unit(run, steady.speed_m_s)?;
             check_command(run, &steady, &mut notices);
             (Useful::Steady(Box::new(steady)), found.window)
         }
@@ -141,6 +148,26 @@ fn steady(history: &History, found: Found) -> Steady {
         duration_s,
         middle_s: 0.5 * (time[0] + time[n - 1]),
     }
+}
+
+/// Milliseconds where seconds are expected: no balance is read once in half a second.
+fn check_time(run: &Run, history: &History) -> Result<(), InputError> {
+    let interval_s = history.interval_s();
+    if interval_s <= SLOWEST_INTERVAL_S {
+        return Ok(());
+    }
+    let problem = format!("samples come every {interval_s:.3} s, expected at most {SLOWEST_INTERVAL_S} s");
+    Err(InputError::new(Place::file(&run.file), problem).help("is time_s in milliseconds? expected seconds"))
+}
+
+/// Speeds that are those of the table in another unit.
+fn check_speed_unit(run: &Run, speed_m_s: f64) -> Result<(), InputError> {
+    let ratio = speed_m_s / run.speed_m_s;
+    let Some((unit, _)) = SPEED_UNITS.iter().find(|(_, per_m_s)| (ratio / per_m_s - 1.0).abs() < 0.02) else {
+        return Ok(());
+    };
+    let problem = format!("speed_m_s is {speed_m_s:.3} where runs.csv has {} m/s: it looks like {unit}", run.speed_m_s);
+    Err(InputError::new(Place::file(&run.file), problem).help("write speeds in m/s"))
 }
 
 /// Degrees where radians were written, in either file.

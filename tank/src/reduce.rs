@@ -210,11 +210,11 @@ impl<'a> Reduction<'a> {
             .collect()
     }
 
-    fn oscillations(&self, hull: usize) -> Vec<(&'a Run, &'a Readings, &'a Harmonics)> {
+    fn oscillations(&self, hull: usize) -> Vec<(&'a Run, &'a Harmonics)> {
         self.usable()
             .filter(|(run, _)| run.hull == Some(hull))
             .filter_map(|(run, readings)| match &readings.useful {
-                Useful::Periodic(harmonics) => Some((run, readings, harmonics.as_ref())),
+                Useful::Periodic(harmonics) => Some((run, harmonics.as_ref())),
                 _ => None,
             })
             .collect()
@@ -247,12 +247,11 @@ impl<'a> Reduction<'a> {
             ));
             None
         } else {
-            let between = fit.as_ref().map_or([0.0; 2], |fit| derivatives::between_runs(hull, fit));
-            derivatives::of(common, hull, &oscillations, &turns, between)
+            derivatives::of(common, hull, &oscillations, &turns, fit.as_ref().ok())
         };
         if moving && hull.live.is_some() && dynamic.is_none() {
             self.warnings.push(format!(
-                "{}: no derivatives: they need at least three usable sway runs, and yaw runs or turns for Yr, Nr",
+                "{}: no derivatives: they need sway runs, or a steady sweep beside yaw runs or turns",
                 hull.id
             ));
         }
@@ -318,8 +317,8 @@ fn hull_results(
     let reynolds: Vec<f64> = sweep.points.iter().filter_map(|point| point.reynolds).collect();
     let reynolds = (!reynolds.is_empty()).then(|| median(&reynolds));
     let derivatives = dynamic.as_ref().map(|d| &d.estimates);
-    let comparisons = match (&fit, derivatives) {
-        (Ok(fit), Some(derivatives)) => derivatives::compare_sweep(&hull, fit, derivatives),
+    let comparisons = match (&fit, dynamic.as_ref()) {
+        (Ok(fit), Some(found)) if !found.slopes_from_sweep => derivatives::compare_sweep(&hull, fit, &found.estimates),
         _ => Vec::new(),
     };
     HullResults {

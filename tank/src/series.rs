@@ -11,7 +11,7 @@ use nalgebra::{Matrix3, Vector3};
 const MOST: usize = 6;
 const FEWEST: usize = 2;
 /// Cosines below this frequency are used, below which the noise of balances is taken for flat \[Hz\].
-const FLAT_BELOW_HZ: f64 = 0.12;
+const FLAT_BELOW_HZ: f64 = 0.08;
 
 /// Mean of three channels with the covariance of the means.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -115,6 +115,9 @@ impl Common<'_> {
         if !self.zeros.zeros.is_empty() {
             kinds.push(SharedKind::Zeros);
         }
+        if self.balance.interaction_uncertainty.is_some() {
+            kinds.push(SharedKind::Interaction);
+        }
         if self.balance.uncertainty.is_some() {
             kinds.push(SharedKind::Calibration);
         }
@@ -137,6 +140,8 @@ impl Common<'_> {
                 }
                 influence
             }
+            // Run and tare went through the same matrix.
+            (SharedKind::Interaction, _) => self.interaction_influence(run.steps.force - run.steps.tare),
             // A calibration may be off in proportion to the load: alike on one side, opposite on the other.
             (SharedKind::Calibration, _) => {
                 let side = run.steps.water()[1].signum();
@@ -144,6 +149,16 @@ impl Common<'_> {
             }
             (SharedKind::Tare(_), None) => DMatrix::zeros(3, 0),
         }
+    }
+
+    /// Change of a force that came through the interaction matrix with the matrix's elements, row after row.
+    pub fn interaction_influence(&self, force: Vector3<f64>) -> DMatrix<f64> {
+        let reading = self.balance.interaction.try_inverse().unwrap_or_else(Matrix3::identity) * force;
+        let mut influence = DMatrix::zeros(3, 9);
+        for channel in 0..3 {
+            influence.fixed_view_mut::<1, 3>(channel, 3 * channel).copy_from(&reading.transpose());
+        }
+        influence
     }
 
     /// Covariance of one shared error and its degrees of freedom.
@@ -154,6 +169,11 @@ impl Common<'_> {
                 (covariance.clone(), dof)
             }
             (SharedKind::Zeros, _) => (self.zeros.errors(), self.zeros.dof),
+            (SharedKind::Interaction, _) => {
+                let u = self.balance.interaction_uncertainty.unwrap_or_default();
+                let variances = nalgebra::DVector::from_fn(9, |i, _| u[(i / 3, i % 3)].powi(2));
+                (DMatrix::from_diagonal(&variances), f64::INFINITY)
+            }
             (SharedKind::Calibration, _) => {
                 let u = self.balance.uncertainty.unwrap_or_default();
                 let variances = nalgebra::DVector::from_iterator(3, u.iter().map(|u| u * u));
@@ -171,6 +191,8 @@ pub enum SharedKind {
     Tare(usize),
     /// The zero runs.
     Zeros,
+    /// The elements of the interaction matrix.
+    Interaction,
     /// The calibration of the balance.
     Calibration,
 }
@@ -183,6 +205,7 @@ impl SharedKind {
             SharedKind::Tare(1) => "tare SF",
             SharedKind::Tare(_) => "tare YM",
             SharedKind::Zeros => "zeros",
+            SharedKind::Interaction => "interaction",
             SharedKind::Calibration => "calibration",
         }
     }
@@ -235,21 +258,44 @@ pub fn sweep(common: &Common, runs: &[SteadyRun], hull: &Hull) -> Sweep {
                 influence.row_mut(i).copy_from(&on_coefficients.row(k));
             }
         }
-        SharedErrors { name: kind.name(), influence, covariance, dof }
+        SharedErrors { name: kind.name(), is_common: true, influence, covariance, dof }
     });
-    let shared = shared.collect();
+    let mut shared: Vec<SharedErrors> = shared.collect();
+    let [mc, cb] = hull.centre_uncertainties_m;
+    shared.extend((mc + cb > 0.0).then(|| lever_errors(runs, &maps, mc.hypot(cb))));
     Sweep { points, shared }
+}
+
+/// An error of the distance from moment centre to centre of buoyancy moves the moment by as much times the side force.
+fn lever_errors(runs: &[SteadyRun], maps: &[Matrix3<f64>], uncertainty_m: f64) -> SharedErrors {
+    let mut influence = [0, 1, 2].map(|_| DMatrix::zeros(runs.len(), 1));
+    for (i, (run, map)) in runs.iter().zip(maps).enumerate() {
+        let on_coefficients = map * Vector3::new(0.0, 0.0, run.steps.water()[1]);
+        (0..3).for_each(|k| influence[k][(i, 0)] = on_coefficients[k]);
+    }
+    SharedErrors {
+        name: "lever",
+        is_common: false,
+        influence,
+        covariance: DMatrix::from_element(1, 1, uncertainty_m.powi(2)),
+        dof: f64::INFINITY,
+    }
 }
 
 /// Gives every one of `runs` the noise that steady runs at its speed show together: the spectral density at frequency zero
 /// is theirs in common, the length of the window each one's own. Turns are short and few, and tell it poorly themselves.
 pub fn share_noise(runs: &mut [SteadyRun], others: &[SteadyRun]) {
-    let density = |run: &SteadyRun| (run.run.speed_m_s, run.covariance * run.steady.duration_s);
-    let known: Vec<(f64, Matrix3<f64>)> = runs.iter().chain(others).map(density).collect();
+    // A long window tells the density better than a short one, and nearer to frequency zero.
+    let known: Vec<(f64, f64, Matrix3<f64>)> = runs
+        .iter()
+        .chain(others)
+        .map(|run| (run.run.speed_m_s, run.steady.duration_s, run.covariance * run.steady.duration_s))
+        .collect();
     for run in runs {
-        let alike = || known.iter().filter(|(speed, _)| *speed == run.run.speed_m_s);
-        let sum: Matrix3<f64> = alike().map(|(_, density)| density).sum();
-        run.covariance = sum / (alike().count() as f64 * run.steady.duration_s);
+        let alike = || known.iter().filter(|(speed, ..)| *speed == run.run.speed_m_s);
+        let sum: Matrix3<f64> = alike().map(|(_, duration_s, density)| density * *duration_s).sum();
+        let total_s: f64 = alike().map(|(_, duration_s, _)| duration_s).sum();
+        run.covariance = sum / (total_s * run.steady.duration_s);
     }
 }
 

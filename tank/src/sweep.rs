@@ -50,6 +50,8 @@ pub struct Point {
 pub struct SharedErrors {
     /// What it is the error of.
     pub name: &'static str,
+    /// Whether other hulls of the campaign share it, too.
+    pub is_common: bool,
     /// For CL, CD and CM: points by errors.
     pub influence: [DMatrix<f64>; 3],
     /// Covariance of the errors.

@@ -172,6 +172,7 @@ mod tests {
             ldr: 8.575,
             geometry: HullGeometry { diameter_m: 0.508, loa_m: 4.356, cb_m: 2.008641, volume_m3: Some(0.6992) },
             mc_m: 2.013,
+            centre_uncertainties_m: [0.0; 2],
             live: None,
             wetted_area_m2: Some(5.9195),
             base_area_m2: 0.0,

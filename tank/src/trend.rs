@@ -73,19 +73,16 @@ fn covariance(hulls: &[(f64, &Sweep, &SweepFit)], fit: usize, parameter: usize) 
     for i in 0..n {
         total[(i, i)] = hulls[i].2.fits[fit].own_covariance[(parameter, parameter)];
     }
-    // Shared errors stand in the same order for every hull of a campaign.
-    let kinds = hulls.iter().map(|(_, sweep, _)| sweep.shared.len()).min().unwrap_or(0);
-    for k in 0..kinds {
-        let influence: Vec<_> = (0..n)
-            .map(|i| {
-                let (_, sweep, f) = hulls[i];
-                gains[i] * sweep.shared[k].influence[fit].select_rows(f.rows.iter())
-            })
-            .collect();
-        for i in 0..n {
-            for j in 0..n {
-                let errors = &hulls[i].1.shared[k].covariance;
-                total[(i, j)] += (&influence[i] * errors * influence[j].transpose())[(0, 0)];
+    // Those that the campaign's hulls share stand first, in the same order for every hull.
+    let influence = |i: usize, k: usize| {
+        let (_, sweep, f) = hulls[i];
+        gains[i] * sweep.shared[k].influence[fit].select_rows(f.rows.iter())
+    };
+    for i in 0..n {
+        for (k, shared) in hulls[i].1.shared.iter().enumerate() {
+            let on_first = influence(i, k) * &shared.covariance;
+            for j in (0..n).filter(|j| *j == i || shared.is_common && k < hulls[*j].1.shared.len()) {
+                total[(i, j)] += (&on_first * influence(j, k).transpose())[(0, 0)];
             }
         }
     }

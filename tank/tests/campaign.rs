@@ -76,7 +76,7 @@ fn what_the_model_lacks_is_said() {
 #[test]
 fn one_bad_run_never_loses_the_campaign() {
     type Spoil = fn(&str) -> String;
-    let spoil: [(&str, Spoil, &str); 9] = [
+    let spoil: [(&str, Spoil, &str); 13] = [
         ("a renamed column", |text| text.replacen("SF_N", "Fy_N", 1), "column SF_N is missing"),
         ("a lost column", |text| support::without_column(text, 6), "column YM_N_m is missing"),
         ("not a number", |text| support::with_cell(text, 500, 5, "NaN"), ":501:5: AF_N is `NaN`"),
@@ -86,6 +86,10 @@ fn one_bad_run_never_loses_the_campaign() {
         ("a clipped channel", support::clipped, "SF_N stands at"),
         ("radians", support::yaw_in_radians, "looks like radians"),
         ("an empty file", |_| String::new(), "the file is empty"),
+        ("Unicode text", |text| text.chars().flat_map(|c| [c, '\0']).collect(), "no plain text"),
+        ("a dead channel", |text| support::with_columns(text, |cells| cells[5] = 0.0), "the channel is dead"),
+        ("milliseconds", |text| support::with_columns(text, |cells| cells[0] *= 1000.0), "in milliseconds"),
+        ("knots", |text| support::with_columns(text, |cells| cells[1] *= 1.9438), "looks like knots"),
     ];
     let spoilt = Spoilt::new(8);
     let whole = reduce(&spoilt.folder);
@@ -143,6 +147,7 @@ fn a_manifest_that_cannot_be_right_is_refused() {
         ("a wrong kind", "kind = \"fresh\"", "kind = \"brackish\"", "brackish"),
         ("a negative size", "diameter_m = ", "diameter_m = -", "diameter_m is -0.203"),
         ("hull against itself", "ldr = 8.5", "ldr = 12.5", "ldr is 12.5, but loa_m / diameter_m is 8.49"),
+        ("millimetres", "loa_m = ", "loa_m = 1724 # ", "expected at most 50 m"),
         ("half a live mass", "xg_m", "# xg_m", "one is missing"),
     ] {
         spoilt.change_manifest(|text| text.replacen(from, to, 1));
@@ -210,6 +215,29 @@ fn radians_in_the_table_are_noticed() {
     let results = reduce(&spoilt.folder);
     let message = results.rejected[0].error.to_string();
     assert!(message.contains("runs.csv looks like radians"), "{message}");
+}
+
+/// Where both files hold radians they agree with each other, but no hull lifts so.
+#[test]
+fn radians_everywhere_are_noticed_by_the_slopes() {
+    let spoilt = Spoilt::new(14);
+    let table = fs::read_to_string(spoilt.folder.join("runs.csv")).unwrap();
+    for line in table.lines().filter(|line| line.contains(",static,") || line.contains(",tare,")) {
+        let run = line.split(',').next().unwrap();
+        spoilt.change_run(run, support::yaw_in_radians);
+    }
+    spoilt.change_table(|text| {
+        let radians = |line: &str| {
+            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+            if let Ok(degrees) = cells[4].parse::<f64>() {
+                cells[4] = degrees.to_radians().to_string();
+            }
+            cells.join(",") + "\n"
+        };
+        text.lines().map(radians).collect()
+    });
+    let results = reduce(&spoilt.folder);
+    assert!(results.warnings.iter().any(|w| w.contains("are the angles in radians")), "{:?}", results.warnings);
 }
 
 /// Nothing that is not there is read, and a folder without a campaign says what is expected.

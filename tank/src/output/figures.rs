@@ -34,7 +34,7 @@ fn against_angle(results: &Results, coefficient: usize) -> Figure {
         }
         panel = panel.layer(points);
         if let Ok(fit) = &hull.fit {
-            let widest = xs.iter().fold(0.0f64, |w, x| w.max(x.abs())).min(1.5 * range).max(range);
+            let widest = xs.iter().fold(range, |w, x| w.max(x.abs()));
             let model = |degrees: f64| model(fit, coefficient, degrees.to_radians());
             panel = panel.layer(Layer::curve(-range, range, model).label(&hull.hull.id).slot(slot));
             if widest > range {
@@ -134,7 +134,14 @@ fn what(run: &RunResults) -> String {
     let mut text = match r.kind {
         Kind::Zero => "at rest".to_owned(),
         Kind::Tare | Kind::Static => format!("{} m/s, {} deg", r.speed_m_s, r.yaw_deg),
-        Kind::Sway | Kind::Yaw => format!("{} m/s, {} Hz", r.speed_m_s, r.frequency_hz),
+        Kind::Sway | Kind::Yaw => {
+            let amplitude = match (r.kind, r.sway_amplitude_m, r.yaw_amplitude_deg) {
+                (Kind::Sway, Some(sway), _) => format!(", {sway} m"),
+                (Kind::Yaw, _, Some(yaw)) => format!(", {yaw} deg"),
+                _ => String::new(),
+            };
+            format!("{} m/s, {} Hz{amplitude}", r.speed_m_s, r.frequency_hz)
+        }
         Kind::Arc => format!("{} m/s, radius {} m", r.speed_m_s, r.radius_m.unwrap_or(f64::NAN)),
     };
     if let Some((effective, duration)) = run.effective {

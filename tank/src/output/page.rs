@@ -5,7 +5,7 @@ use glidepolar::input::InputError;
 use glidepolar::report::{Cell, InputFile, Report, Section, Table};
 
 use super::figures;
-use crate::derivatives::{self, Derivatives};
+use crate::derivatives::{self, Comparison, Derivatives};
 use crate::fits::SweepFit;
 use crate::results::{HullResults, Results};
 use crate::sweep::NAMES;
@@ -89,20 +89,24 @@ fn pair(q: &Estimate) -> [Cell; 2] {
 }
 
 fn coefficients(results: &Results) -> Section {
-    let mut table = Table::new(
-        "Fits about the centre of buoyancy with standard errors and 95 % intervals.",
-        ["Hull", "runs", "points", "a [1/rad]", "95 %", "b", "95 %", "c [1/rad²]", "95 %", "d [1/rad]", "95 %"],
+    let mut fits = Table::new(
+        "Fits about the centre of buoyancy with standard errors.",
+        ["Hull", "runs", "points", "a [1/rad]", "b", "c [1/rad²]", "d [1/rad]"],
     );
+    let mut intervals = Table::new("Their 95 % intervals.", ["Hull", "a [1/rad]", "b", "c [1/rad²]", "d [1/rad]"]);
     for hull in &results.hulls {
-        let mut row = vec![Cell::from(hull.hull.id.as_str()), Cell::Count(hull.n_runs as i64)];
+        let name = || Cell::from(hull.hull.id.as_str());
+        let mut row = vec![name(), Cell::Count(hull.n_runs as i64)];
         if let Ok(fit) = &hull.fit {
             let e = &fit.estimates;
+            let pairs = [&e.a, &e.b, &e.c, &e.d].map(pair);
             row.push(Cell::Count(fit.rows.len() as i64));
-            row.extend([&e.a, &e.b, &e.c, &e.d].into_iter().flat_map(pair));
+            row.extend(pairs.iter().map(|[value, _]| value.clone()));
+            intervals.push(std::iter::once(name()).chain(pairs.into_iter().map(|[_, interval]| interval)));
         }
-        table.push(row);
+        fits.push(row);
     }
-    let mut section = Section::new("Lift, drag and moment").table(table).table(sway_slopes(results));
+    let mut section = Section::new("Lift, drag and moment").table(fits).table(intervals).table(sway_slopes(results));
     for figure in figures::coefficients(results) {
         section = section.figure(figure);
     }
@@ -145,28 +149,31 @@ fn derivatives(results: &Results) -> Section {
         "SNAME primes on the overall length about the centre of buoyancy, all sway, yaw and turning runs of a hull in one regression of first and third harmonics.",
     );
     let names = ["Yv'", "Nv'", "Yr'", "Nr'", "Yvdot'", "Nvdot'", "Yrdot'", "Nrdot'"];
-    let mut table = Table::new(
-        "Derivatives with standard errors; 95 % intervals are in fits.json.",
-        std::iter::once("Hull").chain(names).chain(["ω' from", "ω' to"]),
-    );
-    for (hull, d) in dynamic(results) {
-        let e = &d.estimates;
-        let all = [
-            Some(&e.yv),
-            Some(&e.nv),
-            e.yr.as_ref(),
-            e.nr.as_ref(),
-            e.yvdot.as_ref(),
-            e.nvdot.as_ref(),
-            e.yrdot.as_ref(),
-            e.nrdot.as_ref(),
-        ];
-        let mut row = vec![Cell::from(hull.hull.id.as_str())];
-        row.extend(all.map(|q| q.map_or(Cell::from("-"), |q| Cell::estimate(q.value, q.se))));
-        row.extend([Cell::number(d.reduced_frequencies.0, 3), Cell::number(d.reduced_frequencies.1, 3)]);
-        table.push(row);
+    let header = || std::iter::once("10³ times").chain(dynamic(results).map(|(hull, _)| hull.hull.id.as_str()));
+    let mut values = Table::new("Derivatives with standard errors, times 1000.", header());
+    let mut intervals = Table::new("Their 95 % intervals.", header());
+    for (i, name) in names.into_iter().enumerate() {
+        let all = dynamic(results).map(|(_, d)| {
+            let e = &d.estimates;
+            let others = [&e.yr, &e.nr, &e.yvdot, &e.nvdot, &e.yrdot, &e.nrdot];
+            [Some(&e.yv), Some(&e.nv)].into_iter().chain(others.map(Option::as_ref)).nth(i).flatten()
+        });
+        let cells = |q: Option<&Estimate>| match q {
+            Some(q) => [Cell::estimate(1e3 * q.value, 1e3 * q.se), Cell::interval((1e3 * q.ci95[0], 1e3 * q.ci95[1]))],
+            None => [Cell::from("-"), Cell::from("-")],
+        };
+        let columns: Vec<[Cell; 2]> = all.map(cells).collect();
+        let row = |which: usize| std::iter::once(Cell::from(name)).chain(columns.iter().map(move |c| c[which].clone()));
+        values.push(row(0));
+        intervals.push(row(1));
     }
-    section = section.table(table);
+    section = section.table(values).table(intervals);
+    for (hull, d) in dynamic(results) {
+        if let Some((low, high)) = d.reduced_frequencies {
+            section = section.text(format!("{}: reduced frequencies ωL/U {low:.2} to {high:.2}.", hull.hull.id));
+        }
+    }
+    section = section.text(agreement(results));
     let mut table = Table::new(
         "The same derivative from two kinds of run, and how many standard errors they are apart.",
         ["Hull", "derivative", "from", "value", "from", "value", "apart"],
@@ -193,6 +200,28 @@ fn derivatives(results: &Results) -> Section {
         .table(table)
         .table(nonlinear)
         .text("derivatives.csv has what each oscillation alone says, for amplitude and frequency to be compared.")
+}
+
+/// Whether kinds of run agree, in a sentence.
+fn agreement(results: &Results) -> String {
+    let all = || dynamic(results).flat_map(|(hull, d)| hull.comparisons.iter().chain(&d.turns).map(move |c| (hull, c)));
+    let apart = |c: &Comparison| c.apart().abs();
+    let Some((hull, worst)) = all().max_by(|a, b| apart(a.1).total_cmp(&apart(b.1))) else {
+        return "No derivative is told by two kinds of run.".to_owned();
+    };
+    let disagree = all().filter(|(_, c)| c.disagrees()).count();
+    let verdict = match disagree {
+        0 => "agree within what chance allows".to_owned(),
+        n => format!("disagree in {n} of {} cases", all().count()),
+    };
+    format!(
+        "Steady sweep and oscillation, and turns and yaw oscillation, {verdict}; furthest apart is {}' of {}, {:.1} standard errors between {} and {}.",
+        worst.name,
+        hull.hull.id,
+        apart(worst),
+        worst.first_from,
+        worst.second_from
+    )
 }
 
 fn dynamic(results: &Results) -> impl Iterator<Item = (&HullResults, &Derivatives)> {

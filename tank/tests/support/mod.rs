@@ -167,7 +167,7 @@ pub fn without_column(text: &str, column: usize) -> String {
     text.lines().map(drop).collect()
 }
 
-fn with_columns(text: &str, change: impl Fn(&mut [f64])) -> String {
+pub fn with_columns(text: &str, change: impl Fn(&mut [f64])) -> String {
     let mut lines = text.lines();
     let mut out = lines.next().unwrap().to_owned() + "\n";
     for line in lines {
