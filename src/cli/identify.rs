@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::{CliError, Output};
-use crate::identify::{Identification, IdentifyError, Report, Request, Trim, identify, paper};
+use crate::identify::{Identification, IdentifyError, Report, Request, Trim, Unsteady, identify, paper};
 use crate::input::{InputError, Place};
 use crate::log::{Channel, Columns, Observation, Opened, Preparation, Settings, open};
 use crate::vehicle::Vehicle;
@@ -40,9 +40,15 @@ pub struct Arguments {
     /// Hold this parameter (repeat)
     #[arg(long, value_name = "NAME=VALUE", allow_hyphen_values = true)]
     pin: Vec<String>,
+    /// Fly the dives through time, with added mass: turns and accelerating samples take part
+    #[arg(long)]
+    unsteady: bool,
     #[command(flatten)]
     output: Output,
 }
+
+/// Pressure from which on samples of the unsteady mode count: below the waves [dbar].
+const UNSTEADY_FROM_DBAR: f64 = 3.0;
 
 /// How logs are read; the same for every command that takes one.
 #[derive(Debug, Clone, Args)]
@@ -176,7 +182,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if arguments.method == Method::Iterative {
         return iterative(arguments, &vehicle, &log, trim);
     }
-    let request = Request { trim, free: arguments.free.clone(), pin: pins(&arguments.pin)? };
+    let unsteady = arguments
+        .unsteady
+        .then_some(Unsteady { from_dbar: UNSTEADY_FROM_DBAR, half_window_s: arguments.reading.half_window_s });
+    if arguments.unsteady && vehicle.get("added_mass.m3_kg").is_none() {
+        return Err(CliError::Usage(format!(
+            "--unsteady needs the added masses of the vehicle `{}`: `added_mass.m1_kg` and `added_mass.m3_kg` of its file",
+            vehicle.name
+        )));
+    }
+    let request = Request { trim, free: arguments.free.clone(), pin: pins(&arguments.pin)?, unsteady };
     let found = identify(&vehicle, &log.observations, &request)?;
     let report = found.report(&vehicle, log.w_filter, log.notes);
     if arguments.output.shows_tables() {
@@ -310,6 +325,29 @@ fn print(report: &Report, found: &Identification) {
     line("  after a 9-point mean", fit.w_rms_9_point_m_s, fit.w_rms_9_point_holdout_m_s);
     line("speed, rms", fit.speed_rms_m_s, fit.speed_rms_holdout_m_s);
     line("speed, mean of measured less model", fit.speed_bias_m_s, fit.speed_bias_holdout_m_s);
+    if let Some(c) = &report.unsteady {
+        println!();
+        println!("all samples below {} dbar, inflections included{:>17} {:>10}", c.from_dbar, "rms", "9-point");
+        for (what, score) in [
+            ("unsteady", &c.unsteady),
+            ("unsteady, where a steady glide exists", &c.unsteady_where_steady_exists),
+            ("steady, where it exists", &c.steady),
+        ] {
+            let smooth = score.w_rms_9_point_m_s.map_or_else(|| "-".to_owned(), |v| format!("{:.1}", v * 1e3));
+            println!("  {what:<40} {:>7} samples {:>8.1} {smooth:>10}  mm/s", score.n, score.w_rms_m_s * 1e3);
+        }
+    }
+    if let Some(b) = &report.pitch_balance {
+        println!();
+        println!(
+            "balance of moments: pitch rms {:.2} deg ({:.2} held out, {:.2} without d); CG {:.2} mm below CB, by a moving mass of {} kg",
+            b.pitch_rms_rad.to_degrees(),
+            b.pitch_rms_holdout_rad.unwrap_or(f64::NAN).to_degrees(),
+            b.pitch_rms_without_d_rad.to_degrees(),
+            b.cg_below_cb_m * 1e3,
+            figure(b.moving_mass_kg)
+        );
+    }
     if let Some(legs) = &report.legs_apart {
         println!();
         println!(

@@ -75,6 +75,35 @@ pub fn derivative<T: Number>(
     Motion::new(parameters, time_s, state, inputs).rates(actuation, modes)
 }
 
+/// Accelerations along axes 1 and 3 of a glider whose turning is known: pitch and pitch rate as in `state`, pitch
+/// acceleration as given, the moving mass resting on the hull where `state` has it.
+///
+/// The first two rows of [`derivative`], for a glider of which the pitch was measured and the moment was not.
+pub fn accelerations<T: Number>(
+    parameters: &Parameters<T>,
+    time_s: T,
+    state: &State<T>,
+    inputs: &Inputs<T>,
+    pitch_acceleration_rad_s2: T,
+) -> [T; 2] {
+    let (m, r1, r3) = (parameters.moving_mass_kg, state.moving_mass_1_m, state.moving_mass_3_m);
+    let resting = State {
+        momentum_1_kg_m_s: m * (state.v1_m_s + r3 * state.pitch_rate_rad_s),
+        momentum_3_kg_m_s: m * (state.v3_m_s - r1 * state.pitch_rate_rad_s),
+        ..*state
+    };
+    let motion = Motion::new(parameters, time_s, &resting, inputs);
+    let mut inertia = motion.hull_inertia();
+    let [ps1, ps3, _] = inertia.times([state.v1_m_s, state.v3_m_s, state.pitch_rate_rad_s]);
+    let force = motion.force_without_actuation(ps1, ps3);
+    inertia.carry_along_1(m, r3);
+    inertia.carry_along_3(m, r1);
+    [
+        (force[0] - inertia.g15 * pitch_acceleration_rad_s2) / inertia.g11,
+        (force[1] - inertia.g35 * pitch_acceleration_rad_s2) / inertia.g33,
+    ]
+}
+
 /// What is looked at in this state.
 pub fn outputs<T: Number>(parameters: &Parameters<T>, time_s: T, state: &State<T>, inputs: &Inputs<T>) -> Outputs<T> {
     let motion = Motion::new(parameters, time_s, state, inputs);

@@ -5,6 +5,7 @@
 //! - [`State`], [`Inputs`], [`Modes`]: what changes.
 //! - [`equations::derivative`]: the right-hand side, generic over the number.
 //! - [`equations::outputs`]: what is looked at.
+//! - [`equations::accelerations`]: the right-hand side where the pitch is known, as it is from a log.
 //! - [`Glider`] and [`Integrator`]: the same, carried through time.
 //!
 //! Knows nothing of files, of fits or of the FMI.
@@ -19,7 +20,7 @@ pub mod state;
 pub mod system;
 
 pub use buoyancy::Surroundings;
-pub use equations::{Outputs, derivative, outputs};
+pub use equations::{Outputs, accelerations, derivative, outputs};
 pub use integrate::{Advance, IntegrationError, Integrator};
 pub use parameters::{PARAMETERS, ParameterInfo, Parameters, parameter_index};
 pub use state::{Actuation, Inputs, Modes, N_STATES, STATE_NOMINALS, State, Stop};

@@ -8,13 +8,13 @@ use serde::Serialize;
 use super::data::{Dive, by_dive};
 use super::holdout::hold_out;
 use super::identifiability::{Pin, ProfilePoint, is_identified, profile, slocum_lift_slope_per_rad};
+use super::inflections::{Inflections, UNSTEADY_ONLY, Unsteady, inflections};
 use super::joint::{Fit, IdentifyError, Question, fit};
-use super::quantity::estimate;
+use super::pitch_balance::{PitchBalance, pitch_balance};
 use super::residuals::{Score, ScoreSums, residuals};
 use super::trim::Trim;
-use super::uncertainty::{condition_number, correlation, model_covariance};
+use super::uncertainty::condition_number;
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
-use crate::hull_tests::Estimate;
 use crate::log::Observation;
 use crate::vehicle::Vehicle;
 
@@ -27,6 +27,8 @@ pub struct Request {
     pub free: Vec<String>,
     /// Parameters to hold, with their values.
     pub pin: Vec<(String, f64)>,
+    /// Whether, and how, dives are flown through time, inflections included.
+    pub unsteady: Option<Unsteady>,
 }
 
 /// The result.
@@ -48,6 +50,10 @@ pub struct Identification {
     pub score: Score,
     /// The same on dives that it did not see.
     pub held_out: Option<Score>,
+    /// The fit on dives flown through time, where it was asked for.
+    pub inflections: Option<Inflections>,
+    /// The balance of pitching moments, where the log has the position of the battery.
+    pub pitch_balance: Option<PitchBalance>,
     /// Descents and ascents fitted apart, each without a ballast offset.
     pub legs: Option<LegsApart>,
     /// The profile of the lift slope.
@@ -106,9 +112,15 @@ pub fn identify(
     let mut pinned = BTreeMap::new();
     let mut free: Vec<&str> = vec!["a_per_rad", "b", "c_per_rad2", "ballast_offset_kg"];
     let asked: Vec<&str> = request.free.iter().map(|name| long_name(name)).collect();
-    free.extend(
-        asked.iter().copied().filter(|name| !["a_per_rad", "b", "c_per_rad2", "ballast_offset_kg"].contains(name)),
-    );
+    // d belongs to the balance of moments, which comes after the polar; added masses show only where speeds change.
+    let later = |name: &str| name == "d_per_rad" || UNSTEADY_ONLY.contains(&name);
+    let usual = ["a_per_rad", "b", "c_per_rad2", "ballast_offset_kg"];
+    free.extend(asked.iter().copied().filter(|name| !usual.contains(name) && !later(name)));
+    if request.unsteady.is_none()
+        && let Some(name) = asked.iter().find(|name| UNSTEADY_ONLY.contains(name))
+    {
+        return Err(IdentifyError::NeedsUnsteady((*name).to_owned()));
+    }
 
     for (name, value) in &request.pin {
         let row = parameter_index(long_name(name)).ok_or_else(|| IdentifyError::UnknownParameter(name.clone()))?;
@@ -175,12 +187,30 @@ pub fn identify(
         sums.add(&dive.observations, &residuals(&fitted.parameters, &dive.observations));
     }
     let held_out = hold_out(&question, &dives)?;
+    let inflections = match &request.unsteady {
+        Some(unsteady) => {
+            let mut moving = question.clone();
+            for name in asked.iter().filter(|name| UNSTEADY_ONLY.contains(name)) {
+                moving.free.extend(parameter_index(name));
+            }
+            Some(inflections(&moving, &fitted.parameters, observations, unsteady)?)
+        }
+        None => None,
+    };
+    let polar = inflections.as_ref().map_or(&fitted.parameters, |flown| &flown.fit.parameters);
+    let pitch_balance = pitch_balance(vehicle, polar, &dives)?;
     let legs = legs_apart(&question, &fitted, &dives);
     let a = fitted.parameters.a_per_rad;
     let values: Vec<f64> = [0.3, 0.45, 0.6, 0.8, 1.0, 1.3, 1.8, 2.6].iter().map(|factor| factor * a).collect();
     let profile = profile(&question, &fitted.parameters, "a_per_rad", &values, &dives).unwrap_or_default();
 
     warn(&mut warnings, &fitted, &dives, has_speed);
+    if pitch_balance.as_ref().is_some_and(|balance| !balance.told) {
+        warnings.push(
+            "d and the height of the centre of gravity rest on the arm of the ballast, which these data do not tell: give the vehicle its `ballast.forward_m`"
+                .into(),
+        );
+    }
     Ok(Identification {
         trim: request.trim,
         baseline,
@@ -190,6 +220,8 @@ pub fn identify(
         pinned,
         score: sums.score(),
         held_out,
+        inflections,
+        pitch_balance,
         legs,
         profile,
         warnings,
@@ -210,12 +242,8 @@ fn outside_lift_slope(vehicle: &Vehicle) -> (f64, String) {
 fn legs_apart(question: &Question, joint: &Fit, dives: &[Dive]) -> Option<LegsApart> {
     let offset = parameter_index("ballast_offset_kg")?;
     let leg = |descends: bool| -> Option<(f64, f64, usize)> {
-        let mut of_leg: Vec<Dive> = dives
-            .iter()
-            .map(|dive| dive.observations.iter().filter(|o| o.descends() == descends).copied().collect::<Vec<_>>())
-            .filter(|samples| !samples.is_empty())
-            .map(Dive::new)
-            .collect();
+        let mut of_leg: Vec<Dive> =
+            dives.iter().filter_map(|dive| dive.part(|_, o| o.descends() == descends)).collect();
         if of_leg.len() < 2 {
             return None;
         }
@@ -282,148 +310,5 @@ fn warn(warnings: &mut Vec<String>, fitted: &Fit, dives: &[Dive], has_speed: boo
             "the angle of attack is below 0.5 deg on most samples, impossible for a glider that its wings carry: does the pitch sensor read too large?"
                 .into(),
         );
-    }
-}
-
-/// The result in the form of `identify --json`.
-#[derive(Debug, Clone, Serialize)]
-pub struct Report {
-    /// Name and version of the form.
-    pub schema: &'static str,
-    /// `joint` or `iterative`.
-    pub method: &'static str,
-    /// Vehicle.
-    pub vehicle: String,
-    /// What the baseline takes for the net weight.
-    pub trim: Trim,
-    /// The same in a sentence.
-    pub trim_meaning: &'static str,
-    /// Legs with steady samples.
-    pub n_glides: usize,
-    /// Steady samples.
-    pub n_samples: usize,
-    /// Identified parameters; `d` is null where it was not.
-    pub parameters: BTreeMap<String, Option<Estimate>>,
-    /// Their correlations.
-    pub correlation: CorrelationTable,
-    /// Condition number of the Jacobian, columns scaled to one length.
-    pub condition_number: f64,
-    /// Whether the data tell a parameter.
-    pub identifiable: BTreeMap<String, bool>,
-    /// What was held, at which value, from where and why.
-    pub pinned: BTreeMap<String, Pin>,
-    /// How good the fit is.
-    pub fit: FitQuality,
-    /// Descents and ascents fitted apart.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub legs_apart: Option<LegsApart>,
-    /// Profile of the lift slope.
-    pub lift_slope_profile: Vec<ProfilePoint>,
-    /// What a user has to know.
-    pub warnings: Vec<String>,
-    /// What was found in the log and done about it.
-    pub notes: Vec<String>,
-}
-
-/// Correlations with the names of their rows.
-#[derive(Debug, Clone, Serialize)]
-pub struct CorrelationTable {
-    /// Names.
-    pub names: Vec<String>,
-    /// Rows.
-    pub matrix: Vec<Vec<f64>>,
-}
-
-/// How good a fit is.
-#[derive(Debug, Clone, Serialize)]
-pub struct FitQuality {
-    /// Vertical velocity, root mean square \[m/s\].
-    pub w_rms_m_s: f64,
-    /// The same on dives that the fit did not see.
-    pub w_rms_holdout_m_s: Option<f64>,
-    /// After a running mean over nine samples.
-    pub w_rms_9_point_m_s: Option<f64>,
-    /// The same on dives that the fit did not see.
-    pub w_rms_9_point_holdout_m_s: Option<f64>,
-    /// Speed, root mean square \[m/s\].
-    pub speed_rms_m_s: Option<f64>,
-    /// Speed, mean of measured less predicted \[m/s\].
-    pub speed_bias_m_s: Option<f64>,
-    /// On dives that the fit did not see.
-    pub speed_rms_holdout_m_s: Option<f64>,
-    /// On dives that the fit did not see.
-    pub speed_bias_holdout_m_s: Option<f64>,
-    /// Pitch from the balance of moments, root mean square \[rad\].
-    pub pitch_rms_rad: Option<f64>,
-    /// How the vertical velocity is measured.
-    pub w_filter: String,
-    /// How many neighbouring samples say together what one independent sample would.
-    pub correlated_samples: f64,
-}
-
-impl Identification {
-    /// In the form of `identify --json`; `w_filter` says how the vertical velocity was measured.
-    pub fn report(&self, vehicle: &Vehicle, w_filter: String, notes: Vec<String>) -> Report {
-        let fit = &self.fit;
-        let n = fit.free.len();
-        let freedom = (self.dives.len() as f64 - 1.0).max(1.0);
-        let name = |row: usize| short_name(PARAMETERS[row].name).to_owned();
-        let mut parameters: BTreeMap<String, Option<Estimate>> = BTreeMap::from([("d".to_owned(), None)]);
-        let mut identifiable = BTreeMap::new();
-        for (i, &row) in fit.free.iter().enumerate() {
-            let quantity = estimate(fit.value(row), fit.se(i), freedom, PARAMETERS[row].unit);
-            parameters.insert(name(row), Some(quantity));
-            identifiable.insert(name(row), is_identified(fit, i));
-        }
-        for (short, pin) in &self.pinned {
-            let row = parameter_index(long_name(short)).expect("a pinned parameter is a row");
-            let held =
-                Estimate { value: pin.value, se: 0.0, ci95: [pin.value; 2], unit: PARAMETERS[row].unit.to_owned() };
-            parameters.insert(short.clone(), Some(held));
-            identifiable.insert(short.clone(), false);
-        }
-        let correlations = correlation(&fit.covariance);
-        let held = self.held_out;
-        let legs: std::collections::BTreeSet<u32> =
-            self.dives.iter().flat_map(|dive| dive.observations.iter().map(|o| o.leg)).collect();
-        Report {
-            schema: "glidepolar.identify/1",
-            method: "joint",
-            vehicle: vehicle.name.clone(),
-            trim: self.trim,
-            trim_meaning: self.trim.sentence(),
-            n_glides: legs.len(),
-            n_samples: self.score.n,
-            parameters,
-            correlation: CorrelationTable {
-                names: fit.free.iter().map(|&row| name(row)).collect(),
-                matrix: (0..n).map(|i| (0..n).map(|j| correlations[(i, j)]).collect()).collect(),
-            },
-            condition_number: condition_number(&super::Gram::sum(n, &fit.grams).normal_matrix()),
-            identifiable,
-            pinned: self.pinned.clone(),
-            fit: FitQuality {
-                w_rms_m_s: self.score.w_rms_m_s,
-                w_rms_holdout_m_s: held.map(|score| score.w_rms_m_s),
-                w_rms_9_point_m_s: self.score.w_rms_9_point_m_s,
-                w_rms_9_point_holdout_m_s: held.and_then(|score| score.w_rms_9_point_m_s),
-                speed_rms_m_s: self.score.speed_rms_m_s,
-                speed_bias_m_s: self.score.speed_bias_m_s,
-                speed_rms_holdout_m_s: held.and_then(|score| score.speed_rms_m_s),
-                speed_bias_holdout_m_s: held.and_then(|score| score.speed_bias_m_s),
-                pitch_rms_rad: None,
-                w_filter,
-                correlated_samples: fit.tally.sink.correlated_samples(),
-            },
-            legs_apart: self.legs.clone(),
-            lift_slope_profile: self.profile.clone(),
-            warnings: self.warnings.clone(),
-            notes,
-        }
-    }
-
-    /// Covariance as if the residuals were independent, for comparison with the one by dives.
-    pub fn naive_covariance(&self) -> nalgebra::DMatrix<f64> {
-        model_covariance(self.fit.free.len(), &self.fit.grams)
     }
 }

@@ -36,18 +36,18 @@ pub struct Scatter {
 }
 
 impl Scatter {
-    fn close_leg(&mut self, leg_sum: &mut f64) {
+    pub(super) fn close_leg(&mut self, leg_sum: &mut f64) {
         self.sum_of_leg_squares += *leg_sum * *leg_sum;
         *leg_sum = 0.0;
     }
 
-    fn add(&mut self, residual: f64) {
+    pub(super) fn add(&mut self, residual: f64) {
         self.n += 1;
         self.sum += residual;
         self.sum_of_squares += residual * residual;
     }
 
-    fn merge(self, other: Scatter) -> Scatter {
+    pub(super) fn merge(self, other: Scatter) -> Scatter {
         Scatter {
             n: self.n + other.n,
             sum: self.sum + other.sum,
@@ -85,7 +85,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    fn merge(self, other: Tally) -> Tally {
+    pub(super) fn merge(self, other: Tally) -> Tally {
         Tally {
             sink: self.sink.merge(other.sink),
             speed: self.speed.merge(other.speed),
@@ -160,7 +160,7 @@ fn dive_rows<const N: usize>(
     let mut row = [0.0; MOST_FREE + 1];
     let mut leg = u32::MAX;
     let (mut sink_sum, mut speed_sum) = (0.0, 0.0);
-    for (observed, guess) in dive.with_guesses().step_by(every) {
+    for (observed, guess, root_weight) in dive.every(every) {
         if observed.leg != leg {
             leg = observed.leg;
             tally.sink.close_leg(&mut sink_sum);
@@ -176,10 +176,10 @@ fn dive_rows<const N: usize>(
             row[..n].fill(0.0);
             if let Some(slopes) = predicted.and_then(|p| p.eps.0) {
                 for (cell, slope) in row[..n].iter_mut().zip(slopes.iter()) {
-                    *cell = -slope / weight;
+                    *cell = -slope * root_weight / weight;
                 }
             }
-            row[n] = residual / weight;
+            row[n] = residual * root_weight / weight;
             gram.add_row(&row[..=n]);
             residual
         };

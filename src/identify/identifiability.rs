@@ -56,6 +56,8 @@ pub fn is_identified(fit: &Fit, position: usize) -> bool {
         "pitch_offset_rad" => 0.1,
         "vertical_current_m_s" => 0.05,
         "drag_exponent" => 0.3,
+        "d_per_rad" | "offset_mass_below_m" | "added_mass_1_kg" | "added_mass_3_kg" => fit.value(row).abs(),
+        "ballast_forward_m" => 0.1,
         _ => f64::INFINITY,
     };
     let at_bound = fit.value(row) <= info.min || fit.value(row) >= info.max;
@@ -136,5 +138,5 @@ pub fn profile(
 pub(super) fn thinned(dives: &[Dive], most: usize) -> Vec<Dive> {
     let samples: usize = dives.iter().map(|dive| dive.observations.len()).sum();
     let every = samples.div_ceil(most).max(1);
-    dives.iter().map(|dive| Dive::new(dive.observations.iter().copied().step_by(every).collect())).collect()
+    dives.iter().filter_map(|dive| dive.part(|i, _| i % every == 0)).collect()
 }

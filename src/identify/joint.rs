@@ -11,8 +11,9 @@ use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::DMatrix;
 use nalgebra_lm as lm;
 
+use super::blocks::Blocks;
 use super::data::Dive;
-use super::evaluate::{MOST_FREE, Tally, Weights, evaluate};
+use super::evaluate::{MOST_FREE, Tally, Weights};
 use super::gram::Gram;
 use super::uncertainty::jackknife;
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
@@ -74,6 +75,9 @@ pub enum IdentifyError {
     /// No such row.
     #[error("there is no parameter `{0}`")]
     UnknownParameter(String),
+    /// A parameter that a steady glide does not show.
+    #[error("a steady glide does not show `{0}`: ask for the unsteady mode, too (--unsteady)")]
+    NeedsUnsteady(String),
     /// One parameter asked for twice.
     #[error("the parameter `{0}` is asked for twice")]
     Twice(String),
@@ -144,44 +148,22 @@ const SAMPLES_OF_A_START: usize = 400;
 /// # Errors
 /// Without samples, or where the baseline is no description of this glider at all.
 pub fn fit(question: &Question, dives: &mut [Dive]) -> Result<Fit, IdentifyError> {
-    let samples: usize = dives.iter().map(|dive| dive.observations.len()).sum();
-    if samples == 0 {
-        return Err(IdentifyError::NoSamples);
-    }
-    let n = question.free.len();
-    let mut grams = vec![Gram::new(n); dives.len()];
-    let has_speed = question.use_speed && dives.iter().flat_map(|d| &d.observations).any(|o| o.speed_m_s.is_finite());
-    let mut weights = Weights { sink_m_s: 0.01, speed_m_s: if has_speed { 0.03 } else { f64::INFINITY } };
-
-    let mut solver = Solver { question, dives, grams: &mut grams, evaluations: 0, converged: true };
+    let mut dives = dives;
+    let mut solver = Solver::new(question, &mut dives)?;
     // Coarse: every start on a few samples, then the best one with the scatter that it shows.
-    let every = (samples / SAMPLES_OF_A_START).max(1);
-    let mut best = solver.best_start(weights, every);
-    weights = scatter(solver.tally(&best, weights, every), weights);
-    best = solver.minimise(&best, weights, every.div_ceil(3), 1e-4);
-    // Fine: all samples, the scatter from all residuals.
-    let tally = solver.tally(&best, weights, 1);
-    if 2 * tally.unflyable > samples {
-        return Err(IdentifyError::CannotFly { unflyable: tally.unflyable, samples });
-    }
-    weights = scatter(tally, weights);
-    best = solver.minimise(&best, weights, 1, 1e-5);
-    let tally = solver.tally(&best, weights, 1);
-    let (evaluations, converged) = (solver.evaluations, solver.converged);
+    let every = (solver.samples.samples() / SAMPLES_OF_A_START).max(1);
+    let mut best = solver.best_start(every);
+    solver.weights = scatter(solver.tally(&best, every), solver.weights);
+    best = solver.minimise(&best, every.div_ceil(3), 1e-4);
+    solver.finish(best)
+}
 
-    let chi2 = Gram::sum(n, &grams).sum_of_squares();
-    let covariance = jackknife(n, &grams);
-    Ok(Fit {
-        parameters: best,
-        free: question.free.clone(),
-        weights,
-        tally,
-        grams,
-        chi2,
-        covariance,
-        evaluations,
-        converged,
-    })
+/// Fits the parameters from a start that is near already, on all samples at once.
+///
+/// # Errors
+/// As [`fit`].
+pub(super) fn refine(question: &Question, samples: &mut dyn Blocks) -> Result<Fit, IdentifyError> {
+    Solver::new(question, samples)?.finish(question.baseline)
 }
 
 /// The weights that the residuals themselves suggest, correlation of neighbours included.
@@ -198,24 +180,59 @@ fn scatter(tally: Tally, before: Weights) -> Weights {
 
 struct Solver<'a> {
     question: &'a Question,
-    dives: &'a mut [Dive],
-    grams: &'a mut [Gram],
+    samples: &'a mut dyn Blocks,
+    grams: Vec<Gram>,
+    weights: Weights,
     evaluations: usize,
     converged: bool,
 }
 
-impl Solver<'_> {
-    fn tally(&mut self, at: &Parameters<f64>, weights: Weights, every: usize) -> Tally {
-        self.evaluations += 1;
-        evaluate(at, &self.question.free, weights, self.dives, self.grams, every)
+impl<'a> Solver<'a> {
+    fn new(question: &'a Question, samples: &'a mut dyn Blocks) -> Result<Self, IdentifyError> {
+        if samples.samples() == 0 {
+            return Err(IdentifyError::NoSamples);
+        }
+        let has_speed = question.use_speed && samples.has_speed();
+        let weights = Weights { sink_m_s: 0.01, speed_m_s: if has_speed { 0.03 } else { f64::INFINITY } };
+        let grams = vec![Gram::new(question.free.len()); samples.count()];
+        Ok(Solver { question, samples, grams, weights, evaluations: 0, converged: true })
     }
 
-    fn best_start(&mut self, weights: Weights, every: usize) -> Parameters<f64> {
+    /// All samples, the scatter from all residuals.
+    fn finish(mut self, start: Parameters<f64>) -> Result<Fit, IdentifyError> {
+        let tally = self.tally(&start, 1);
+        let samples = self.samples.samples();
+        if 2 * tally.unflyable > samples {
+            return Err(IdentifyError::CannotFly { unflyable: tally.unflyable, samples });
+        }
+        self.weights = scatter(tally, self.weights);
+        let parameters = self.minimise(&start, 1, 1e-5);
+        let tally = self.tally(&parameters, 1);
+        let n = self.question.free.len();
+        Ok(Fit {
+            parameters,
+            free: self.question.free.clone(),
+            weights: self.weights,
+            tally,
+            chi2: Gram::sum(n, &self.grams).sum_of_squares(),
+            covariance: jackknife(n, &self.grams),
+            grams: self.grams,
+            evaluations: self.evaluations,
+            converged: self.converged,
+        })
+    }
+
+    fn tally(&mut self, at: &Parameters<f64>, every: usize) -> Tally {
+        self.evaluations += 1;
+        self.samples.evaluate(at, &self.question.free, self.weights, &mut self.grams, every)
+    }
+
+    fn best_start(&mut self, every: usize) -> Parameters<f64> {
         let mut best = (f64::INFINITY, self.question.baseline);
         for start in starts(self.question) {
-            let found = self.minimise(&start, weights, every, 1e-3);
-            self.tally(&found, weights, every);
-            let cost = Gram::sum(self.question.free.len(), &*self.grams).sum_of_squares();
+            let found = self.minimise(&start, every, 1e-3);
+            self.tally(&found, every);
+            let cost = Gram::sum(self.question.free.len(), &self.grams).sum_of_squares();
             if cost < best.0 {
                 best = (cost, found);
             }
@@ -223,7 +240,7 @@ impl Solver<'_> {
         best.1
     }
 
-    fn minimise(&mut self, start: &Parameters<f64>, weights: Weights, every: usize, tolerance: f64) -> Parameters<f64> {
+    fn minimise(&mut self, start: &Parameters<f64>, every: usize, tolerance: f64) -> Parameters<f64> {
         let n = self.question.free.len();
         if n == 0 {
             return *start;
@@ -233,10 +250,10 @@ impl Solver<'_> {
         let mut problem = Problem {
             base: *start,
             free: &self.question.free,
-            weights,
+            weights: self.weights,
             every,
-            dives: self.dives,
-            grams: self.grams,
+            samples: &mut *self.samples,
+            grams: &mut self.grams,
             x: x.clone(),
             residuals: lm::DVector::zeros(0),
             jacobian: lm::DMatrix::zeros(0, 0),
@@ -289,7 +306,7 @@ struct Problem<'a> {
     free: &'a [usize],
     weights: Weights,
     every: usize,
-    dives: &'a mut [Dive],
+    samples: &'a mut dyn Blocks,
     grams: &'a mut [Gram],
     x: lm::DVector<f64>,
     residuals: lm::DVector<f64>,
@@ -320,7 +337,7 @@ impl LeastSquaresProblem<f64, lm::Dyn, lm::Dyn> for Problem<'_> {
         self.x.copy_from(x);
         let n = self.free.len();
         let parameters = self.parameters();
-        evaluate(&parameters, self.free, self.weights, self.dives, self.grams, self.every);
+        self.samples.evaluate(&parameters, self.free, self.weights, self.grams, self.every);
         self.evaluations += 1;
         let mut total = Gram::sum(n, &*self.grams);
         // Beyond a bound the samples see the bound itself; a residual of its own leads back.

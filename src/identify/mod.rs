@@ -2,28 +2,37 @@
 //!
 //! - [`identify()`]: the whole identification of one log, with what it cannot tell.
 //! - [`joint`]: any parameters from all samples at once, exact slopes, standard errors by dives.
+//! - [`unsteady`]: the same on dives flown through time, turns and all.
+//! - [`pitch_balance`]: d and the height of the centre of gravity from battery, ballast and pitch.
 //! - [`evaluate()`], [`Gram`]: residuals over all dives in bounded memory.
 //!
 //! Works on [`Observation`](crate::log::Observation)s and [`Parameters`](crate::dynamics::Parameters); knows no files.
 
+mod blocks;
 pub mod campaign;
 mod data;
 mod evaluate;
+mod form;
 mod gram;
 pub mod holdout;
 pub mod identifiability;
+pub mod inflections;
 pub mod joint;
 pub mod model;
 pub mod paper;
+pub mod pitch_balance;
 mod quantity;
 mod residuals;
 mod trim;
 pub mod uncertainty;
+pub mod unsteady;
 
-pub use campaign::{Identification, Report, Request, identify};
+pub use campaign::{Identification, Request, identify};
 pub use data::{Dive, by_dive, ranges};
 pub use evaluate::{MOST_FREE, Scatter, Tally, Weights, evaluate};
+pub use form::{CorrelationTable, FitQuality, Report};
 pub use gram::Gram;
+pub use inflections::Unsteady;
 pub use joint::{Fit, IdentifyError, Question, fit};
 pub use model::{Prediction, predict};
 pub use quantity::{estimate, student_975};

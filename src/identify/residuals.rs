@@ -20,6 +20,16 @@ pub struct Residual {
     pub predicted_speed_m_s: f64,
 }
 
+impl Residual {
+    /// Of a sample without a prediction.
+    pub const NONE: Residual = Residual {
+        sink_m_s: f64::NAN,
+        speed_m_s: f64::NAN,
+        angle_of_attack_rad: f64::NAN,
+        predicted_speed_m_s: f64::NAN,
+    };
+}
+
 /// The residual of every observation, steady or not; NaN where no glide exists.
 pub fn residuals(parameters: &Parameters<f64>, observations: &[Observation]) -> Vec<Residual> {
     let glider = Glider::new(*parameters);
@@ -36,12 +46,7 @@ pub fn residuals(parameters: &Parameters<f64>, observations: &[Observation]) -> 
                     angle_of_attack_rad: p.angle_of_attack_rad,
                     predicted_speed_m_s: p.speed_m_s,
                 },
-                None => Residual {
-                    sink_m_s: f64::NAN,
-                    speed_m_s: f64::NAN,
-                    angle_of_attack_rad: f64::NAN,
-                    predicted_speed_m_s: f64::NAN,
-                },
+                None => Residual::NONE,
             }
         })
         .collect()
@@ -74,8 +79,17 @@ pub struct ScoreSums {
 const HALF: usize = 4;
 
 impl ScoreSums {
-    /// Adds observations with their residuals. Samples without a prediction do not count.
+    /// Adds observations with their residuals. Samples without a prediction do not count, means stay within a leg.
     pub fn add(&mut self, observations: &[Observation], residuals: &[Residual]) {
+        self.add_joined(residuals, |i, j| observations[i].leg == observations[j].leg);
+    }
+
+    /// Adds the residuals of consecutive samples of one stretch, whatever the leg.
+    pub fn add_stretch(&mut self, residuals: &[Residual]) {
+        self.add_joined(residuals, |_, _| true);
+    }
+
+    fn add_joined(&mut self, residuals: &[Residual], joined: impl Fn(usize, usize) -> bool) {
         for (i, residual) in residuals.iter().enumerate() {
             if residual.sink_m_s.is_finite() {
                 self.w.0 += 1;
@@ -88,7 +102,7 @@ impl ScoreSums {
             }
             let Some(low) = i.checked_sub(HALF).filter(|_| i + HALF < residuals.len()) else { continue };
             let window = low..=i + HALF;
-            if observations[low].leg == observations[i + HALF].leg {
+            if joined(low, i + HALF) {
                 let mean = residuals[window].iter().map(|r| r.sink_m_s).sum::<f64>() / (2 * HALF + 1) as f64;
                 if mean.is_finite() {
                     self.smooth.0 += 1;

@@ -192,7 +192,7 @@ pub(super) fn median_step(time_s: &[f64]) -> f64 {
 }
 
 /// The median, the upper one of an even number; the slice is reordered.
-pub(super) fn median(values: &mut [f64]) -> f64 {
+pub(crate) fn median(values: &mut [f64]) -> f64 {
     let middle = values.len() / 2;
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }

@@ -27,6 +27,7 @@ mod vertical_velocity;
 
 pub use channels::{CHANNELS, Channel, ChannelInfo, FlightLog};
 pub use clean::Notes;
+pub(crate) use clean::median;
 pub use csv::CsvLog;
 pub use density::{absolute_salinity_g_kg, conservative_temperature_C, in_situ_density_kg_m3};
 pub use glide_table::read_glide_table;
@@ -34,7 +35,7 @@ pub use observation::{DBAR_PA, Observation};
 pub use open::{Columns, LogPieces, Opened, open};
 pub use prepare::{Preparation, Prepared, Settings};
 pub use segment::{Leg, legs};
-pub use vertical_velocity::{Velocity, vertical_velocity};
+pub use vertical_velocity::{Velocity, filter_window, vertical_velocity};
 
 #[cfg(test)]
 mod tests;

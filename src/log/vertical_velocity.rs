@@ -62,6 +62,18 @@ pub fn vertical_velocity(time_s: &[f64], pressure_dbar: &[f64], half_window_s: f
     velocity
 }
 
+/// First and last sample of the filter around sample `i`, which is neither the first nor the last one.
+pub fn filter_window(time_s: &[f64], i: usize, half_window_s: f64) -> (usize, usize) {
+    let (mut low, mut high) = (i - 1, i + 1);
+    while low > 0 && time_s[i] - time_s[low - 1] <= half_window_s {
+        low -= 1;
+    }
+    while high + 1 < time_s.len() && time_s[high + 1] - time_s[i] <= half_window_s {
+        high += 1;
+    }
+    (low, high)
+}
+
 /// Slope of the least-squares line, and the sum of squares of the abscissa about its mean.
 fn slope(x: &[f64], y: &[f64]) -> (f64, f64) {
     let n = x.len() as f64;

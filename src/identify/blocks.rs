@@ -1,0 +1,54 @@
+//! What a fit asks of its samples, whether they are steady glides or whole dives flown through time.
+
+use super::data::Dive;
+use super::evaluate::{Tally, Weights, evaluate};
+use super::gram::Gram;
+use crate::dynamics::Parameters;
+
+/// Samples in blocks; residuals of different blocks are taken to be independent.
+pub trait Blocks {
+    /// How many blocks there are.
+    fn count(&self) -> usize;
+
+    /// How many samples there are in all.
+    fn samples(&self) -> usize;
+
+    /// Whether any sample has a measured speed.
+    fn has_speed(&self) -> bool;
+
+    /// Residuals and slopes at these parameters, into one matrix a block; of every `every`-th sample where samples stand
+    /// alone.
+    fn evaluate(
+        &mut self,
+        parameters: &Parameters<f64>,
+        free: &[usize],
+        weights: Weights,
+        grams: &mut [Gram],
+        every: usize,
+    ) -> Tally;
+}
+
+impl Blocks for &mut [Dive] {
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    fn samples(&self) -> usize {
+        self.iter().map(|dive| dive.observations.len()).sum()
+    }
+
+    fn has_speed(&self) -> bool {
+        self.iter().flat_map(|dive| &dive.observations).any(|o| o.speed_m_s.is_finite())
+    }
+
+    fn evaluate(
+        &mut self,
+        parameters: &Parameters<f64>,
+        free: &[usize],
+        weights: Weights,
+        grams: &mut [Gram],
+        every: usize,
+    ) -> Tally {
+        evaluate(parameters, free, weights, self, grams, every)
+    }
+}
