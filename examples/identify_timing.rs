@@ -45,7 +45,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         found = fit(&question, &mut dives)?;
         best = best.min(start.elapsed().as_secs_f64());
     }
-    println!("steady fit    {:8.1} ms, {} evaluations, w rms {:.2} mm/s", best * 1e3, found.evaluations, found.tally.sink.rms() * 1e3);
+    println!(
+        "steady fit    {:8.1} ms, {} evaluations, w rms {:.2} mm/s",
+        best * 1e3,
+        found.evaluations,
+        found.tally.sink.rms() * 1e3
+    );
 
     let unsteady = Unsteady { from_dbar: 3.0, half_window_s: 4.0 };
     let mut best = f64::INFINITY;

@@ -155,6 +155,7 @@ pub fn fit(question: &Question, dives: &mut [Dive]) -> Result<Fit, IdentifyError
     let mut best = solver.best_start(every);
     solver.weights = scatter(solver.tally(&best, every), solver.weights);
     best = solver.minimise(&best, every.div_ceil(3), 1e-4);
+    solver.weights = scatter(solver.tally(&best, every.div_ceil(3)), solver.weights);
     solver.finish(best)
 }
 
@@ -163,7 +164,9 @@ pub fn fit(question: &Question, dives: &mut [Dive]) -> Result<Fit, IdentifyError
 /// # Errors
 /// As [`fit`].
 pub(super) fn refine(question: &Question, samples: &mut dyn Blocks) -> Result<Fit, IdentifyError> {
-    Solver::new(question, samples)?.finish(question.baseline)
+    let mut solver = Solver::new(question, samples)?;
+    solver.weights = scatter(solver.tally(&question.baseline, 1), solver.weights);
+    solver.finish(question.baseline)
 }
 
 /// The weights that the residuals themselves suggest, correlation of neighbours included.
@@ -198,16 +201,14 @@ impl<'a> Solver<'a> {
         Ok(Solver { question, samples, grams, weights, evaluations: 0, converged: true })
     }
 
-    /// All samples, the scatter from all residuals.
+    /// From a start nearby, on all samples.
     fn finish(mut self, start: Parameters<f64>) -> Result<Fit, IdentifyError> {
-        let tally = self.tally(&start, 1);
+        let parameters = self.minimise(&start, 1, 1e-4);
+        let tally = self.tally(&parameters, 1);
         let samples = self.samples.samples();
         if 2 * tally.unflyable > samples {
             return Err(IdentifyError::CannotFly { unflyable: tally.unflyable, samples });
         }
-        self.weights = scatter(tally, self.weights);
-        let parameters = self.minimise(&start, 1, 1e-5);
-        let tally = self.tally(&parameters, 1);
         let n = self.question.free.len();
         Ok(Fit {
             parameters,

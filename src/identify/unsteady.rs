@@ -249,6 +249,7 @@ fn rows<const N: usize>(
 /// The parameters in every kind of number that the flight needs.
 struct Flyer<T> {
     lifted: Parameters<T>,
+    plain: Parameters<f64>,
     with_slopes: Parameters<Dual64>,
     glider: Glider<T>,
 }
@@ -256,7 +257,7 @@ struct Flyer<T> {
 impl<T: Number> Flyer<T> {
     fn new(lifted: Parameters<T>) -> Self {
         let plain = lifted.map(T::value);
-        Flyer { lifted, with_slopes: plain.map(Dual64::from), glider: Glider::new(lifted) }
+        Flyer { lifted, plain, with_slopes: plain.map(Dual64::from), glider: Glider::new(lifted) }
     }
 }
 
@@ -470,14 +471,15 @@ fn advance<T: Number>(
     let mut x = velocity;
     let mut f = known.unwrap_or_else(|| rates(&flyer.lifted, here, x));
     let mut down = T::constant(0.0);
+    let mut matrix = [[f64::INFINITY, 0.0], [0.0, f64::INFINITY]];
     for step in 0..steps as usize {
         let at = |share: f64| here.between(next, (step as f64 + share) / steps);
         let (start, middle, end) = (at(0.0), at(GAMMA), at(1.0));
         let guess = [x[0].value() + GAMMA * h * f[0].value(), x[1].value()];
         let base = [x[0] + f[0] * (D * h), x[1] + f[1] * (D * h)];
-        let stage = implicit(flyer, &middle, base, D * h, guess)?;
+        let stage = implicit(flyer, &middle, base, D * h, guess, &mut matrix)?;
         let base = [0, 1].map(|k| stage[k] * FROM_STAGE - x[k] * FROM_START);
-        let there = implicit(flyer, &end, base, D * h, stage.map(T::value))?;
+        let there = implicit(flyer, &end, base, D * h, stage.map(T::value), &mut matrix)?;
         // Simpson's weights for the three places of the stage, exact for parabolas.
         let sinks =
             [sink(&flyer.lifted, &start, x), sink(&flyer.lifted, &middle, stage), sink(&flyer.lifted, &end, there)];
@@ -491,20 +493,40 @@ fn advance<T: Number>(
     Some((x, down, f))
 }
 
-/// The solution of `x = base + s f(x)`, with its derivatives.
-fn implicit<T: Number>(flyer: &Flyer<T>, at: &Moment, base: [T; 2], s: f64, guess: [f64; 2]) -> Option<[T; 2]> {
-    const TOLERANCE_M_S: f64 = 1e-7;
-    const MOST_STEPS: usize = 25;
+/// The solution of `x = base + s f(x)`, with its derivatives. `matrix` is `1 - s f'` nearby, and that of the solution
+/// afterwards.
+fn implicit<T: Number>(
+    flyer: &Flyer<T>,
+    at: &Moment,
+    base: [T; 2],
+    s: f64,
+    guess: [f64; 2],
+    matrix: &mut [[f64; 2]; 2],
+) -> Option<[T; 2]> {
+    // The last step is Newton's own and squares the error: after one of this size the rest is rounding.
+    const TOLERANCE_M_S: f64 = 1e-6;
+    const MOST_ROUNDS: usize = 25;
+    const MOST_CHEAP_STEPS: usize = 3;
     let plain_base = base.map(T::value);
     let mut x = guess;
-    let mut matrix = [[0.0; 2]; 2];
-    let mut converged = false;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MOST_ROUNDS {
+        // A few steps with the matrix at hand cost a fraction of a new one.
+        for _ in 0..MOST_CHEAP_STEPS {
+            let f = rates(&flyer.plain, at, x);
+            let step = solve_2(*matrix, [0, 1].map(|k| x[k] - plain_base[k] - s * f[k]));
+            let size = step[0].abs().max(step[1].abs());
+            if !(size < 0.05) {
+                break;
+            }
+            x = [x[0] - step[0], x[1] - step[1]];
+            if size < 10.0 * TOLERANCE_M_S {
+                break;
+            }
+        }
         let by_1 = rates(&flyer.with_slopes, at, [Dual64::from(x[0]).derivative(), x[1].into()]);
         let by_3 = rates(&flyer.with_slopes, at, [x[0].into(), Dual64::from(x[1]).derivative()]);
-        matrix = [[1.0 - s * by_1[0].eps, -s * by_3[0].eps], [-s * by_1[1].eps, 1.0 - s * by_3[1].eps]];
-        let residual = [0, 1].map(|k| x[k] - plain_base[k] - s * by_1[k].re);
-        let step = solve_2(matrix, residual);
+        *matrix = [[1.0 - s * by_1[0].eps, -s * by_3[0].eps], [-s * by_1[1].eps, 1.0 - s * by_3[1].eps]];
+        let step = solve_2(*matrix, [0, 1].map(|k| x[k] - plain_base[k] - s * by_1[k].re));
         let size = step[0].abs().max(step[1].abs());
         if !size.is_finite() {
             return None;
@@ -513,21 +535,16 @@ fn implicit<T: Number>(flyer: &Flyer<T>, at: &Moment, base: [T; 2], s: f64, gues
         let damping = (0.2 / size).min(1.0);
         x = [x[0] - damping * step[0], x[1] - damping * step[1]];
         if size < TOLERANCE_M_S {
-            converged = true;
-            break;
+            let mut solution = x.map(T::constant);
+            if T::HAS_DERIVATIVES {
+                let f = rates(&flyer.lifted, at, solution);
+                let step = solve_2(*matrix, [0, 1].map(|k| solution[k] - base[k] - f[k] * s));
+                solution = [0, 1].map(|k| solution[k] - step[k]);
+            }
+            return Some(solution);
         }
     }
-    if !converged {
-        return None;
-    }
-    let mut solution = x.map(T::constant);
-    if T::HAS_DERIVATIVES {
-        let f = rates(&flyer.lifted, at, solution);
-        let residual = [0, 1].map(|k| solution[k] - base[k] - f[k] * s);
-        let step = solve_2(matrix, residual);
-        solution = [0, 1].map(|k| solution[k] - step[k]);
-    }
-    Some(solution)
+    None
 }
 
 /// `A^-1 r` for a matrix of plain numbers.
