@@ -3,12 +3,15 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use serde::Serialize;
 
-use super::{CliError, Output};
-use crate::identify::{Identification, IdentifyError, Report, Request, Trim, Unsteady, identify, paper};
+use super::{CliError, Output, identify_page, vehicle_input};
+use crate::identify::{Identification, IdentifyError, Report, Request, Trim, Unsteady, identify, paper_form};
 use crate::input::{InputError, Place};
-use crate::log::{Channel, Columns, Observation, Opened, Preparation, Settings, open};
+use crate::log::{
+    Channel, Columns, Condenser, MOST_OBSERVATIONS, Observation, Opened, Preparation, Settings, Shorten, open,
+};
+use crate::output::OutputFolder;
+use crate::report::{InputFile, Report as Page};
 use crate::vehicle::Vehicle;
 
 /// Glide polar, ballast offset and more from flight logs, with what the data cannot tell
@@ -43,6 +46,9 @@ pub struct Arguments {
     /// Fly the dives through time, with added mass: turns and accelerating samples take part
     #[arg(long)]
     unsteady: bool,
+    /// Write report.html with its figures, and the tables as CSV, into this folder
+    #[arg(long, value_name = "DIR", help_heading = "Output")]
+    out: Option<PathBuf>,
     #[command(flatten)]
     output: Output,
 }
@@ -105,7 +111,7 @@ pub struct Log {
 }
 
 /// Samples of a CSV file that are read at once.
-const PIECE_ROWS: usize = 200_000;
+const PIECE_ROWS: usize = 50_000;
 
 impl Reading {
     /// Reads logs into samples.
@@ -113,6 +119,11 @@ impl Reading {
     /// # Errors
     /// What cannot be read, and where nothing is left to use.
     pub fn read(&self, logs: &[PathBuf], vehicle: &Vehicle) -> Result<Log, CliError> {
+        self.read_shortened(logs, vehicle, Shorten::Means)
+    }
+
+    /// The same; a log that is too long for the memory is shortened in this way.
+    fn read_shortened(&self, logs: &[PathBuf], vehicle: &Vehicle, how: Shorten) -> Result<Log, CliError> {
         let mut columns = Columns::default();
         for choice in &self.column {
             columns.choose_text(choice).map_err(CliError::Usage)?;
@@ -138,6 +149,7 @@ impl Reading {
             ..Settings::default()
         };
         let mut preparation = Preparation::new(settings);
+        let mut condenser = Condenser::new(how, MOST_OBSERVATIONS);
         let mut observations = Vec::new();
         let mut tables = false;
         for path in logs {
@@ -145,6 +157,7 @@ impl Reading {
                 Opened::Series(mut series) => {
                     while let Some(piece) = series.next_piece(PIECE_ROWS)? {
                         preparation.push(piece, &mut observations);
+                        condenser.take(&mut observations);
                     }
                 }
                 Opened::Glides(mut glides) => {
@@ -164,6 +177,8 @@ impl Reading {
             }
         }
         preparation.finish(&mut observations);
+        condenser.take(&mut observations);
+        let (observations, shortened) = condenser.finish();
         if observations.is_empty() {
             let problem = "no leg with pressure, pitch, ballast volume and density on it";
             let help =
@@ -171,16 +186,22 @@ impl Reading {
             return Err(InputError::new(Place::file(&logs[0]), problem).help(help).into());
         }
         let w_filter = if tables { "the column w_m_s of the table".to_owned() } else { preparation.filter() };
-        Ok(Log { observations, w_filter, notes: preparation.notes().sentences() })
+        let w_filter = match &shortened {
+            Some(said) => format!("{w_filter}; {said}"),
+            None => w_filter,
+        };
+        let notes = preparation.notes().sentences().into_iter().chain(shortened).collect();
+        Ok(Log { observations, w_filter, notes })
     }
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let vehicle = Vehicle::load(&arguments.vehicle)?;
-    let log = arguments.reading.read(&arguments.logs, &vehicle)?;
+    let how = if arguments.unsteady { Shorten::Dives } else { Shorten::Means };
+    let log = arguments.reading.read_shortened(&arguments.logs, &vehicle, how)?;
     let trim = TrimChoice::of(arguments.trim, &vehicle);
     if arguments.method == Method::Iterative {
-        return iterative(arguments, &vehicle, &log, trim);
+        return iterative(arguments, &vehicle, log, trim);
     }
     let unsteady = arguments
         .unsteady
@@ -197,31 +218,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if arguments.output.shows_tables() {
         print(&report, &found);
     }
+    if let Some(out) = &arguments.out {
+        let folder = arguments.output.folder(out)?;
+        let page = identify_page::of_joint(&vehicle, &found, &report, &log.observations, &folder)?;
+        write_page(arguments, page, &folder)?;
+    }
     arguments.output.write_json(&report)
 }
 
 /// The tank paper's scheme, from the vehicle's coefficients and from half and double its lift slope.
-fn iterative(arguments: &Arguments, vehicle: &Vehicle, log: &Log, trim: Trim) -> Result<(), CliError> {
-    let parameters = trim.baseline(&vehicle.glide_parameters(), &log.observations);
-    let glides = paper::mean_glides(&parameters, &log.observations);
-    let first = paper::Coefficients { a: parameters.a_per_rad, b: parameters.b, c: parameters.c_per_rad2 };
-    let mut campaigns = Vec::new();
-    for descends in [true, false] {
-        for factor in [1.0, 0.5, 2.0] {
-            let guess = paper::Coefficients { a: first.a * factor, ..first };
-            campaigns.extend(paper::campaign(&glides, descends, parameters.frontal_area_m2, guess));
-        }
-    }
-    if campaigns.is_empty() {
+fn iterative(arguments: &Arguments, vehicle: &Vehicle, log: Log, trim: Trim) -> Result<(), CliError> {
+    let Log { observations, w_filter, notes } = log;
+    let Some(report) = paper_form::iterative(vehicle, trim, &observations, w_filter, notes) else {
         return Err(CliError::Failed("the scheme has no solution for any leg: weight, pitch and sink rate contradict each other; is the trim right?".into()));
-    }
-    let report = Iterative {
-        schema: "glidepolar.identify/1",
-        method: "iterative",
-        trim,
-        n_glides: glides.len(),
-        warnings: vec!["the result depends on the first guess: see the campaigns that start elsewhere".into()],
-        campaigns,
     };
     if arguments.output.shows_tables() {
         println!(
@@ -243,20 +252,24 @@ fn iterative(arguments: &Arguments, vehicle: &Vehicle, log: &Log, trim: Trim) ->
                 campaign.history.len()
             );
         }
+        println!("vertical velocity of all steady samples, rms {:.1} mm/s", report.fit.w_rms_m_s * 1e3);
         report.warnings.iter().for_each(|warning| println!("warning: {warning}"));
+    }
+    if let Some(out) = &arguments.out {
+        let folder = arguments.output.folder(out)?;
+        let page = identify_page::of_iterative(vehicle, &report, &folder)?;
+        write_page(arguments, page, &folder)?;
     }
     arguments.output.write_json(&report)
 }
 
-/// The scheme's result as JSON gives it.
-#[derive(Debug, Serialize)]
-struct Iterative {
-    schema: &'static str,
-    method: &'static str,
-    trim: Trim,
-    n_glides: usize,
-    campaigns: Vec<paper::Campaign>,
-    warnings: Vec<String>,
+/// The page with what was read.
+fn write_page(arguments: &Arguments, page: Page, folder: &OutputFolder) -> Result<(), CliError> {
+    let mut page = page.input(vehicle_input(&arguments.vehicle)?);
+    for log in &arguments.logs {
+        page = page.input(InputFile::read(log)?);
+    }
+    Ok(page.write(folder)?)
 }
 
 fn pins(texts: &[String]) -> Result<Vec<(String, f64)>, CliError> {

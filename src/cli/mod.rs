@@ -15,6 +15,8 @@ pub mod glide;
 mod glide_page;
 mod history_page;
 pub mod identify;
+mod identify_figures;
+mod identify_page;
 mod mission;
 mod mission_page;
 pub mod plan;

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::table::for_each_row;
@@ -13,7 +13,7 @@ use crate::dynamics::Parameters;
 use crate::input::{InputError, Place};
 use crate::log::{CHANNELS, Channel, Columns, DBAR_PA, FlightLog, Opened, in_situ_density_kg_m3, open};
 use crate::report::InputFile;
-use crate::track::{DiveTrack, Fix, Sample, Settings, Track, reckon};
+use crate::track::{DiveTrack, Drift, Fix, Sample, Settings, Track, reckon};
 use crate::vehicle::Vehicle;
 
 /// Samples read at a time.
@@ -47,9 +47,16 @@ pub struct Arguments {
     /// Standard error of the compass through a dive [deg]
     #[arg(long, value_name = "S", default_value_t = 3.0)]
     heading_error_deg: f64,
-    /// Standard error of the polar's speed beyond the vehicle's [uncertainty], per cent
-    #[arg(long, value_name = "P", default_value_t = 0.0)]
-    speed_error_percent: f64,
+    /// Standard error of the polar's speed beyond the vehicle's [uncertainty], per cent; default: 0 where the vehicle
+    /// states errors of its coefficients, 10 where it does not
+    #[arg(long, value_name = "P")]
+    speed_error_percent: Option<f64>,
+    /// Where in a dive the fixes of a table with start_time_s were taken: at its start, or in its middle (needs duration_s)
+    #[arg(long, value_enum, default_value_t = FixesAt::Start)]
+    fixes_at: FixesAt,
+    /// Standard error of a fix on either axis [m]
+    #[arg(long, value_name = "S", default_value_t = 50.0)]
+    fix_error_m: f64,
     /// Density where the log gives none [kg/m3]
     #[arg(long, value_name = "RHO")]
     density: Option<f64>,
@@ -69,11 +76,23 @@ pub struct Arguments {
     output: Output,
 }
 
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum FixesAt {
+    Start,
+    Middle,
+}
+
+/// Error of the speed of a polar of which nothing is known \[per cent\]: by so much two flight models of one Seaglider,
+/// both fitted to its vertical velocity, differ in speed.
+const UNKNOWN_POLAR_PERCENT: f64 = 10.0;
+
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let a = arguments;
-    for (name, value) in
-        [("--heading-error-deg", a.heading_error_deg), ("--speed-error-percent", a.speed_error_percent)]
-    {
+    for (name, value) in [
+        ("--heading-error-deg", a.heading_error_deg),
+        ("--speed-error-percent", a.speed_error_percent.unwrap_or(0.0)),
+        ("--fix-error-m", a.fix_error_m),
+    ] {
         if !(value >= 0.0 && value.is_finite()) {
             return Err(CliError::Usage(format!("{name} {value}: expected a number not below zero")));
         }
@@ -93,32 +112,44 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let settings = Settings {
         declination_rad: a.declination_deg.to_radians(),
         heading_error_rad: a.heading_error_deg.to_radians(),
-        speed_error: a.speed_error_percent / 100.0,
+        speed_error: a.speed_error_percent.unwrap_or_else(|| unknown_polar_percent(&vehicle)) / 100.0,
         ..Settings::default()
     };
     let mut track = reckon(&vehicle.glide_parameters(), &moved, &samples, &settings);
-    let stored = match &a.fixes {
-        None => Vec::new(),
-        Some(file) => {
-            let (fixes, stored) = read_fixes(file)?;
-            track.set_currents(&fixes);
-            stored
+    let table = a.fixes.as_deref().map(|file| read_fixes(file, a.fixes_at)).transpose()?;
+    let mut drifts = Vec::new();
+    let mut comparison = None;
+    let mut warnings = Vec::new();
+    if let Some(table) = &table {
+        track.set_currents(&table.fixes);
+        drifts = track.drifts(&table.fixes, a.fix_error_m);
+        comparison = match a.fixes_at {
+            FixesAt::Start => Comparison::new(&by_dive(&track.dives, &table.stored)),
+            FixesAt::Middle => Comparison::new(&by_drift(&drifts, &table.stored)),
+        };
+        if let (FixesAt::Start, Some(found), Some(middle)) = (a.fixes_at, &comparison, &table.middle) {
+            let other = Comparison::new(&by_drift(&track.drifts(&middle.0, a.fix_error_m), &middle.1));
+            if let Some(other) = other.filter(|other| 2.0 * other.rms_difference_m_s < found.rms_difference_m_s) {
+                warnings.push(format!(
+                    "the positions fit the stored currents far better as those of the middle of each dive ({:.3} against {:.3} m/s): --fixes-at middle",
+                    other.rms_difference_m_s, found.rms_difference_m_s
+                ));
+            }
         }
-    };
+    }
     if let Some(path) = &a.csv {
         a.output.write(path, track_table(&track).as_bytes())?;
     }
     if let Some(path) = &a.write {
         a.output.write(path, log_table(&log, &track, &samples).as_bytes())?;
     }
-    let comparison = Comparison::new(&track.dives, &stored);
     if let Some(out) = &a.out {
         let remarks = Remarks {
             vehicle: &vehicle.name,
             is_builtin: vehicle.is_builtin,
             has_uncertainty: !moved.is_empty(),
             declination_deg: a.declination_deg,
-            stored: &stored,
+            stored: table.as_ref().map_or(&[], |table| &table.stored),
             comparison: comparison.as_ref().map(Comparison::sentence),
         };
         let mut page = track_page::page(&track, &remarks).input(vehicle_input(&a.vehicle)?);
@@ -127,7 +158,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         }
         page.write(&a.output.folder(out)?)?;
     }
-    let report = Report { schema: "glidepolar.track/1", vehicle: &vehicle.name, dives: &track.dives, comparison };
+    let report = Report {
+        schema: "glidepolar.track/1",
+        vehicle: &vehicle.name,
+        dives: &track.dives,
+        between_fixes: &drifts,
+        comparison,
+        warnings,
+    };
     if a.output.shows_tables() {
         report.print();
     }
@@ -223,29 +261,55 @@ fn samples(a: &Arguments, log: &FlightLog) -> Result<Vec<Sample>, CliError> {
     Ok(samples)
 }
 
+/// The per cent by which the speed of this vehicle may err beyond what its file states.
+fn unknown_polar_percent(vehicle: &Vehicle) -> f64 {
+    let stated = vehicle.uncertainty.iter().any(|(path, _)| path.starts_with("hydro."));
+    if stated { 0.0 } else { UNKNOWN_POLAR_PERCENT }
+}
+
 /// A current that the table of fixes has beside a fix: time of the fix, east, north.
 type Stored = (f64, f64, f64);
 
-fn read_fixes(file: &Path) -> Result<(Vec<Fix>, Vec<Stored>), InputError> {
+/// A table of fixes.
+struct Fixes {
+    fixes: Vec<Fix>,
+    stored: Vec<Stored>,
+    /// The same with the times of the middle of the dives, where these are known and were not asked for.
+    middle: Option<(Vec<Fix>, Vec<Stored>)>,
+}
+
+fn read_fixes(file: &Path, at: FixesAt) -> Result<Fixes, InputError> {
     let text = std::fs::read_to_string(file).map_err(|error| InputError::io(file, &error))?;
     let header = text.lines().find(|line| !line.starts_with('#')).unwrap_or("");
     let has = |name: &str| header.split(',').any(|column| column.trim() == name);
     let time = if has("time_s") { "time_s" } else { "start_time_s" };
-    let mut fixes = Vec::new();
-    let mut stored = Vec::new();
-    if has("dac_east_m_s") && has("dac_north_m_s") {
-        for_each_row(file, [time, "lat_deg", "lon_deg", "dac_east_m_s", "dac_north_m_s"], |row| {
-            let [time_s, lat_deg, lon_deg, east, north] = row;
-            fixes.push(Fix { time_s, lat_deg, lon_deg });
-            stored.push((time_s, east, north));
-        })?;
-    } else {
-        for_each_row(file, [time, "lat_deg", "lon_deg"], |[time_s, lat_deg, lon_deg]| {
-            fixes.push(Fix { time_s, lat_deg, lon_deg });
-        })?;
+    let duration = (time == "start_time_s" && has("duration_s")).then_some("duration_s");
+    if at == FixesAt::Middle && duration.is_none() {
+        let error = InputError::new(Place::line(file, 1), "no columns `start_time_s` and `duration_s`");
+        return Err(error.help("the middle of a dive follows from both; for fixes with a time_s leave --fixes-at out"));
     }
-    fixes.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-    Ok((fixes, stored))
+    let currents = has("dac_east_m_s") && has("dac_north_m_s");
+    let mut rows: Vec<[f64; 6]> = Vec::new();
+    // Columns that are not there are read as others that are, and not looked at.
+    let columns = [
+        time,
+        duration.unwrap_or(time),
+        "lat_deg",
+        "lon_deg",
+        if currents { "dac_east_m_s" } else { "lat_deg" },
+        if currents { "dac_north_m_s" } else { "lat_deg" },
+    ];
+    for_each_row(file, columns, |row| rows.push(row))?;
+    rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let at_times = |share: f64| {
+        let later = |row: &[f64; 6]| row[0] + share * row[1];
+        let fixes = rows.iter().map(|row| Fix { time_s: later(row), lat_deg: row[2], lon_deg: row[3] }).collect();
+        let stored = rows.iter().filter(|_| currents).map(|row| (later(row), row[4], row[5])).collect();
+        (fixes, stored)
+    };
+    let (fixes, stored) = at_times(if at == FixesAt::Middle { 0.5 } else { 0.0 });
+    let middle = (at == FixesAt::Start && duration.is_some()).then(|| at_times(0.5));
+    Ok(Fixes { fixes, stored, middle })
 }
 
 fn track_table(track: &Track) -> String {
@@ -300,13 +364,16 @@ struct Report<'a> {
     schema: &'static str,
     vehicle: &'a str,
     dives: &'a [DiveTrack],
+    between_fixes: &'a [Drift],
     #[serde(skip_serializing_if = "Option::is_none")]
     comparison: Option<Comparison>,
+    warnings: Vec<String>,
 }
 
 /// Currents found against currents stored beside the fixes.
 #[derive(Debug, Serialize)]
 struct Comparison {
+    /// How many.
     dives: usize,
     mean_difference_east_m_s: f64,
     mean_difference_north_m_s: f64,
@@ -319,28 +386,45 @@ struct Comparison {
     rms_left_m_s: f64,
 }
 
+/// A way reckoned, as a mean velocity, and the current found less the current stored.
+type Pair = ([f64; 2], [f64; 2]);
+
+/// Dive by dive.
+fn by_dive(dives: &[DiveTrack], stored: &[Stored]) -> Vec<Pair> {
+    let near = |dive: &DiveTrack| {
+        stored.iter().filter(|(time, ..)| *time <= dive.start_s + 60.0).max_by(|a, b| a.0.total_cmp(&b.0))
+    };
+    let pair = |dive: &DiveTrack| {
+        let (current, (_, east, north)) = (dive.current?, near(dive)?);
+        let mean = [dive.east_m / current.duration_s, dive.north_m / current.duration_s];
+        Some((mean, [current.east_m_s - east, current.north_m_s - north]))
+    };
+    dives.iter().filter_map(pair).collect()
+}
+
+/// From the middle of one dive to that of the next: half of both dives' stored currents.
+fn by_drift(drifts: &[Drift], stored: &[Stored]) -> Vec<Pair> {
+    let at = |time_s: f64| stored.iter().find(|(time, ..)| *time == time_s);
+    let pair = |drift: &Drift| {
+        let ((_, e0, n0), (_, e1, n1)) = (at(drift.start_s)?, at(drift.end_s)?);
+        let current = drift.current;
+        let mean = [drift.reckoned_east_m / current.duration_s, drift.reckoned_north_m / current.duration_s];
+        Some((mean, [current.east_m_s - 0.5 * (e0 + e1), current.north_m_s - 0.5 * (n0 + n1)]))
+    };
+    drifts.iter().filter_map(pair).collect()
+}
+
 impl Comparison {
     /// The difference of two currents from the same fixes is that of the two reckoned ways, over time. How much of it
     /// is one compass error and one error of speed: a turn and a factor of the ways, by least squares.
-    fn new(dives: &[DiveTrack], stored: &[Stored]) -> Option<Self> {
-        let near = |dive: &DiveTrack| {
-            stored.iter().filter(|(time, ..)| *time <= dive.start_s + 60.0).max_by(|a, b| a.0.total_cmp(&b.0))
-        };
-        let pairs: Vec<([f64; 2], [f64; 2])> = dives
-            .iter()
-            .filter_map(|dive| {
-                let (current, (_, east, north)) = (dive.current?, near(dive)?);
-                let mean = [dive.east_m / current.duration_s, dive.north_m / current.duration_s];
-                Some((mean, [current.east_m_s - east, current.north_m_s - north]))
-            })
-            .collect();
+    fn new(pairs: &[Pair]) -> Option<Self> {
         if pairs.len() < 2 {
             return None;
         }
         let n = pairs.len() as f64;
         // The stored currents' own ways are ours plus the difference; (c, s) turns and stretches ours into theirs.
         let (mut power, mut cosine, mut sine) = (0.0, 0.0, 0.0);
-        for ([e, north], [de, dn]) in &pairs {
+        for ([e, north], [de, dn]) in pairs {
             let (te, tn) = (e + de, north + dn);
             power += e * e + north * north;
             cosine += e * te + north * tn;
@@ -350,7 +434,6 @@ impl Comparison {
         let left = |[e, north]: [f64; 2], [de, dn]: [f64; 2]| {
             (e + de - c * e - s * north).powi(2) + (north + dn - c * north + s * e).powi(2)
         };
-        type Pair = ([f64; 2], [f64; 2]);
         let mean = |of: &dyn Fn(&Pair) -> f64| pairs.iter().map(of).sum::<f64>() / n;
         Some(Comparison {
             dives: pairs.len(),
@@ -401,6 +484,22 @@ impl Report<'_> {
                 dive.north_se_m / 1e3
             );
         }
+        if self.dives.iter().all(|dive| dive.current.is_none()) && !self.between_fixes.is_empty() {
+            println!("  between fixes [h]      current east      current north [m/s]");
+            for drift in self.between_fixes {
+                let c = drift.current;
+                println!(
+                    "  {:8.2} .. {:8.2}  {:8.3} +- {:.3}   {:8.3} +- {:.3}",
+                    (drift.start_s - self.between_fixes[0].start_s) / 3600.0,
+                    (drift.end_s - self.between_fixes[0].start_s) / 3600.0,
+                    c.east_m_s,
+                    c.east_se_m_s,
+                    c.north_m_s,
+                    c.north_se_m_s
+                );
+            }
+        }
+        self.warnings.iter().for_each(|warning| println!("warning: {warning}"));
         if let Some(comparison) = &self.comparison {
             println!("{}", comparison.sentence());
         }

@@ -43,7 +43,8 @@ impl Dive {
     }
 }
 
-/// A sample stands for no more than this many times what is usual in its dive: a gap is no measurement.
+/// A sample stands for no more than this long, or this many times what is usual in its dive: a gap is no measurement.
+const LONGEST_S: f64 = 60.0;
 const LONGEST: f64 = 5.0;
 
 /// Root of the time that each sample of a dive stands for, against their mean.
@@ -70,7 +71,7 @@ fn durations_s(observations: &[Observation]) -> Vec<f64> {
     let mut known: Vec<f64> = durations.iter().copied().filter(|duration| duration.is_finite()).collect();
     let usual = if known.is_empty() { 1.0 } else { crate::log::median(&mut known) };
     for duration in &mut durations {
-        *duration = if duration.is_finite() { duration.min(LONGEST * usual) } else { usual };
+        *duration = if duration.is_finite() { duration.min(LONGEST_S.max(LONGEST * usual)) } else { usual };
     }
     durations
 }

@@ -20,7 +20,9 @@ pub mod inflections;
 pub mod joint;
 pub mod model;
 pub mod paper;
+pub mod paper_form;
 pub mod pitch_balance;
+pub mod polar_points;
 mod quantity;
 mod residuals;
 mod trim;
@@ -38,3 +40,6 @@ pub use model::{Prediction, predict};
 pub use quantity::{estimate, student_975};
 pub use residuals::{Residual, Score, ScoreSums, residuals};
 pub use trim::Trim;
+
+#[cfg(test)]
+mod tests;

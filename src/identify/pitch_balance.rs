@@ -24,11 +24,11 @@ use super::evaluate::{MOST_FREE, Scatter, Tally, Weights, with_derivatives};
 use super::gram::Gram;
 use super::identifiability::{Pin, thinned};
 use super::joint::{Fit, IdentifyError, Question, refine};
-use super::model::{surroundings, true_pitch_rad};
-use super::uncertainty::{condition_number, inverse_symmetric};
+use super::model::{predict, surroundings, true_pitch_rad};
+use super::uncertainty::{condition_number, inverse_symmetric, solve_symmetric};
 use crate::Number;
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
-use crate::glide::{Attitude, at_pitch};
+use crate::glide::{Attitude, Glider, at_pitch};
 use crate::log::Observation;
 use crate::vehicle::Vehicle;
 
@@ -101,9 +101,26 @@ pub fn pitch_balance(
     let dives: Vec<Dive> = dives.iter().filter_map(|dive| dive.part(usable)).collect();
     let dives = thinned(&dives, MOST_SAMPLES);
     let samples: usize = dives.iter().map(|dive| dive.observations.len()).sum();
-    let Some(start) = (samples >= LEAST_SAMPLES).then(|| first_guess(polar, &dives)).flatten() else {
+    if samples < LEAST_SAMPLES {
         return Ok(None);
-    };
+    }
+    let mut samples = PitchSamples(dives.clone());
+    let starts = [first_guess(polar, &dives, true), first_guess(polar, &dives, false)];
+    let tried = starts.into_iter().flatten().map(|start| {
+        let question = Question { several_starts: false, use_speed: false, ..Question::new(start, &ROWS)? };
+        Ok((refine(&question, &mut samples)?, question))
+    });
+    let tried: Vec<Result<(Fit, Question), IdentifyError>> = tried.collect();
+    if tried.is_empty() {
+        return Ok(None);
+    }
+    let best = tried.into_iter().reduce(|a, b| match (&a, &b) {
+        (Ok(x), Ok(y)) if y.0.tally.sink.rms() < x.0.tally.sink.rms() => b,
+        (Err(_), Ok(_)) => b,
+        _ => a,
+    });
+    let Some(Ok((mut fit, mut question))) = best else { return Ok(None) };
+    let start = question.baseline;
     let mut pinned = BTreeMap::new();
     let source = format!("vehicle `{}`", vehicle.name);
     let scale = "all of the balance scales with it: the log holds ratios of moments only".to_owned();
@@ -111,9 +128,6 @@ pub fn pitch_balance(
     let same = "it differs from the zero of the battery's reading by changes of dynamic pressure alone".to_owned();
     pinned.insert("CM0".into(), Pin { value: start.CM0, source: source.clone(), reason: same });
 
-    let mut question = Question { several_starts: false, use_speed: false, ..Question::new(start, &ROWS)? };
-    let mut samples = PitchSamples(dives.clone());
-    let mut fit = refine(&question, &mut samples)?;
     while let Some((position, reason)) = untold(&fit) {
         let row = fit.free[position];
         let name = PARAMETERS[row].name;
@@ -211,32 +225,36 @@ pub fn predicted_pitch_rad<T: Number>(
     Some((solution - parameters.pitch_offset_rad) / parameters.pitch_scale)
 }
 
-/// Regression of tan pitch on the battery position alone: `S3 = -m_p / slope`, and the zero of the battery.
-fn first_guess(polar: &Parameters<f64>, dives: &[Dive]) -> Option<Parameters<f64>> {
-    let points = || {
-        dives.iter().flat_map(|dive| &dive.observations).map(|o| {
-            let pitch: f64 = true_pitch_rad(polar, o.pitch_rad);
-            (o.battery_forward_m, pitch.tan())
-        })
-    };
-    let n = points().count() as f64;
-    let (x0, y0) = (points().map(|p| p.0).sum::<f64>() / n, points().map(|p| p.1).sum::<f64>() / n);
-    let xx: f64 = points().map(|p| (p.0 - x0).powi(2)).sum();
-    let xy: f64 = points().map(|p| (p.0 - x0) * (p.1 - y0)).sum();
-    let slope = xy / xx;
+/// Linear regression of tan pitch on the position of the battery, with the ballast and the hydrodynamic moment where
+/// asked for; `S3 = -m_p / slope`.
+fn first_guess(polar: &Parameters<f64>, dives: &[Dive], all: bool) -> Option<Parameters<f64>> {
+    let mut gram = Gram::new(4);
+    let glider = Glider::new(*polar);
+    for o in dives.iter().flat_map(|dive| &dive.observations) {
+        let pitch: f64 = true_pitch_rad(polar, o.pitch_rad);
+        let Some(flown) = predict(&glider, o, None).filter(|_| pitch.cos() > 0.1) else { continue };
+        let force = 0.5 * o.density_kg_m3 * flown.speed_m_s.powi(2) * polar.frontal_area_m2 * polar.length_m;
+        let moment_kg_m = force * flown.angle_of_attack_rad / (polar.gravity_m_s2 * pitch.cos());
+        let (ballast_kg, moment_kg_m) =
+            if all { (polar.ballast_mass_kg(o.ballast_m3), moment_kg_m) } else { (0.0, 0.0) };
+        gram.add_row(&[1.0, o.battery_forward_m, ballast_kg, moment_kg_m, pitch.tan()]);
+    }
+    let found = solve_symmetric(&gram.normal_matrix(), &gram.gradient());
     // A battery that never moves, or one that lifts the nose when it goes forward, says nothing.
-    if !(slope < 0.0 && slope.is_finite()) {
+    if !(found[1] < 0.0 && found.iter().all(|value| value.is_finite())) {
         return None;
     }
     let mut start = *polar;
-    let moment_3 = -start.moving_mass_kg / slope;
+    let moment_3 = -start.moving_mass_kg / found[1];
     start.offset_mass_kg = start.hull_mass_kg;
     let rest = start.moving_mass_kg * start.moving_mass_height_m + start.ballast_nominal_kg * start.ballast_below_m;
     start.offset_mass_below_m = (moment_3 - rest) / start.offset_mass_kg;
-    let zero_m = x0 - y0 / slope;
-    start.offset_mass_forward_m =
-        (-start.moving_mass_kg * zero_m - start.ballast_nominal_kg * start.ballast_forward_m) / start.offset_mass_kg;
-    start.d_per_rad = 0.0;
+    if all {
+        start.ballast_forward_m = -found[2] * moment_3;
+    }
+    let ballast_kg_m = if all { 0.0 } else { start.ballast_nominal_kg * start.ballast_forward_m };
+    start.offset_mass_forward_m = (-found[0] * moment_3 - ballast_kg_m) / start.offset_mass_kg;
+    start.d_per_rad = found[3] * moment_3;
     start.ascent_d_ratio = 1.0;
     Some(start)
 }

@@ -7,12 +7,14 @@
 //! - [`FlightLog`]: columns, one row per sample, a missing value is NaN.
 //! - [`open`]: any of the files above, told by name and content, read piece by piece.
 //! - [`Preparation`]: cleaning, density, vertical velocity, legs; what it did to the data stands in its [`Notes`].
+//! - [`Condenser`]: a log of any length in bounded memory.
 //! - [`Observation`]: one sample of one leg, ready for a fit.
 //!
 //! Knows nothing of vehicles or of hydrodynamics.
 
 mod channels;
 mod clean;
+mod condense;
 mod csv;
 mod density;
 mod glide_table;
@@ -28,6 +30,7 @@ mod vertical_velocity;
 pub use channels::{CHANNELS, Channel, ChannelInfo, FlightLog};
 pub use clean::Notes;
 pub(crate) use clean::median;
+pub use condense::{Condenser, MOST_OBSERVATIONS, Shorten};
 pub use csv::CsvLog;
 pub use density::{absolute_salinity_g_kg, conservative_temperature_C, in_situ_density_kg_m3};
 pub use glide_table::read_glide_table;

@@ -267,6 +267,74 @@ impl Track {
     }
 }
 
+impl Track {
+    /// The mean current between each two fixes that follow one another, whatever dives lie between: what is left of the
+    /// way between the fixes when the way reckoned between their times is taken off. For positions in the middle of dives,
+    /// and for surfacings that several dives share. `fix_error_m` is the standard error of one fix on either axis.
+    pub fn drifts(&self, fixes: &[Fix], fix_error_m: f64) -> Vec<Drift> {
+        let (Some(first), Some(last)) = (self.points.first(), self.points.last()) else { return Vec::new() };
+        let covered = |time_s: f64| time_s >= first.time_s - FIX_GRACE_S && time_s <= last.time_s + FIX_GRACE_S;
+        fixes
+            .windows(2)
+            .filter(|pair| pair[1].time_s > pair[0].time_s && covered(pair[0].time_s) && covered(pair[1].time_s))
+            .map(|pair| {
+                let (start_s, end_s) = (pair[0].time_s, pair[1].time_s);
+                let ([e0, n0], [e1, n1]) = (self.place_m(start_s), self.place_m(end_s));
+                let reckoned_m = [e1 - e0, n1 - n0];
+                let way_m = displacement_m(&pair[0], &pair[1]);
+                let duration_s = end_s - start_s;
+                // The error of a dive is the same all through it: a part of the dive has that part of the error.
+                let mut variance = [2.0 * fix_error_m * fix_error_m; 2];
+                for dive in &self.dives {
+                    let common_s = dive.end_s.min(end_s) - dive.start_s.max(start_s);
+                    if common_s > 0.0 && dive.end_s > dive.start_s {
+                        let share = common_s / (dive.end_s - dive.start_s);
+                        variance[0] += (share * dive.east_se_m).powi(2);
+                        variance[1] += (share * dive.north_se_m).powi(2);
+                    }
+                }
+                Drift {
+                    start_s,
+                    end_s,
+                    reckoned_east_m: reckoned_m[0],
+                    reckoned_north_m: reckoned_m[1],
+                    current: Current {
+                        east_m_s: (way_m[0] - reckoned_m[0]) / duration_s,
+                        north_m_s: (way_m[1] - reckoned_m[1]) / duration_s,
+                        east_se_m_s: variance[0].sqrt() / duration_s,
+                        north_se_m_s: variance[1].sqrt() / duration_s,
+                        duration_s,
+                    },
+                }
+            })
+            .collect()
+    }
+
+    /// Where the glider was at a time, between two samples by a straight line.
+    fn place_m(&self, time_s: f64) -> [f64; 2] {
+        let after = self.points.partition_point(|point| point.time_s <= time_s);
+        let (Some(a), b) = (self.points.get(after.saturating_sub(1)), self.points.get(after)) else { return [0.0; 2] };
+        let Some(b) = b.filter(|b| after > 0 && b.time_s > a.time_s) else { return [a.east_m, a.north_m] };
+        let share = (time_s - a.time_s) / (b.time_s - a.time_s);
+        [a.east_m + share * (b.east_m - a.east_m), a.north_m + share * (b.north_m - a.north_m)]
+    }
+}
+
+/// The current between two fixes.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Drift {
+    /// Time of the first fix \[s\].
+    pub start_s: f64,
+    /// Time of the second \[s\].
+    pub end_s: f64,
+    /// Way through the water meanwhile, to the east \[m\].
+    pub reckoned_east_m: f64,
+    /// To the north \[m\].
+    pub reckoned_north_m: f64,
+    /// The current.
+    pub current: Current,
+}
+
 /// A fix this much inside a dive still belongs to its end: clocks of fix and log differ \[s\].
 const FIX_GRACE_S: f64 = 60.0;
 

@@ -104,3 +104,25 @@ fn degrees_become_metres_of_the_ellipsoid() {
     assert!((displacement_m(&at(0.0, -0.5), &at(0.0, 0.5))[0] - 111_319.49).abs() < 0.01);
     assert!((displacement_m(&at(60.0, 0.0), &at(60.0, 1.0))[0] - 55_800.0).abs() < 1.0);
 }
+
+#[test]
+fn positions_in_the_middle_of_dives_give_the_current_between_them() {
+    let p = glider();
+    let track = reckon(&p, &[], &samples(90.0, 3), &Settings::default());
+    // Fixes in the middle of each dive on the equator, carried by 0.08 east and 0.03 north.
+    let middle = |dive: u32| f64::from(dive) * 4000.0 + 1800.0;
+    let fix = |dive: u32| {
+        let way = horizontal_m_s(&p) * (1800.0 + f64::from(dive) * 3600.0);
+        let drift = 0.08 * middle(dive);
+        Fix { time_s: middle(dive), lat_deg: 0.03 * middle(dive) / 110_574.4, lon_deg: (way + drift) / 111_319.49 }
+    };
+    let found = track.drifts(&[fix(0), fix(1), fix(2)], 0.0);
+    assert_eq!(found.len(), 2);
+    for drift in found {
+        assert!((drift.current.east_m_s - 0.08).abs() < 1e-4, "{drift:?}");
+        assert!((drift.current.north_m_s - 0.03).abs() < 1e-4, "{drift:?}");
+        // Half of two dives, each of which errs by 3 deg across its way.
+        let expected = horizontal_m_s(&p) * 1800.0 * 3f64.to_radians() * 2f64.sqrt() / 4000.0;
+        assert!((drift.current.north_se_m_s / expected - 1.0).abs() < 1e-6, "{drift:?} against {expected}");
+    }
+}

@@ -1,0 +1,142 @@
+//! From raw rows to observations, on saw-tooths whose every sample is known.
+
+use super::*;
+
+const SINK_DBAR_S: f64 = 0.2;
+
+/// A saw-tooth of `yos` dives to 60 dbar at one sample a second, pitch and ballast turning with it.
+pub(super) fn saw_tooth(yos: usize) -> FlightLog {
+    let half = 300;
+    let mut log = FlightLog::default();
+    for i in 0..2 * half * yos {
+        let phase = i % (2 * half);
+        let (down, p) = if phase < half { (true, phase) } else { (false, 2 * half - phase) };
+        log.push(&[
+            (Channel::Time, i as f64),
+            (Channel::Pressure, 1.0 + SINK_DBAR_S * p as f64),
+            (Channel::Pitch, if down { -0.45 } else { 0.45 }),
+            (Channel::Ballast, if down { -200.0 } else { 200.0 }),
+            (Channel::Density, 1025.0),
+        ]);
+    }
+    log
+}
+
+fn prepared(log: FlightLog) -> (Vec<Observation>, Vec<String>) {
+    let mut preparation = Preparation::new(Settings::default());
+    let mut out = Vec::new();
+    preparation.push(log, &mut out);
+    preparation.finish(&mut out);
+    (out, preparation.notes().sentences())
+}
+
+#[test]
+fn legs_turn_where_the_pressure_turns_and_steady_samples_have_the_known_velocity() {
+    let (found, notes) = prepared(saw_tooth(3));
+    assert_eq!(found.iter().map(|o| o.leg).max(), Some(5));
+    assert_eq!(found.iter().map(|o| o.dive).max(), Some(2));
+    let steady: Vec<&Observation> = found.iter().filter(|o| o.steady).collect();
+    // Of 300 s a leg, 60 s after the turn, 8 s before it and what lies above 5 dbar are no steady glide.
+    assert!(steady.len() > 6 * 200 && steady.len() < 6 * 233, "{}", steady.len());
+    let expected = SINK_DBAR_S * 1e4 / (1025.0 * 9.81);
+    for o in steady {
+        let sign = if o.pitch_rad < 0.0 { 1.0 } else { -1.0 };
+        assert!((o.sink_m_s - sign * expected).abs() < 1e-9, "{o:?}");
+    }
+    // The filter has no velocity at the two ends of the record.
+    assert_eq!(notes.len(), 1, "{notes:?}");
+    assert!(notes[0].starts_with("2 rows on a leg without"), "{notes:?}");
+}
+
+#[test]
+fn pieces_of_any_size_give_the_same_observations() {
+    let whole = prepared(saw_tooth(4)).0;
+    for rows in [50, 333, 1000] {
+        let log = saw_tooth(4);
+        let mut preparation = Preparation::new(Settings::default());
+        let mut out = Vec::new();
+        for first in (0..log.len()).step_by(rows) {
+            let mut piece = log.tail(first);
+            let keep: Vec<bool> = (0..piece.len()).map(|i| i < rows).collect();
+            piece.retain(&keep);
+            preparation.push(piece, &mut out);
+        }
+        preparation.finish(&mut out);
+        // Where a piece is cut its turning point ends one stretch and begins another: those few samples may differ.
+        let steady = |all: &[Observation]| -> Vec<Observation> { all.iter().filter(|o| o.steady).copied().collect() };
+        let (whole, pieces) = (steady(&whole), steady(&out));
+        assert_eq!(whole.len(), pieces.len(), "pieces of {rows} rows");
+        for (a, b) in whole.iter().zip(&pieces) {
+            assert_eq!((a.time_s, a.leg, a.dive, a.ballast_m3), (b.time_s, b.leg, b.dive, b.ballast_m3));
+            assert!((a.sink_m_s - b.sink_m_s).abs() < 1e-12, "pieces of {rows} rows: {a:?} {b:?}");
+        }
+    }
+}
+
+#[test]
+fn clocks_duplicates_and_rows_without_time_are_mended_and_counted() {
+    let mut log = saw_tooth(2);
+    let time = log.column_mut(Channel::Time);
+    time[100] = time[99];
+    time[200] = f64::NAN;
+    time[300] = 50.0;
+    let rows = time.len();
+    // Set back by an hour from row 700 on.
+    time[700..].iter_mut().for_each(|t| *t -= 3600.0);
+    let (found, notes) = prepared(log);
+    assert!(found.windows(2).all(|pair| pair[1].time_s > pair[0].time_s));
+    for expected in [
+        "1 rows with the time of the row before",
+        "1 rows without time",
+        "1 rows with a clock that ran back",
+        "1 times at which the clock was set back",
+    ] {
+        assert!(notes.iter().any(|note| note.starts_with(expected)), "{expected}: {notes:?}");
+    }
+    assert!(found.len() > rows - 20);
+}
+
+#[test]
+fn spikes_go_and_gaps_cut_a_leg() {
+    let mut log = saw_tooth(2);
+    log.column_mut(Channel::Pressure)[150] = 500.0;
+    log.column_mut(Channel::Pitch)[151] = 1.2;
+    let keep: Vec<bool> = (0..log.len()).map(|i| !(400..520).contains(&i)).collect();
+    log.retain(&keep);
+    let (found, notes) = prepared(log);
+    assert!(found.iter().all(|o| o.pressure_dbar < 62.0 && o.pitch_rad.abs() < 0.5));
+    assert!(notes.iter().any(|note| note.contains("spikes of pressure")), "{notes:?}");
+    assert!(notes.iter().any(|note| note.contains("spikes of pitch")), "{notes:?}");
+    assert!(notes.iter().any(|note| note.contains("gaps in the record")), "{notes:?}");
+    assert!(found.iter().map(|o| o.stretch).max() >= Some(1));
+}
+
+#[test]
+fn samples_while_a_motor_moves_are_not_steady() {
+    let mut log = saw_tooth(1);
+    let n = log.len();
+    log.set(Channel::BatteryPosition, (0..n).map(|i| if i < 150 { 0.01 } else { 0.02 }).collect());
+    log.column_mut(Channel::MotorMoving)[200] = 1.0;
+    let (found, _) = prepared(log);
+    let at = |t: f64| found.iter().find(|o| o.time_s == t).unwrap();
+    assert!(at(140.0).steady && !at(147.0).steady && !at(152.0).steady && at(160.0).steady);
+    assert!(at(199.0).steady && !at(200.0).steady && at(201.0).steady);
+}
+
+#[test]
+fn a_log_of_nothing_but_missing_values_gives_nothing() {
+    let mut log = saw_tooth(1);
+    log.column_mut(Channel::Pressure).fill(f64::NAN);
+    let (found, notes) = prepared(log);
+    assert!(found.is_empty());
+    assert!(notes.iter().any(|note| note.contains("rows without pressure")), "{notes:?}");
+    assert!(prepared(FlightLog::default()).0.is_empty());
+}
+
+#[test]
+fn turning_points_ignore_what_is_smaller_than_a_leg() {
+    let pressure: Vec<f64> = [0.0, 5.0, 10.0, 9.0, 12.0, 20.0, 18.0, 19.0, 10.0, 3.0, 4.0, 2.0, 8.0, 15.0].to_vec();
+    let found = legs(&pressure, 4.0);
+    let bounds: Vec<(usize, usize, bool)> = found.iter().map(|leg| (leg.first, leg.end, leg.descends)).collect();
+    assert_eq!(bounds, [(0, 6, true), (5, 12, false), (11, 14, true)]);
+}
