@@ -349,6 +349,11 @@ fn print(report: &Report, found: &Identification) {
             let smooth = score.w_rms_9_point_m_s.map_or_else(|| "-".to_owned(), |v| format!("{:.1}", v * 1e3));
             println!("  {what:<40} {:>7} samples {:>8.1} {smooth:>10}  mm/s", score.n, score.w_rms_m_s * 1e3);
         }
+        if let Some(score) = &c.unsteady_at_steady_samples_holdout {
+            let smooth = score.w_rms_9_point_m_s.map_or_else(|| "-".to_owned(), |v| format!("{:.2}", v * 1e3));
+            let what = "unsteady, steady samples, held out";
+            println!("  {what:<40} {:>7} samples {:>8.1} {smooth:>10}  mm/s", score.n, score.w_rms_m_s * 1e3);
+        }
     }
     if let Some(b) = &report.pitch_balance {
         println!();
@@ -356,7 +361,7 @@ fn print(report: &Report, found: &Identification) {
             "balance of moments: pitch rms {:.2} deg ({:.2} held out, {:.2} without d); CG {:.2} mm below CB, by a moving mass of {} kg",
             b.pitch_rms_rad.to_degrees(),
             b.pitch_rms_holdout_rad.unwrap_or(f64::NAN).to_degrees(),
-            b.pitch_rms_without_d_rad.to_degrees(),
+            b.pitch_rms_without_d_rad.unwrap_or(f64::NAN).to_degrees(),
             b.cg_below_cb_m * 1e3,
             figure(b.moving_mass_kg)
         );

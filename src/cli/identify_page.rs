@@ -211,7 +211,7 @@ fn moments(balance: &PitchBalance, dives: &[Dive]) -> Section {
     Section::new("Balance of pitching moments").figure(figures::pitch(read, predicted)).text(format!(
         "Pitch from battery and ballast: {} deg rms, {} without the hydrodynamic moment. The centre of gravity sits {} mm below the centre of buoyancy if the moving mass is {} kg: all of the balance scales with it.",
         significant(s.pitch_rms_rad.to_degrees(), 3),
-        significant(s.pitch_rms_without_d_rad.to_degrees(), 3),
+        s.pitch_rms_without_d_rad.map_or("nothing that balances".to_owned(), |rms| significant(rms.to_degrees(), 3)),
         significant(s.cg_below_cb_m * 1e3, 3),
         significant(s.moving_mass_kg, 3)
     ))

@@ -17,18 +17,33 @@ pub struct Dive {
     guesses: Vec<Option<[f64; 2]>>,
     /// Root of the time that each sample stands for, against the mean.
     root_weights: Vec<f64>,
+    /// Samples of the dives before, so that every n-th sample is one of the whole log, however short the dives.
+    before: usize,
 }
 
 impl Dive {
     /// A dive of these samples.
     pub fn new(observations: Vec<Observation>) -> Self {
-        Dive { guesses: vec![None; observations.len()], root_weights: root_weights(&observations), observations }
+        Dive {
+            guesses: vec![None; observations.len()],
+            root_weights: root_weights(&observations),
+            before: 0,
+            observations,
+        }
     }
 
-    /// Every `every`-th sample with its first guess and the root of its weight.
+    /// Every `every`-th sample of the log with its first guess and the root of its weight.
     pub(super) fn every(&mut self, every: usize) -> impl Iterator<Item = (&Observation, &mut Option<[f64; 2]>, f64)> {
         let parts = self.observations.iter().zip(&mut self.guesses).zip(&self.root_weights);
-        parts.map(|((observation, guess), root)| (observation, guess, *root)).step_by(every)
+        parts
+            .map(|((observation, guess), root)| (observation, guess, *root))
+            .skip((every - self.before % every) % every)
+            .step_by(every)
+    }
+
+    /// Every `every`-th sample of the log, as a dive; nothing where none is left.
+    pub(super) fn thinned(&self, every: usize) -> Option<Dive> {
+        self.part(|i, _| (self.before + i) % every == 0)
     }
 
     /// The samples for which `keep` is true, their weights as they were; nothing where none is left.
@@ -38,6 +53,7 @@ impl Dive {
             observations: kept().map(|i| self.observations[i]).collect(),
             guesses: kept().map(|i| self.guesses[i]).collect(),
             root_weights: kept().map(|i| self.root_weights[i]).collect(),
+            before: self.before,
         };
         (!part.observations.is_empty()).then_some(part)
     }
@@ -95,6 +111,11 @@ pub fn by_dive(observations: &[Observation]) -> Vec<Dive> {
     for (dive, mean_s) in dives.iter_mut().zip(means) {
         let factor = (mean_s * samples as f64 / time_s).sqrt();
         dive.root_weights.iter_mut().for_each(|root| *root *= factor);
+    }
+    let mut before = 0;
+    for dive in &mut dives {
+        dive.before = before;
+        before += dive.observations.len();
     }
     dives
 }

@@ -138,5 +138,5 @@ pub fn profile(
 pub(super) fn thinned(dives: &[Dive], most: usize) -> Vec<Dive> {
     let samples: usize = dives.iter().map(|dive| dive.observations.len()).sum();
     let every = samples.div_ceil(most).max(1);
-    dives.iter().filter_map(|dive| dive.part(|i, _| i % every == 0)).collect()
+    dives.iter().filter_map(|dive| dive.thinned(every)).collect()
 }

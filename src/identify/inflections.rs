@@ -46,6 +46,8 @@ pub struct Comparison {
     pub unsteady_where_steady_exists: Score,
     /// The steady fit where a steady glide exists.
     pub steady: Score,
+    /// The unsteady fit on the samples that the steady one uses, of dives that it did not see.
+    pub unsteady_at_steady_samples_holdout: Option<Score>,
 }
 
 /// Fits the question again on dives flown through time, from what the steady fit found.
@@ -80,22 +82,38 @@ pub fn inflections(
         unsteady: all.score(),
         unsteady_where_steady_exists: common.score(),
         steady: of_steady.score(),
+        unsteady_at_steady_samples_holdout: None,
     };
-    let held_out = held_out(&question, &fit.parameters, &passages)?;
+    let (held_out, of_steady_samples) = match held_out(&question, &fit.parameters, &passages)? {
+        Some((all, steady)) => (Some(all), Some(steady)),
+        None => (None, None),
+    };
+    let comparison = Comparison { unsteady_at_steady_samples_holdout: of_steady_samples, ..comparison };
     Ok(Inflections { fit, score: all.score(), passages, held_out, comparison })
 }
 
-fn held_out(question: &Question, best: &Parameters<f64>, passages: &[Passage]) -> Result<Option<Score>, IdentifyError> {
+/// The score on dives that the fit did not see: of all samples, and of the steady ones.
+fn held_out(
+    question: &Question,
+    best: &Parameters<f64>,
+    passages: &[Passage],
+) -> Result<Option<(Score, Score)>, IdentifyError> {
     if passages.len() < 4 {
         return Ok(None);
     }
     let question = Question { baseline: *best, ..question.clone() };
-    let mut sums = ScoreSums::default();
+    let (mut all, mut steady) = (ScoreSums::default(), ScoreSums::default());
     for held in [0, 1] {
         let half = |side: usize| passages.iter().enumerate().filter(move |(i, _)| i % 2 == side).map(|(_, p)| p);
         let mut seen: Vec<Passage> = half(1 - held).cloned().collect();
         let fitted = refine(&question, &mut seen)?;
-        half(held).for_each(|passage| sums.add_stretch(&passage.residuals(&fitted.parameters)));
+        for passage in half(held) {
+            let found = passage.residuals(&fitted.parameters);
+            all.add_stretch(&found);
+            let (rows, found): (Vec<Observation>, Vec<Residual>) =
+                passage.observations.iter().zip(&found).filter(|(o, _)| o.steady).unzip();
+            steady.add(&rows, &found);
+        }
     }
-    Ok(Some(sums.score()))
+    Ok(Some((all.score(), steady.score())))
 }

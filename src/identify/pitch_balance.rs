@@ -35,9 +35,9 @@ use crate::vehicle::Vehicle;
 /// What is fitted, in this order: what cannot be told is held from the end.
 pub const ROWS: [&str; 4] = ["offset_mass_forward_m", "offset_mass_below_m", "d_per_rad", "ballast_forward_m"];
 
-/// Largest share of a parameter's effect that the others may have as well: an error of a tenth of a per cent in the
-/// model would otherwise pass for the parameter.
-const INSEPARABLE: f64 = 0.998;
+/// Largest share of a parameter's effect, by variance, that the others may have as well: with less than two per cent of its
+/// size to itself, an error of the model would pass for the parameter.
+const INSEPARABLE: f64 = 0.9995;
 
 /// Most samples that are used; pitch says the same for many seconds.
 const MOST_SAMPLES: usize = 4000;
@@ -52,8 +52,8 @@ pub struct PitchBalance {
     pub fit: Fit,
     /// Pitch, measured less predicted, root mean square \[rad\].
     pub pitch_rms_rad: f64,
-    /// The same with d = 0, the rest fitted again \[rad\].
-    pub pitch_rms_without_d_rad: f64,
+    /// The same with d = 0, the rest fitted again; nothing where no pitch balances then \[rad\].
+    pub pitch_rms_without_d_rad: Option<f64>,
     /// The same on dives that the fit did not see \[rad\].
     pub pitch_rms_holdout_rad: Option<f64>,
     /// Samples.
@@ -73,7 +73,7 @@ pub struct PitchBalanceSummary {
     /// Pitch, measured less predicted, root mean square \[rad\].
     pub pitch_rms_rad: f64,
     /// With d = 0 \[rad\].
-    pub pitch_rms_without_d_rad: f64,
+    pub pitch_rms_without_d_rad: Option<f64>,
     /// On dives that the fit did not see \[rad\].
     pub pitch_rms_holdout_rad: Option<f64>,
     /// Height of the centre of gravity below the centre of buoyancy, battery included \[m\].
@@ -105,7 +105,7 @@ pub fn pitch_balance(
         return Ok(None);
     }
     let mut samples = PitchSamples(dives.clone());
-    let starts = [first_guess(polar, &dives, true), first_guess(polar, &dives, false)];
+    let starts = [first_guess(polar, &dives, true, true), first_guess(polar, &dives, false, false)];
     let tried = starts.into_iter().flatten().map(|start| {
         let question = Question { several_starts: false, use_speed: false, ..Question::new(start, &ROWS)? };
         Ok((refine(&question, &mut samples)?, question))
@@ -135,15 +135,16 @@ pub fn pitch_balance(
         question.free.retain(|&free| free != row);
         let value = question.baseline.as_array()[row];
         pinned.insert(name.to_owned(), Pin { value, source: source.clone(), reason });
+        question.baseline = start_for(&question, polar, &dives, true);
         fit = refine(&question, &mut samples)?;
     }
     let without_d = {
         let row = parameter_index("d_per_rad").expect("a row of the table");
         let mut flat = question.clone();
-        flat.baseline = fit.parameters;
-        flat.baseline.d_per_rad = 0.0;
         flat.free.retain(|&free| free != row);
-        refine(&flat, &mut samples)?.tally.sink.rms()
+        flat.baseline = start_for(&flat, polar, &dives, false);
+        flat.baseline.d_per_rad = 0.0;
+        refine(&flat, &mut samples).ok().map(|found| found.tally.sink.rms())
     };
     Ok(Some(PitchBalance {
         pitch_rms_rad: fit.tally.sink.rms(),
@@ -227,7 +228,7 @@ pub fn predicted_pitch_rad<T: Number>(
 
 /// Linear regression of tan pitch on the position of the battery, with the ballast and the hydrodynamic moment where
 /// asked for; `S3 = -m_p / slope`.
-fn first_guess(polar: &Parameters<f64>, dives: &[Dive], all: bool) -> Option<Parameters<f64>> {
+fn first_guess(polar: &Parameters<f64>, dives: &[Dive], ballast: bool, moment: bool) -> Option<Parameters<f64>> {
     let mut gram = Gram::new(4);
     let glider = Glider::new(*polar);
     for o in dives.iter().flat_map(|dive| &dive.observations) {
@@ -235,8 +236,8 @@ fn first_guess(polar: &Parameters<f64>, dives: &[Dive], all: bool) -> Option<Par
         let Some(flown) = predict(&glider, o, None).filter(|_| pitch.cos() > 0.1) else { continue };
         let force = 0.5 * o.density_kg_m3 * flown.speed_m_s.powi(2) * polar.frontal_area_m2 * polar.length_m;
         let moment_kg_m = force * flown.angle_of_attack_rad / (polar.gravity_m_s2 * pitch.cos());
-        let (ballast_kg, moment_kg_m) =
-            if all { (polar.ballast_mass_kg(o.ballast_m3), moment_kg_m) } else { (0.0, 0.0) };
+        let ballast_kg = if ballast { polar.ballast_mass_kg(o.ballast_m3) } else { 0.0 };
+        let moment_kg_m = if moment { moment_kg_m } else { 0.0 };
         gram.add_row(&[1.0, o.battery_forward_m, ballast_kg, moment_kg_m, pitch.tan()]);
     }
     let found = solve_symmetric(&gram.normal_matrix(), &gram.gradient());
@@ -249,14 +250,20 @@ fn first_guess(polar: &Parameters<f64>, dives: &[Dive], all: bool) -> Option<Par
     start.offset_mass_kg = start.hull_mass_kg;
     let rest = start.moving_mass_kg * start.moving_mass_height_m + start.ballast_nominal_kg * start.ballast_below_m;
     start.offset_mass_below_m = (moment_3 - rest) / start.offset_mass_kg;
-    if all {
+    if ballast {
         start.ballast_forward_m = -found[2] * moment_3;
     }
-    let ballast_kg_m = if all { 0.0 } else { start.ballast_nominal_kg * start.ballast_forward_m };
+    let ballast_kg_m = if ballast { 0.0 } else { start.ballast_nominal_kg * start.ballast_forward_m };
     start.offset_mass_forward_m = (-found[0] * moment_3 - ballast_kg_m) / start.offset_mass_kg;
     start.d_per_rad = found[3] * moment_3;
     start.ascent_d_ratio = 1.0;
     Some(start)
+}
+
+/// Where the fit of this question may begin: the regression with what is free in it.
+fn start_for(question: &Question, polar: &Parameters<f64>, dives: &[Dive], moment: bool) -> Parameters<f64> {
+    let is_free = |name: &str| parameter_index(name).is_some_and(|row| question.free.contains(&row));
+    first_guess(polar, dives, is_free("ballast_forward_m"), moment && is_free("d_per_rad")).unwrap_or(question.baseline)
 }
 
 /// A parameter that the data do not tell, and why; the last of [`ROWS`] first.
@@ -365,13 +372,14 @@ fn rows(
             tally.sink.close_leg(&mut leg_sum);
         }
         let near = true_pitch_rad(lifted, observed.pitch_rad).re;
-        let Some(predicted) = predicted_pitch_rad(lifted, &with_slope, observed, near) else {
+        // Where no pitch balances, level flight is what is predicted: nothing is gained by being unable to fly.
+        let predicted = predicted_pitch_rad(lifted, &with_slope, observed, near);
+        if predicted.is_none() {
             tally.unflyable += 1;
-            continue;
-        };
-        let residual = observed.pitch_rad - predicted.re;
+        }
+        let residual = observed.pitch_rad - predicted.map_or(0.0, |p: DualSVec64<4>| p.re);
         row[..n].fill(0.0);
-        if let Some(slopes) = predicted.eps.0 {
+        if let Some(slopes) = predicted.and_then(|p| p.eps.0) {
             for (cell, slope) in row[..n].iter_mut().zip(slopes.iter()) {
                 *cell = -slope * root_weight / weights.sink_m_s;
             }
