@@ -10,7 +10,8 @@ use serde_json::Value;
 /// The command's JSON; nothing where the program or the data are not there, which is said aloud by the helpers.
 fn run(arguments: &[&str]) -> Option<Value> {
     let (program, data): (PathBuf, PathBuf) = (Built::Glidepolar.path()?, measured_data()?);
-    let output = Command::new(program).current_dir(data).args(arguments).args(["--json", "-"]).output().expect("it starts");
+    let output =
+        Command::new(program).current_dir(data).args(arguments).args(["--json", "-"]).output().expect("it starts");
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
     Some(serde_json::from_slice(&output.stdout).expect("JSON and nothing else"))
 }
@@ -70,7 +71,9 @@ fn comet_without_speed_does_not_tell_the_lift_slope() {
 
 #[test]
 fn maria_one_ballast_offset_joins_descents_and_ascents() {
-    let Some(found) = run(&["identify", "maria997_2022_slocum_g3_glides.csv", "--vehicle", "slocum-graver"]) else { return };
+    let Some(found) = run(&["identify", "maria997_2022_slocum_g3_glides.csv", "--vehicle", "slocum-graver"]) else {
+        return;
+    };
     assert!(number(&found["fit"]["w_rms_holdout_m_s"]) <= 0.0058, "{}", found["fit"]);
     let legs = &found["legs_apart"];
     let apart = number(&legs["descent_b"]) / number(&legs["ascent_b"]);
@@ -81,7 +84,9 @@ fn maria_one_ballast_offset_joins_descents_and_ascents() {
 #[test]
 fn sg542_hull_and_balance_of_moments() {
     let hull = ["--free", "hull_compressibility_per_Pa", "--free", "hull_thermal_expansion_per_K"];
-    let Some(found) = run(&[&["identify", "sg542_samples.csv", "--vehicle", "seaglider"][..], &hull].concat()) else { return };
+    let Some(found) = run(&[&["identify", "sg542_samples.csv", "--vehicle", "seaglider"][..], &hull].concat()) else {
+        return;
+    };
     assert!(number(&found["fit"]["w_rms_holdout_m_s"]) <= 0.0095, "{}", found["fit"]);
     let value = |name: &str| number(&found["parameters"][name]["value"]);
     assert!((value("hull_compressibility_per_Pa") / 4.18e-10 - 1.0).abs() <= 0.15);
@@ -94,9 +99,13 @@ fn sg542_hull_and_balance_of_moments() {
 
 #[test]
 fn the_iterative_scheme_says_what_it_depends_on() {
-    let arguments = ["identify", "maria997_2022_slocum_g3_glides.csv", "--vehicle", "slocum-graver", "--method", "iterative"];
+    let arguments =
+        ["identify", "maria997_2022_slocum_g3_glides.csv", "--vehicle", "slocum-graver", "--method", "iterative"];
     let Some(found) = run(&arguments) else { return };
-    assert_eq!((found["schema"].as_str(), found["method"].as_str()), (Some("glidepolar.identify/1"), Some("iterative")));
+    assert_eq!(
+        (found["schema"].as_str(), found["method"].as_str()),
+        (Some("glidepolar.identify/1"), Some("iterative"))
+    );
     for name in ["a", "b", "c"] {
         let q = &found["parameters"][name];
         assert!(number(&q["ci95"][0]) <= number(&q["value"]) && number(&q["value"]) <= number(&q["ci95"][1]), "{q}");
@@ -108,10 +117,27 @@ fn the_iterative_scheme_says_what_it_depends_on() {
 #[test]
 fn sg542_currents_agree_with_the_stored_ones_once_the_positions_are_taken_for_what_they_are() {
     let arguments = |more: &[&'static str]| {
-        [&["track", "sg542_samples.csv", "--vehicle", "seaglider", "--fixes", "sg542_dives.csv", "--declination-deg", "-24"][..], more].concat()
+        [
+            &[
+                "track",
+                "sg542_samples.csv",
+                "--vehicle",
+                "seaglider",
+                "--fixes",
+                "sg542_dives.csv",
+                "--declination-deg",
+                "-24",
+            ][..],
+            more,
+        ]
+        .concat()
     };
     let Some(start) = run(&arguments(&[])) else { return };
-    assert!(start["warnings"][0].as_str().is_some_and(|warning| warning.contains("--fixes-at middle")), "{}", start["warnings"]);
+    assert!(
+        start["warnings"][0].as_str().is_some_and(|warning| warning.contains("--fixes-at middle")),
+        "{}",
+        start["warnings"]
+    );
     let Some(middle) = run(&arguments(&["--fixes-at", "middle"])) else { return };
     let rms = |report: &Value| number(&report["comparison"]["rms_difference_m_s"]);
     assert!(rms(&middle) < 0.5 * rms(&start), "{} against {}", rms(&middle), rms(&start));
@@ -121,7 +147,12 @@ fn sg542_currents_agree_with_the_stored_ones_once_the_positions_are_taken_for_wh
         .iter()
         .map(|d| number(&d["current"]["east_se_m_s"]).powi(2) + number(&d["current"]["north_se_m_s"]).powi(2))
         .sum();
-    assert!(rms(&middle) < 2.0 * (se / drifts.len() as f64).sqrt(), "{} against {}", rms(&middle), (se / drifts.len() as f64).sqrt());
+    assert!(
+        rms(&middle) < 2.0 * (se / drifts.len() as f64).sqrt(),
+        "{} against {}",
+        rms(&middle),
+        (se / drifts.len() as f64).sqrt()
+    );
 }
 
 #[test]

@@ -77,7 +77,10 @@ fn coverage_over_many_seeds() {
         }
         println!("measured speed: {speed}");
         for (name, (n, held, squares)) in count {
-            println!("{name}: {held} of {n} intervals hold the truth, rms {:.2} standard errors", (squares / f64::from(n)).sqrt());
+            println!(
+                "{name}: {held} of {n} intervals hold the truth, rms {:.2} standard errors",
+                (squares / f64::from(n)).sqrt()
+            );
         }
     }
 }
