@@ -43,7 +43,7 @@ impl Dive {
 
     /// Every `every`-th sample of the log, as a dive; nothing where none is left.
     pub(super) fn thinned(&self, every: usize) -> Option<Dive> {
-        self.part(|i, _| (self.before + i) % every == 0)
+        self.part(|i, _| (self.before + i).is_multiple_of(every))
     }
 
     /// The samples for which `keep` is true, their weights as they were; nothing where none is left.

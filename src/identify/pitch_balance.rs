@@ -280,7 +280,7 @@ fn untold(fit: &Fit) -> Option<(usize, String)> {
             return Some((position, reason));
         }
         let (value, se) = (fit.value(fit.free[position]), fit.se(position));
-        if !(2.0 * se <= value.abs().max(usual(name))) {
+        if se.is_nan() || 2.0 * se > value.abs().max(usual(name)) {
             return Some((
                 position,
                 format!("these data leave it open: fitted freely it would be {value:.3} +- {se:.3}"),

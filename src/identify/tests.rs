@@ -253,16 +253,14 @@ fn the_unsteady_fit_finds_what_the_flight_was_made_of() {
     assert!(found.comparison.steady.w_rms_m_s > 10.0 * found.comparison.unsteady.w_rms_m_s);
 }
 
-/// Glides whose battery stands where the moments balance; ballast and battery vary apart.
+/// Descents whose battery stands where the moments balance; ballast and battery vary apart.
 fn balanced(p: &Parameters<f64>) -> Vec<Observation> {
     let mut all = Vec::new();
     for dive in 0..8u32 {
-        for sign in [-1.0, 1.0] {
-            for i in 0..5 {
-                let (steep, speed) =
-                    (22.0 + 2.0 * f64::from((dive * 3 + i) % 5), 0.22 + 0.03 * f64::from((dive + 2 * i) % 4));
-                all.push(sample(p, sign * steep, speed, dive, f64::from(dive * 1000 + i * 10) + 500.0 * (sign + 1.0)));
-            }
+        for i in 0..10 {
+            let (steep, speed) =
+                (22.0 + 2.0 * f64::from((dive * 3 + i) % 5), 0.2 + 0.03 * f64::from((dive + 2 * i) % 7));
+            all.push(sample(p, -steep, speed, dive, f64::from(dive * 1000 + i * 10)));
         }
     }
     all

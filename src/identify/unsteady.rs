@@ -515,7 +515,7 @@ fn implicit<T: Number>(
             let f = rates(&flyer.plain, at, x);
             let step = solve_2(*matrix, [0, 1].map(|k| x[k] - plain_base[k] - s * f[k]));
             let size = step[0].abs().max(step[1].abs());
-            if !(size < 0.05) {
+            if size.is_nan() || size >= 0.05 {
                 break;
             }
             x = [x[0] - step[0], x[1] - step[1]];
