@@ -26,8 +26,18 @@ fn water(p: &Parameters<f64>) -> Surroundings<f64> {
 
 /// One sample of a glide at this path angle and speed, by the closed form; mass and pitch follow from the forces.
 fn sample(p: &Parameters<f64>, path_deg: f64, speed_m_s: f64, dive: u32, time_s: f64) -> Observation {
-    let water = water(p);
-    let glide = at_path(p, &water, path_deg.to_radians(), speed_m_s).expect("a path that can be flown");
+    sample_in(p, &water(p), path_deg, speed_m_s, dive, time_s)
+}
+
+fn sample_in(
+    p: &Parameters<f64>,
+    water: &Surroundings<f64>,
+    path_deg: f64,
+    speed_m_s: f64,
+    dive: u32,
+    time_s: f64,
+) -> Observation {
+    let glide = at_path(p, water, path_deg.to_radians(), speed_m_s).expect("a path that can be flown");
     Observation {
         time_s,
         pressure_dbar: 40.0,
@@ -253,14 +263,17 @@ fn the_unsteady_fit_finds_what_the_flight_was_made_of() {
     assert!(found.comparison.steady.w_rms_m_s > 10.0 * found.comparison.unsteady.w_rms_m_s);
 }
 
-/// Descents whose battery stands where the moments balance; ballast and battery vary apart.
+/// Descents whose battery stands where the moments balance. Lift carries the weight, so that the hydrodynamic moment goes
+/// with the net weight: only where the density changes that, does it differ from the moment of the ballast.
 fn balanced(p: &Parameters<f64>) -> Vec<Observation> {
     let mut all = Vec::new();
     for dive in 0..8u32 {
         for i in 0..10 {
             let (steep, speed) =
                 (22.0 + 2.0 * f64::from((dive * 3 + i) % 5), 0.2 + 0.03 * f64::from((dive + 2 * i) % 7));
-            all.push(sample(p, -steep, speed, dive, f64::from(dive * 1000 + i * 10)));
+            let density_kg_m3 = 1024.0 + 2.0 * f64::from((dive + i) % 3);
+            let water = Surroundings { density_kg_m3, ..water(p) };
+            all.push(sample_in(p, &water, -steep, speed, dive, f64::from(dive * 1000 + i * 10)));
         }
     }
     all
