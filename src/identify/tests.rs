@@ -105,7 +105,7 @@ fn without_speed_the_lift_slope_is_held_and_it_is_said() {
     let found = identify(&vehicle, &all, &request).unwrap();
     assert!(found.pinned.contains_key("a"), "{:?}", found.pinned);
     let report = found.report(&vehicle, String::new(), Vec::new());
-    assert_eq!(report.identifiable["a"], false);
+    assert!(!report.identifiable["a"]);
     assert!(report.warnings.iter().any(|warning| warning.contains("no measured speed")));
     // The offset needs no lift slope.
     let offset = report.parameters["ballast_offset_kg"].as_ref().unwrap().value;
