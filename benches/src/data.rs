@@ -84,7 +84,8 @@ impl Log {
     /// The parameters that the data tell.
     pub fn free(&self) -> &'static [&'static str] {
         match self.speed {
-            Some(_) => &["a_per_rad", "b", "c_per_rad2", "ballast_offset_kg"],
+            // c is not told by comet: the command holds it, too.
+            Some(_) => &["a_per_rad", "b", "ballast_offset_kg"],
             None => &["b", "c_per_rad2", "ballast_offset_kg"],
         }
     }

@@ -47,7 +47,7 @@ fn samples(context: &Context<'_>, part: &mut Part) -> Result<()> {
         points.0.push((n as f64, seconds.median()));
         points.1.push((n as f64, bytes.median() / 1e6));
     }
-    told(part, "samples", "joint fit of four parameters, two cores", "Steady samples", points);
+    told(part, "samples", "joint fit of three parameters, two cores", "Steady samples", points);
     Ok(())
 }
 

@@ -25,8 +25,8 @@ const PEER_DATA: &str = "data/gliderflight/gliderflight_data.npy";
 pub fn measure(context: &Context<'_>) -> Result<Part> {
     let mut part = Part::new(
         "Identification",
-        "A fit is a, b, c and a ballast offset (on sg542, which has no speed, a is held) on all steady samples, from \
-         several starts, with standard errors; the whole command reads the log, fits, leaves dives out and fits again, \
+        "A fit is what the data tell, on all steady samples: a, b and a ballast offset on comet, b, c and the offset on \
+         sg542, which has no speed; from several starts, with standard errors; the whole command reads the log, fits, leaves dives out and fits again, \
          profiles. SciPy gets the same samples, the same model, baseline and weights, from one start, and must find \
          the same values. gliderflight calibrates drag and mass on its own data, the same flight as comet.",
     );
