@@ -305,10 +305,9 @@ fn a_step_that_makes_no_sense_is_refused_and_changes_nothing() {
 
 #[test]
 fn a_step_that_cannot_be_done_is_discarded_and_changes_nothing() {
+    // Damping of the wrong sign, that grows with the square of the rate: infinite after a finite time.
     let glider = Glider2::new(CO_SIMULATION);
-    glider.set("pitch_inertia_kg_m2", 1e-6);
-    glider.set("moving_mass_kg", 1e-3);
-    glider.set("a_per_rad", 1000.0);
+    glider.set("pitch_damping_quadratic_N_m_s2", 1e6);
     glider.begin();
     glider.set("moving_mass_command_m", 0.1);
     let before = glider.get("depth_m");
@@ -324,6 +323,19 @@ fn a_step_that_cannot_be_done_is_discarded_and_changes_nothing() {
         glider.ok(fmi2GetStatus(glider.component, 0, &mut status));
     }
     assert_eq!((time, terminated, status), (0.0, 0, DISCARD));
+}
+
+#[test]
+fn fast_modes_do_not_hold_a_step_up() {
+    // Next to no inertia: modes of microseconds, through which the glider must come in a moment all the same.
+    let glider = Glider2::new(CO_SIMULATION);
+    glider.set("pitch_inertia_kg_m2", 1e-6);
+    glider.set("moving_mass_kg", 1e-3);
+    glider.set("a_per_rad", 1000.0);
+    glider.begin();
+    glider.set("moving_mass_command_m", 0.1);
+    assert_eq!(glider.step(0.0, 1000.0), OK);
+    assert!(glider.get("depth_m").is_finite());
 }
 
 #[test]

@@ -1,10 +1,11 @@
 //! A glider on its way: equations, parameters, modes and inputs in one hand, carried through time and over events.
 
 use super::equations::{Outputs, derivative, outputs};
-use super::integrate::{Advance, IntegrationError, Integrator, System};
+use super::integrate::{Advance, IntegrationError, Integrator, Jet, System};
 use super::limits::{self, N_EVENTS};
 use super::parameters::Parameters;
 use super::state::{Actuation, Inputs, Modes, State};
+use crate::Number;
 
 /// Events in a row at one and the same time after which they are taken as settled.
 const MAX_EVENTS_AT_ONCE: usize = 100;
@@ -33,10 +34,11 @@ impl Glider {
     }
 
     /// The inputs at a time.
-    pub fn inputs_at(&self, time_s: f64) -> Inputs<f64> {
+    pub fn inputs_at<T: Number>(&self, time_s: T) -> Inputs<T> {
+        let inputs = self.inputs.map(T::constant);
         match &self.input_rates {
-            None => self.inputs,
-            Some(rates) => self.inputs.plus(rates, time_s - self.inputs_at_s),
+            None => inputs,
+            Some(rates) => inputs.plus(&rates.map(T::constant), time_s - self.inputs_at_s),
         }
     }
 
@@ -90,6 +92,11 @@ impl Glider {
 impl System for Glider {
     fn derivative(&self, time_s: f64, state: &State<f64>) -> State<f64> {
         derivative(&self.parameters, self.actuation, self.modes, time_s, state, &self.inputs_at(time_s))
+    }
+
+    fn linearised(&self, time_s: Jet, state: &State<Jet>) -> State<Jet> {
+        let parameters = self.parameters.map(Jet::constant);
+        derivative(&parameters, self.actuation, self.modes, time_s, state, &self.inputs_at(time_s))
     }
 
     fn event_indicators(&self, time_s: f64, state: &State<f64>) -> [f64; N_EVENTS] {

@@ -102,7 +102,8 @@ pub fn fly_from(
     Ok(())
 }
 
-fn row(glider: &Glider, time_s: f64, state: &State<f64>) -> Row {
+/// One row of a time history: the state and what is looked at in it.
+pub fn row(glider: &Glider, time_s: f64, state: &State<f64>) -> Row {
     let out = glider.outputs(time_s, state);
     [
         time_s,

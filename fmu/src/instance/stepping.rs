@@ -2,7 +2,8 @@
 
 use std::cell::Cell;
 
-use glidepolar::dynamics::integrate::System;
+use glidepolar::Number;
+use glidepolar::dynamics::integrate::{Jet, System};
 use glidepolar::dynamics::limits::N_EVENTS;
 use glidepolar::dynamics::state::N_INPUTS;
 use glidepolar::dynamics::{Advance, Inputs, Integrator, Parameters, State};
@@ -20,7 +21,7 @@ pub const MAX_INPUT_ORDER: usize = 3;
 /// Longest communication step \[s\], a hundred days: whoever asks for more has lost a number.
 const LONGEST_STEP_S: f64 = 1e7;
 
-/// Right-hand sides that one communication step may cost: a glider needs about 10 a second; one with a parameter that
+/// Right-hand sides that one communication step may cost: a glider needs 2 to 20 a second; one with a parameter that
 /// has no physical meaning may need millions, and an importer that waits for it seems to hang.
 fn most_evaluations(size_s: f64) -> u64 {
     const EVALUATIONS: f64 = 200_000.0;
@@ -56,16 +57,17 @@ impl InputSlopes {
     }
 
     /// The inputs this long after they were set.
-    fn inputs(&self, base: &Inputs<f64>, duration_s: f64) -> Inputs<f64> {
+    fn inputs<T: Number>(&self, base: &Inputs<f64>, duration_s: T) -> Inputs<T> {
+        let base = base.map(T::constant);
         if !self.any {
-            return *base;
+            return base;
         }
         let mut values = base.as_array();
-        let (mut power, mut factorial) = (1.0, 1.0);
+        let (mut power, mut factorial) = (T::constant(1.0), 1.0);
         for (order, derivatives) in self.derivatives.iter().enumerate() {
             power *= duration_s;
             factorial *= (order + 1) as f64;
-            values.iter_mut().zip(derivatives).for_each(|(value, d)| *value += d * power / factorial);
+            values.iter_mut().zip(derivatives).for_each(|(value, d)| *value += power * *d / factorial);
         }
         Inputs::from_array(values)
     }
@@ -301,20 +303,32 @@ struct Moving<'a> {
 }
 
 impl Moving<'_> {
-    fn inputs_at(&self, time_s: f64) -> Inputs<f64> {
+    fn inputs_at<T: Number>(&self, time_s: T) -> Inputs<T> {
         self.slopes.inputs(self.inputs, time_s - self.begun_s)
+    }
+
+    /// Whether one more evaluation may be made; it is then counted.
+    fn may_go_on(&self) -> bool {
+        let left = self.evaluations_left.get();
+        self.evaluations_left.set(left.saturating_sub(1));
+        left > 0
     }
 }
 
 impl System for Moving<'_> {
     fn derivative(&self, time_s: f64, state: &State<f64>) -> State<f64> {
-        let left = self.evaluations_left.get();
-        if left == 0 {
+        if !self.may_go_on() {
             // The integrator refuses what is not a number: the way out of a step without end.
             return state.map(|_| f64::NAN);
         }
-        self.evaluations_left.set(left - 1);
         self.rules.rates(&self.active, time_s, state, &self.inputs_at(time_s))
+    }
+
+    fn linearised(&self, time_s: Jet, state: &State<Jet>) -> State<Jet> {
+        if !self.may_go_on() {
+            return state.map(|_| Jet::constant(f64::NAN));
+        }
+        self.rules.rates(&self.active.map(Jet::constant), time_s, state, &self.inputs_at(time_s))
     }
 
     fn event_indicators(&self, time_s: f64, state: &State<f64>) -> [f64; N_EVENTS] {

@@ -2,6 +2,8 @@
 //! Decides nothing: the [pilot](super::flight) does.
 
 use super::{Mission, Profile};
+use crate::Number;
+use crate::dynamics::integrate::Jet;
 use crate::dynamics::limits::N_EVENTS;
 use crate::dynamics::{Actuation, Inputs, Modes, Parameters, State, derivative, integrate};
 
@@ -31,19 +33,19 @@ pub(super) const UPPER_END: usize = 4;
 pub(super) const WAY_DONE: usize = 5;
 
 impl Course<'_> {
-    pub(super) fn inputs(&self, state: &State<f64>) -> Inputs<f64> {
+    pub(super) fn inputs<T: Number>(&self, state: &State<T>) -> Inputs<T> {
         let (p, m) = (self.parameters, self.mission);
-        let at =
-            |profile: &Option<Profile>, otherwise: f64| profile.as_ref().map_or(otherwise, |it| it.at(state.depth_m));
+        let at = |profile: &Option<Profile>, otherwise: f64| {
+            profile.as_ref().map_or(T::constant(otherwise), |it| it.at(state.depth_m))
+        };
         Inputs {
-            ballast_command_m3: self.ballast_m3,
-            moving_mass_command_m: self.moving_mass_m,
+            ballast_command_m3: T::constant(self.ballast_m3),
+            moving_mass_command_m: T::constant(self.moving_mass_m),
             current_x_m_s: m.current.at(state.depth_m),
+            water_density_kg_m3: at(&m.density, p.reference_density_kg_m3),
+            water_temperature_C: at(&m.temperature, p.reference_temperature_C),
             seabed_depth_m: m.seabed.at(state.x_m),
-            ..Inputs::still_water(
-                at(&m.density, p.reference_density_kg_m3),
-                at(&m.temperature, p.reference_temperature_C),
-            )
+            ..Inputs::still_water(0.0, 0.0).map(T::constant)
         }
     }
 }
@@ -51,6 +53,11 @@ impl Course<'_> {
 impl integrate::System for Course<'_> {
     fn derivative(&self, time_s: f64, state: &State<f64>) -> State<f64> {
         derivative(self.parameters, Actuation::Servo, Modes::default(), time_s, state, &self.inputs(state))
+    }
+
+    fn linearised(&self, time_s: Jet, state: &State<Jet>) -> State<Jet> {
+        let parameters = self.parameters.map(Jet::constant);
+        derivative(&parameters, Actuation::Servo, Modes::default(), time_s, state, &self.inputs(state))
     }
 
     fn event_indicators(&self, _: f64, state: &State<f64>) -> [f64; N_EVENTS] {

@@ -1,5 +1,7 @@
 //! A quantity against depth or distance, as a pilot writes it down: a few points, straight lines between them.
 
+use crate::Number;
+
 /// Points joined by straight lines; beyond the ends the value stays that of the end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
@@ -20,17 +22,17 @@ impl Profile {
     }
 
     /// The value at a place.
-    pub fn at(&self, x: f64) -> f64 {
-        let after = self.xs.partition_point(|knot| *knot <= x);
+    pub fn at<T: Number>(&self, x: T) -> T {
+        let after = self.xs.partition_point(|knot| *knot <= x.value());
         if after == 0 {
-            return self.ys[0];
+            return T::constant(self.ys[0]);
         }
         if after == self.xs.len() {
-            return self.ys[after - 1];
+            return T::constant(self.ys[after - 1]);
         }
         let (x0, x1) = (self.xs[after - 1], self.xs[after]);
         let (y0, y1) = (self.ys[after - 1], self.ys[after]);
-        y0 + (y1 - y0) * (x - x0) / (x1 - x0)
+        (x - x0) * (y1 - y0) / (x1 - x0) + y0
     }
 
     /// Places and values of the points.
