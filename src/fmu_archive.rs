@@ -6,6 +6,7 @@
 use glidepolar_archive::Archive;
 
 use crate::dynamics::{PARAMETERS, Parameters};
+use crate::fmu_page;
 use crate::glide::{Start, start, start_in};
 use crate::simulate::schedule::INPUT_NAMES;
 use crate::vehicle::{MissingKeys, Vehicle};
@@ -73,13 +74,14 @@ pub fn pack(template: &Archive, vehicle: &Vehicle, water: Option<Water<'_>>) -> 
     description.set_start("water_source", if water.is_some() { "1" } else { "0" })?;
     description.set_text_if_stated("vehicle_name", &vehicle.name);
 
+    let page = page(&text(PAGE)?, &vehicle.name, &parameters, water, description.stop_time_s());
     let mut archive = template.clone();
     let mut insert = |name: &str, contents: String| {
         archive.insert(name, contents).map_err(|fault| PackError::Template(fault.to_string()))
     };
     insert(DESCRIPTION, description.text())?;
     insert(VEHICLE, vehicle.to_toml())?;
-    insert(PAGE, with_notice(&text(PAGE)?, &vehicle.name, water.is_some()))?;
+    insert(PAGE, page)?;
     match water {
         Some(water) => insert(COLUMN, water.text.to_owned())?,
         None => drop(archive.remove(COLUMN)),
@@ -97,12 +99,16 @@ fn check_bounds(parameters: &Parameters<f64>) -> Result<(), PackError> {
     Ok(())
 }
 
-/// Every start value that follows from the vehicle and its water, by the FMU's name for it.
-fn starts(parameters: &Parameters<f64>, water: Option<Water<'_>>) -> Vec<(&'static str, f64)> {
-    let Start { state, inputs } = match water {
+fn start_of(parameters: &Parameters<f64>, water: Option<Water<'_>>) -> Start {
+    match water {
         Some(water) => start_in(parameters, |depth_m| water.column.at(depth_m)),
         None => start(parameters),
-    };
+    }
+}
+
+/// Every start value that follows from the vehicle and its water, by the FMU's name for it.
+fn starts(parameters: &Parameters<f64>, water: Option<Water<'_>>) -> Vec<(&'static str, f64)> {
+    let Start { state, inputs } = start_of(parameters, water);
     // A row that the FMU does not publish is a matter of logs.
     let published = PARAMETERS.iter().zip(parameters.as_array()).filter(|(row, _)| row.name != "pressure_lag_s");
     let mut starts: Vec<_> = published.map(|(row, value)| (row.name, value)).collect();
@@ -155,6 +161,12 @@ impl Description {
         Err(PackError::Template("its description has no token".to_owned()))
     }
 
+    /// How long the run is that the description proposes \[s\].
+    fn stop_time_s(&self) -> f64 {
+        let stated = self.lines.iter().find_map(|line| attribute_of(line, "stopTime"));
+        stated.and_then(|text| text.parse().ok()).unwrap_or(600.0)
+    }
+
     /// Sets the start value of a variable: an attribute of its element in FMI 3.0, of the element below it in FMI 2.0.
     fn set_start(&mut self, name: &str, value: &str) -> Result<(), PackError> {
         let mark = format!(" name=\"{name}\"");
@@ -203,26 +215,54 @@ fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// The page with a word at its top on what differs from it.
-fn with_notice(page: &str, vehicle: &str, has_water: bool) -> String {
-    let water = if has_water { ", and water of its own, <code>resources/water_column.csv</code>" } else { "" };
-    let notice = format!(
-        "<p id=\"own-vehicle\"><b>This archive carries a vehicle of its own: {}</b> \
-         (<code>resources/vehicle.toml</code>){water}. Its start values stand in modelDescription.xml; the figures on this \
-         page are those of the vehicle that comes with the program.</p>",
-        escaped(vehicle)
-    );
-    let earlier = page.find("<p id=\"own-vehicle\">").and_then(|from| {
-        let length = page[from..].find("</p>")?;
-        Some(from..from + length + "</p>".len())
-    });
+/// The page with the figures of this vehicle, and a word at its top where there is more to say.
+fn page(page: &str, name: &str, parameters: &Parameters<f64>, water: Option<Water<'_>>, stop_s: f64) -> String {
+    let start = start_of(parameters, water);
     let mut page = page.to_owned();
-    match (earlier, page.find("</h1>")) {
-        (Some(range), _) => page.replace_range(range, &notice),
-        (None, Some(title)) => page.insert_str(title + "</h1>".len(), &format!("\n{notice}")),
-        (None, None) => (),
+    for (key, value) in fmu_page::figures(parameters, &start, stop_s) {
+        fill(&mut page, fmu_page::PROSE_MARK, key, &value);
     }
+    fill(&mut page, fmu_page::PROSE_MARK, "vehicle", &escaped(name));
+    for (variable, value) in starts(parameters, water) {
+        fill(&mut page, fmu_page::CELL_MARK, variable, &fmu_page::short(&written(value)));
+    }
+    fill(&mut page, fmu_page::CELL_MARK, "water_source", if water.is_some() { "1" } else { "0" });
+    fill(&mut page, fmu_page::CELL_MARK, "vehicle_name", &escaped(name));
+    notice(&mut page, water.is_some(), start.state.v1_m_s == 0.0);
     page
+}
+
+/// Replaces the text of every element that carries this mark.
+fn fill(page: &mut String, mark: &str, key: &str, value: &str) {
+    let mark = format!("{mark}=\"{key}\">");
+    let mut from = 0;
+    while let Some(found) = page[from..].find(&mark) {
+        let begin = from + found + mark.len();
+        let Some(length) = page[begin..].find('<') else { return };
+        page.replace_range(begin..begin + length, value);
+        from = begin + value.len();
+    }
+}
+
+/// Says below the title what the prose cannot know: water of the archive's own, a glider that cannot glide.
+fn notice(page: &mut String, has_water: bool, is_at_rest: bool) {
+    const BEGIN: &str = "\n<p id=\"own-vehicle\">";
+    const END: &str = "</p>";
+    if let Some(begin) = page.find(BEGIN)
+        && let Some(length) = page[begin..].find(END)
+    {
+        page.replace_range(begin..begin + length + END.len(), "");
+    }
+    let mut notice = String::new();
+    if has_water {
+        notice.push_str("This archive carries water of its own, <code>resources/water_column.csv</code>: the start is steady in it. ");
+    }
+    if is_at_rest {
+        notice.push_str("<b>This vehicle has no steady glide within its limits: it starts level and at rest.</b>");
+    }
+    if let Some(title) = page.find("</h1>").filter(|_| !notice.is_empty()) {
+        page.insert_str(title + "</h1>".len(), &format!("{BEGIN}{}{END}", notice.trim_end()));
+    }
 }
 
 #[cfg(test)]
@@ -244,7 +284,7 @@ mod tests {
         String::from_utf8(archive.get(DESCRIPTION).unwrap().to_vec()).unwrap()
     }
 
-    fn start_of(description: &str, name: &str) -> f64 {
+    fn stated(description: &str, name: &str) -> f64 {
         let (_, rest) = description.split_once(&format!(" name=\"{name}\"")).unwrap();
         attribute_of(rest, "start").unwrap().parse().unwrap()
     }
@@ -257,10 +297,10 @@ mod tests {
             let packed = pack(&template, &rogue, None).unwrap();
             let text = description(&packed);
             let start = start(&rogue.parameters().unwrap());
-            assert_eq!(start_of(&text, "hull_mass_kg"), 8.22);
-            assert_eq!(start_of(&text, "pitch_rad"), start.state.pitch_rad);
-            assert_eq!(start_of(&text, "moving_mass_command_m"), start.inputs.moving_mass_command_m);
-            assert_eq!(start_of(&text, "water_density_kg_m3"), 1000.0);
+            assert_eq!(stated(&text, "hull_mass_kg"), 8.22);
+            assert_eq!(stated(&text, "pitch_rad"), start.state.pitch_rad);
+            assert_eq!(stated(&text, "moving_mass_command_m"), start.inputs.moving_mass_command_m);
+            assert_eq!(stated(&text, "water_density_kg_m3"), 1000.0);
             assert!(text.contains("}+vehicle\""));
             // Nothing but starts and the token differs: as many lines, the same names.
             assert_eq!(text.lines().count(), description(&template).lines().count());
@@ -275,8 +315,9 @@ mod tests {
     fn the_default_vehicle_gives_the_template_s_own_starts() {
         let vehicle = Vehicle::load("slocum-graver").unwrap();
         let template = template("fmi3");
-        let packed = description(&pack(&template, &vehicle, None).unwrap());
-        assert_eq!(packed.replace("+vehicle", ""), description(&template));
+        let packed = pack(&template, &vehicle, None).unwrap();
+        assert_eq!(description(&packed).replace("+vehicle", ""), description(&template));
+        assert_eq!(packed.get(PAGE), template.get(PAGE));
     }
 
     #[test]
@@ -288,10 +329,39 @@ mod tests {
         let packed = pack(&template("fmi3"), &vehicle, Some(water)).unwrap();
         assert_eq!(packed.get(COLUMN), Some(table.as_bytes()));
         let text = description(&packed);
-        assert_eq!(start_of(&text, "water_source"), 1.0);
-        assert_eq!(start_of(&text, "water_density_kg_m3"), column.at(10.0).density_kg_m3);
-        assert!(packed.get(PAGE).unwrap().windows(16).any(|part| part == b"water of its own"));
+        assert_eq!(stated(&text, "water_source"), 1.0);
+        assert_eq!(stated(&text, "water_density_kg_m3"), column.at(10.0).density_kg_m3);
+        let page = String::from_utf8(packed.get(PAGE).unwrap().to_vec()).unwrap();
+        assert!(page.contains("water of its own"));
+        let density = fmu_page::short(&written(column.at(10.0).density_kg_m3));
+        assert!(page.contains(&format!("data-start=\"water_density_kg_m3\">{density}<")), "{density}");
         assert_eq!(pack(&packed, &vehicle, None).unwrap().get(COLUMN), None);
+    }
+
+    #[test]
+    fn the_page_tells_of_the_vehicle_that_is_packed() {
+        let page = |vehicle: &str| {
+            let packed = pack(&template("fmi2"), &Vehicle::load(vehicle).unwrap(), None).unwrap();
+            String::from_utf8(packed.get(PAGE).unwrap().to_vec()).unwrap()
+        };
+        let rogue = page("rogue");
+        // ROGUE glides at 30 deg where 25 deg would be asked of it, or whatever it can: read off its own description.
+        let start = start(&Vehicle::load("rogue").unwrap().parameters().unwrap());
+        let (pitch, mass) = (start.state.pitch_rad.to_degrees(), start.inputs.moving_mass_command_m);
+        for expected in [
+            format!("data-fill=\"start_pitch\">{pitch:.1}<"),
+            format!("data-fill=\"down_mass\">{mass:.5}<"),
+            "data-start=\"hull_mass_kg\">8.22<".to_owned(),
+            "data-start=\"water_density_kg_m3\">1000<".to_owned(),
+        ] {
+            assert!(rogue.contains(&expected), "{expected}");
+        }
+        // Every cell of a start value is one that packing fills, but for what is the FMU's own.
+        let default = page("slocum-graver");
+        let cells = |page: &str| page.matches("data-start=").count();
+        assert_eq!(cells(&rogue), cells(&default));
+        assert_eq!(rogue.matches("<td").count(), default.matches("<td").count());
+        assert!(!rogue.contains("SLOCUM"), "a word of another vehicle");
     }
 
     #[test]

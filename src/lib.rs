@@ -22,6 +22,7 @@ pub mod dynamics;
 pub mod estimate;
 #[cfg(feature = "report")]
 pub mod fmu_archive;
+pub mod fmu_page;
 pub mod glide;
 pub mod hull_tests;
 #[cfg(feature = "sea")]

@@ -41,8 +41,7 @@ fn eigenvalues(parameters: &Parameters<f64>) {
 fn summary(run: &Run) -> String {
     let range = |index: usize, scale: f64| {
         let values = run.rows.iter().map(|row| row[index] * scale);
-        let (low, high) =
-            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
         format!("{low:.3} to {high:.3}")
     };
     let stopped = run.stopped_s.map_or("never".to_owned(), |time| format!("{time:.1} s"));
@@ -59,7 +58,7 @@ fn figures(
     runs: &[Result<Run, IntegrationError>; 2],
 ) -> Result<[Figure; 2], IntegrationError> {
     let [forces, servo] = runs.each_ref().map(|run| run.as_ref().map_err(|error| *error));
-    let runs = [("no net force on the mass", forces?), ("mass placed by its servo", servo?)];
+    let runs = [("u_1 = 0", forces?), ("mass placed by its servo", servo?)];
     Ok([the_run(&runs), the_onset(parameters)?])
 }
 

@@ -20,7 +20,7 @@ pub const LEGS: usize = 4;
 pub const GLIDE: (f64, f64) = (-25.0, 0.30);
 
 /// Where the run starts [m].
-const START_DEPTH_M: f64 = 100.0;
+const START_DEPTH_M: f64 = 10.0;
 
 /// A run by pulses, one row a second.
 pub struct Run {

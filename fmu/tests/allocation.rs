@@ -41,8 +41,15 @@ fn allocations(body: impl FnOnce()) -> usize {
 fn a_run_with_events_allocates_nothing() {
     assert_eq!(allocations(|| drop(std::hint::black_box(Box::new(1)))), 1, "the count counts");
 
-    let glider = Glider3::started(Options::default(), &[("seabed_depth_m", 30.0), ("step_time_s", 50.0)]);
-    glider.set(&[("drag_step", 0.5)]);
+    for tolerance in [None, Some(1e-6)] {
+        run_with_events(tolerance);
+    }
+}
+
+fn run_with_events(tolerance: Option<f64>) {
+    let glider = Glider3::co_simulation(Options::default());
+    glider.set(&[("seabed_depth_m", 30.0), ("step_time_s", 50.0), ("drag_step", 0.5)]);
+    glider.begin(tolerance);
     let counted = allocations(|| {
         for second in 0..1000 {
             let time = f64::from(second);

@@ -10,6 +10,7 @@ import zipfile
 import numpy as np
 import pytest
 from fmpy import extract, read_model_description, simulate_fmu
+from fmpy.util import create_plotly_figure
 from fmpy.validation import validate_fmu
 from instance import Instance
 
@@ -76,6 +77,18 @@ def test_the_bare_command_shows_a_steady_glide_down(fmu, tmp_path):
     expected = 10 + 0.3 * np.sin(np.deg2rad(25)) * 600
     assert float(rows[-1]["time"]) == 600 and abs(depth[-1] - expected) < 1e-6 * expected
     assert all(abs(float(row["glide_angle_rad"]) + np.deg2rad(25)) < 1e-9 for row in rows)
+
+
+def test_the_plot_shows_every_output_with_its_unit(fmu):
+    """As `--show-plot` draws it: FMPy gives up beyond 17 panels."""
+    result = simulate_fmu(fmu)
+    figure = create_plotly_figure(result)
+    titles = {figure.layout[axis].title.text for axis in figure.layout if axis.startswith("yaxis")}
+    outputs = [v.name for v in read_model_description(fmu).modelVariables if v.causality == "output"]
+    assert len(titles) == len(outputs) == 17
+    assert {title.split(" [")[0] for title in titles} == set(outputs)
+    assert all(title.endswith("]") for title in titles), titles
+    assert {"pitch_rad [deg]", "depth_m [m]", "energy_J [kJ]"} <= titles
 
 
 def test_all_four_interfaces_fly_the_same_sawtooth(fmu2, fmu3):

@@ -29,6 +29,7 @@ fn a_mass_that_is_locked_is_stable_and_one_under_constant_force_is_not() {
         assert!(run::eigenvalues(&p, angle, Kept::Locked).iter().all(|e| e.0 < -0.02), "{angle}");
         assert!(run::eigenvalues(&p, angle, Kept::ForceAlongAxis1)[0].0 > 0.05, "{angle}");
     }
+    assert!(run::eigenvalues(&p, 25.0, Kept::Forces)[0].0 > 0.3);
 }
 
 #[test]
@@ -79,5 +80,7 @@ fn with_the_mass_placed_the_same_pulses_make_the_sawtooth_of_the_closed_forms() 
 }
 
 fn extremes(rows: &[Row], column: usize) -> (f64, f64) {
-    rows.iter().map(|row| row[column]).fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
+    rows.iter()
+        .map(|row| row[column])
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
 }

@@ -323,7 +323,12 @@ const DERIVATIVES: [(&str, &str, &str); N_STATES] = derivatives![
 const JUMPING_STATES: [&str; 7] =
     ["pitch_rate_rad_s", "v1_m_s", "v3_m_s", "moving_mass_position_m", "PP1_kg_m_s", "PP3_kg_m_s", "ballast_mass_kg"];
 
-/// The outputs, in the order of `output_array`.
+/// What is calculated, but no output: it can be read like one. FMPy's plot of all outputs fails beyond 17 (its panels are
+/// set too far apart), and 17 are what a user connects.
+const SEEN_INSIDE: [&str; 5] =
+    ["ballast_m3", "pitch_read_rad", "pressure_read_dbar", "surrounding_density_kg_m3", "surrounding_temperature_C"];
+
+/// The outputs and [`SEEN_INSIDE`], in the order of `output_array`.
 const OUTPUTS: &[Row] = &[
     ("glide_angle_rad", "rad", -1e3, 1e3, 0.1, "Glide path angle through the water, negative when descending"),
     ("angle_of_attack_rad", "rad", -3.2, 3.2, 0.01, "Angle of attack"),
@@ -425,12 +430,10 @@ fn build() -> Vec<Variable> {
         jumps: JUMPING_STATES.contains(&row.0),
         ..real(row, Slot::State(i))
     }));
-    table.extend(
-        OUTPUTS
-            .iter()
-            .enumerate()
-            .map(|(i, row)| Variable { causality: Causality::Output, ..real(row, Slot::Output(i)) }),
-    );
+    table.extend(OUTPUTS.iter().enumerate().map(|(i, row)| {
+        let causality = if SEEN_INSIDE.contains(&row.0) { Causality::Local } else { Causality::Output };
+        Variable { causality, ..real(row, Slot::Output(i)) }
+    }));
     table.extend(discrete());
     table.extend((0..N_STATES).map(|i| derivative(i, nominals[i])));
     table.extend((0..N_EVENTS).map(indicator));

@@ -1,23 +1,29 @@
 //! Dense linear equations of one fixed small size: elimination with partial pivoting, as plain loops over arrays.
 //!
-//! nalgebra's takes twice as long at this size, and a step solves eight systems with one decomposition: together a fifth
-//! of its time. Columns are stored, so that each loop runs down one of them.
+//! nalgebra's takes twice as long at this size, and a step solves eight systems with one decomposition. Every loop of
+//! [`Decomposition::solve`] runs over whole columns, zeros included: of a fixed length, it becomes a few vector
+//! instructions.
 
 use super::method::Scaled;
 use crate::dynamics::state::N_STATES;
 
 /// A matrix brought to triangular form.
 pub struct Decomposition {
-    /// Columns: above the diagonal of the upper factor, below it the multipliers, on it the reciprocals of the pivots.
-    columns: [Scaled; N_STATES],
-    /// Which row was swapped up at each pivot.
-    swaps: [usize; N_STATES],
+    /// Columns of the multipliers below the diagonal; zero elsewhere.
+    lower: [Scaled; N_STATES],
+    /// Columns of the upper factor above the diagonal; zero elsewhere.
+    upper: [Scaled; N_STATES],
+    /// Reciprocals of the pivots.
+    reciprocals: Scaled,
+    /// Which row of the matrix stands in each row.
+    rows: [usize; N_STATES],
 }
 
 impl Decomposition {
     /// Of the matrix with these columns; none for one that is singular or not finite.
     pub fn of(mut columns: [Scaled; N_STATES]) -> Option<Self> {
-        let mut swaps = [0; N_STATES];
+        let mut rows: [usize; N_STATES] = std::array::from_fn(|row| row);
+        let mut reciprocals = [0.0; N_STATES];
         for pivot in 0..N_STATES {
             let column = &columns[pivot];
             let mut largest = pivot;
@@ -26,50 +32,50 @@ impl Decomposition {
                     largest = row;
                 }
             }
-            swaps[pivot] = largest;
             if largest != pivot {
+                rows.swap(pivot, largest);
                 columns.iter_mut().for_each(|column| column.swap(pivot, largest));
             }
             let reciprocal = columns[pivot][pivot].recip();
             if !reciprocal.is_finite() {
                 return None;
             }
-            columns[pivot][pivot] = reciprocal;
+            reciprocals[pivot] = reciprocal;
             columns[pivot][pivot + 1..].iter_mut().for_each(|value| *value *= reciprocal);
             let multipliers = columns[pivot];
             for column in &mut columns[pivot + 1..] {
                 let top = column[pivot];
                 if top != 0.0 {
-                    subtract_below(pivot, column, &multipliers, top);
+                    for row in pivot + 1..N_STATES {
+                        column[row] -= multipliers[row] * top;
+                    }
                 }
             }
         }
-        Some(Decomposition { columns, swaps })
+        let part = |keep: fn(usize, usize) -> bool| {
+            std::array::from_fn(|j| std::array::from_fn(|i| if keep(i, j) { columns[j][i] } else { 0.0 }))
+        };
+        Some(Decomposition { lower: part(|i, j| i > j), upper: part(|i, j| i < j), reciprocals, rows })
     }
 
     /// The solution for this right side.
-    pub fn solve(&self, mut right: Scaled) -> Scaled {
-        for (pivot, &swap) in self.swaps.iter().enumerate() {
-            right.swap(pivot, swap);
+    pub fn solve(&self, right: &Scaled) -> Scaled {
+        let mut solution: Scaled = std::array::from_fn(|row| right[self.rows[row]]);
+        for (pivot, column) in self.lower.iter().enumerate() {
+            let top = solution[pivot];
+            subtract(&mut solution, column, top);
         }
-        for pivot in 0..N_STATES - 1 {
-            let top = right[pivot];
-            subtract_below(pivot, &mut right, &self.columns[pivot], top);
+        for (pivot, column) in self.upper.iter().enumerate().rev() {
+            let solved = solution[pivot] * self.reciprocals[pivot];
+            solution[pivot] = solved;
+            subtract(&mut solution, column, solved);
         }
-        for pivot in (0..N_STATES).rev() {
-            let column = &self.columns[pivot];
-            let solved = right[pivot] * column[pivot];
-            right[pivot] = solved;
-            for row in 0..pivot {
-                right[row] -= column[row] * solved;
-            }
-        }
-        right
+        solution
     }
 }
 
-fn subtract_below(pivot: usize, from: &mut Scaled, multipliers: &Scaled, times: f64) {
-    for row in pivot + 1..N_STATES {
-        from[row] -= multipliers[row] * times;
+fn subtract(from: &mut Scaled, column: &Scaled, times: f64) {
+    for (value, multiplier) in from.iter_mut().zip(column) {
+        *value -= multiplier * times;
     }
 }

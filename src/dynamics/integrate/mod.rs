@@ -30,7 +30,7 @@ pub const DEFAULT_TOLERANCE: f64 = 1e-8;
 
 /// The tightest tolerance at which the linearly implicit method is the faster one: below it, its order 5 asks for more
 /// steps than stability asks of an explicit one.
-const IMPLICIT_FROM: f64 = 5e-9;
+pub const IMPLICIT_FROM: f64 = 5e-8;
 
 /// First step where none is known \[s\].
 const FIRST_STEP_S: f64 = 0.1;
@@ -38,9 +38,9 @@ const FIRST_STEP_S: f64 = 0.1;
 /// Longest step \[s\]: no surfacing or bottoming is jumped over.
 const LONGEST_STEP_S: f64 = 60.0;
 
-/// Parts of an accepted step at whose ends the events are looked at: a boundary that is crossed and crossed back inside
-/// a long step shows between its ends.
-const LOOKS_PER_STEP: usize = 4;
+/// The longest time between two looks at the events \[s\]: a boundary that is crossed and crossed back inside a long step
+/// shows between its ends.
+const LOOK_S: f64 = 10.0;
 
 /// Accepted steps after which the method starts anew about the place reached. It also keeps the explicit crate's alarm
 /// for stiffness, which counts over the life of a solver, from ending long voyages.
@@ -262,10 +262,11 @@ fn first_change<S: System, M: Method<S>>(
     (begun_s, reached_s): (f64, f64),
     (before, after): (&[f64; N_EVENTS], &[f64; N_EVENTS]),
 ) -> Option<(f64, f64)> {
-    let part_s = (reached_s - begun_s) / LOOKS_PER_STEP as f64;
+    let parts = ((reached_s - begun_s) / LOOK_S).ceil().max(1.0);
+    let part_s = (reached_s - begun_s) / parts;
     let mut from_s = begun_s;
-    for look in 1..LOOKS_PER_STEP {
-        let time_s = begun_s + part_s * look as f64;
+    for look in 1..parts as u32 {
+        let time_s = begun_s + part_s * f64::from(look);
         let there = method.inside(time_s).map(|scaled| stretch.indicators(time_s, &scaled));
         if there.is_some_and(|there| sign_changes(before, &there).contains(&true)) {
             return Some((from_s, time_s));

@@ -63,16 +63,8 @@ const C_TIME: [f64; STAGES] =
     [0.0, 0.6358126895828704, 0.4095798393397535, 0.9769306725060716, 0.4288403609558664, 1.0, 1.0, 1.0];
 
 /// Weights of the slope in time.
-const D: [f64; STAGES] = [
-    GAMMA,
-    -0.42387512638858027,
-    -0.3384627126235924,
-    1.8046452872882734,
-    2.325825639765069,
-    0.0,
-    0.0,
-    0.0,
-];
+const D: [f64; STAGES] =
+    [GAMMA, -0.42387512638858027, -0.3384627126235924, 1.8046452872882734, 2.325825639765069, 0.0, 0.0, 0.0];
 
 /// Dense output: `y(s) = (1-s) y0 + s (y1 + (1-s) (q1 + s (q2 + s q3)))`, `q_l = sum_j H_lj k_j`.
 const H: [[f64; STAGES]; 3] = [
@@ -134,6 +126,8 @@ struct Last {
     step_s: f64,
     place: Vector,
     stages: [Vector; STAGES],
+    /// What dense output needs, once it was asked for.
+    inside: Option<[Vector; 3]>,
 }
 
 impl<S: System> Method<S> for Rosenbrock {
@@ -172,7 +166,7 @@ impl<S: System> Method<S> for Rosenbrock {
         let longest = if self.was_rejected { 1.0 } else { CHANGE.1 };
         // An error of nothing makes the power infinite, and the longest step the next.
         let change = (SAFETY * error.powf(-0.2)).clamp(CHANGE.0, longest);
-        self.last = Some(Last { time_s: self.time_s, step_s, place: Vector::from(self.place), stages });
+        self.last = Some(Last { time_s: self.time_s, step_s, place: Vector::from(self.place), stages, inside: None });
         (self.time_s, self.place) = (self.time_s + step_s, reached.into());
         self.next_step_s = (step_s * change).min(LONGEST_STEP_S);
         self.was_rejected = false;
@@ -196,9 +190,9 @@ impl<S: System> Method<S> for Rosenbrock {
     }
 
     fn inside(&mut self, time_s: f64) -> Option<Scaled> {
-        let last = self.last.as_ref()?;
+        let last = self.last.as_mut()?;
         let s = ((time_s - last.time_s) / last.step_s).clamp(0.0, 1.0);
-        let [q1, q2, q3] = H.map(|row| combine(&row, &last.stages));
+        let [q1, q2, q3] = *last.inside.get_or_insert_with(|| H.map(|row| combine(&row, &last.stages)));
         let end = Vector::from(self.place);
         Some((last.place * (1.0 - s) + (end + (q1 + (q2 + q3 * s) * s) * (1.0 - s)) * s).into())
     }
@@ -228,9 +222,8 @@ fn stages<S: System>(
     step_s: f64,
 ) -> Option<(Vector, [Vector; STAGES])> {
     let diagonal = 1.0 / (step_s * GAMMA);
-    let matrix = std::array::from_fn(|j| {
-        std::array::from_fn(|i| if i == j { diagonal } else { 0.0 } - slopes.jacobian[i][j])
-    });
+    let matrix =
+        std::array::from_fn(|j| std::array::from_fn(|i| if i == j { diagonal } else { 0.0 } - slopes.jacobian[i][j]));
     let matrix = Decomposition::of(matrix)?;
     let (start, in_time) = (Vector::from(*place), Vector::from(slopes.in_time));
     let mut k = [Vector::zeros(); STAGES];
@@ -243,7 +236,7 @@ fn stages<S: System>(
         };
         let rates = if i == 0 { slopes.rates } else { stretch.rates(time_s + C_TIME[i] * step_s, &at.into()) };
         let right = Vector::from(rates) + in_time * (D[i] * step_s) + combine(&C[i], &k[..i]) / step_s;
-        k[i] = matrix.solve(right.into()).into();
+        k[i] = matrix.solve(&right.into()).into();
     }
     Some((at + k[STAGES - 1], k))
 }
