@@ -5,12 +5,13 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::identify::{Reading, TrimChoice};
-use super::{CliError, Output};
-use crate::diagnose::sea::{SeaError, SeaProblem, Settings};
-use crate::diagnose::{Diagnosis, Point, Problem, Verdict, diagnose};
+use super::{CliError, Output, diagnose_page, vehicle_input};
+use crate::diagnose::sea::{SeaDiagnosis, SeaError, SeaProblem, Settings, diagnose_log};
+use crate::diagnose::{Check, Checked, Diagnosis, Point, Problem, Verdict};
 use crate::dynamics::parameter_index;
 use crate::estimate::Estimate;
 use crate::output::{Replace, write_whole};
+use crate::report::InputFile;
 use crate::vehicle::Vehicle;
 
 /// What is wrong in a log against a vehicle, why, the extended vehicle, the measured gain
@@ -33,12 +34,15 @@ pub struct Arguments {
     /// What the baseline takes for the net weight; default: neutral for a built-in vehicle, vehicle for a file
     #[arg(long, value_enum)]
     trim: Option<TrimChoice>,
-    /// Hold the lift slope at the vehicle's value
-    #[arg(long)]
-    pin_lift: bool,
+    /// Hold the lift slope at the vehicle's value, or at A [1/rad, on the frontal area]
+    #[arg(long, value_name = "A", num_args = 0..=1, require_equals = true)]
+    pin_lift: Option<Option<f64>>,
     /// Write the vehicle with the named mechanisms in it to FILE
     #[arg(long, value_name = "OUT.toml")]
     extended: Option<PathBuf>,
+    /// Write a page with figures (report.html) into DIR
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
     #[command(flatten)]
     output: Output,
 }
@@ -47,40 +51,52 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let mut vehicle = Vehicle::load(&arguments.vehicle)?;
     let log = arguments.reading.read(&arguments.logs, &vehicle)?;
     let trim = TrimChoice::of(arguments.trim, &vehicle);
-    let baseline = trim.baseline(&vehicle.glide_parameters(), &log.observations);
-    let settings = Settings { fit_lift: !arguments.pin_lift, ..Settings::default() };
-    let problem = SeaProblem::new(&log.observations, &baseline, settings)?;
-    let (mut found, point) = diagnose(&problem);
+    if let Some(Some(lift)) = arguments.pin_lift {
+        if !(lift > 0.0 && lift < 1e3) {
+            return Err(CliError::Usage(format!(
+                "--pin-lift={lift} is no lift slope: expected a positive number per rad"
+            )));
+        }
+        vehicle.set("hydro.a_per_rad", lift)?;
+    }
+    let settings = Settings { fit_lift: arguments.pin_lift.is_none(), ..Settings::default() };
+    let parameters = vehicle.glide_parameters();
+    let mut found = diagnose_log(&parameters, trim, &log.observations, settings)?;
 
     if let Some(path) = &arguments.extended {
         // What the trim took for the mass belongs to the extended vehicle as well, or it would fly at another weight.
-        let mass = baseline.hull_mass_kg - vehicle.glide_parameters().hull_mass_kg;
-        extend(&mut vehicle, &problem, &point, &found, mass)?;
+        let trimmed_kg = found.baseline.hull_mass_kg - parameters.hull_mass_kg;
+        extend(&mut vehicle, &found, trimmed_kg)?;
         let replace = if arguments.output.force { Replace::Any } else { Replace::Never };
         write_whole(path, vehicle.to_toml().as_bytes(), replace)?;
-        found.extended = Some(path.display().to_string());
+        found.told.diagnosis.extended = Some(path.display().to_string());
+    }
+    if let Some(out) = &arguments.out {
+        let mut page = diagnose_page::page(&vehicle.name, &found, trim.sentence());
+        for log in &arguments.logs {
+            page = page.input(InputFile::read(log)?);
+        }
+        page.input(vehicle_input(&arguments.vehicle)?).write(&arguments.output.folder(out)?)?;
     }
     if arguments.output.shows_tables() {
-        print(&found, &problem, trim.sentence());
+        print(&found.told.diagnosis, &found.problem, trim.sentence());
     }
-    arguments.output.write_json(&found)
+    arguments.output.write_json(&found.told.diagnosis)
 }
 
 impl From<SeaError> for CliError {
     fn from(error: SeaError) -> Self {
-        CliError::Failed(error.to_string())
+        match error {
+            SeaError::TooFew { .. } => CliError::Failed(error.to_string()),
+            SeaError::Inconsistent(_) => CliError::Usage(error.to_string()),
+        }
     }
 }
 
 /// Writes the polar that was fitted and the mechanisms that were named into a vehicle.
-fn extend(
-    vehicle: &mut Vehicle,
-    problem: &SeaProblem,
-    point: &Point,
-    found: &Diagnosis,
-    trimmed_kg: f64,
-) -> Result<(), CliError> {
-    for ((name, _), value) in problem.baseline().iter().zip(&point.baseline) {
+fn extend(vehicle: &mut Vehicle, found: &SeaDiagnosis, trimmed_kg: f64) -> Result<(), CliError> {
+    let polar: &Point = &found.told.after.point;
+    for ((name, _), value) in found.problem.baseline().iter().zip(&polar.baseline) {
         vehicle.set(&format!("hydro.{name}"), *value)?;
         // One polar was fitted to both legs; one that was measured apart before would speak against it.
         for leg in ["descent", "ascent"].map(|leg| format!("hydro.{leg}.{name}")) {
@@ -93,7 +109,7 @@ fn extend(
         let mass = vehicle.get("mass.mass_kg").unwrap_or(0.0) + trimmed_kg;
         vehicle.set("mass.mass_kg", mass)?;
     }
-    for (name, estimate) in found.causes.iter().flat_map(|cause| &cause.parameters) {
+    for (name, estimate) in found.told.diagnosis.causes.iter().flat_map(|cause| &cause.parameters) {
         if parameter_index(name).is_some() {
             vehicle.set(&format!("mechanisms.{name}"), estimate.value)?;
             if estimate.se > 0.0 {
@@ -109,6 +125,10 @@ fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
     if !problem.has_speed() {
         println!("no measured speed: the lift slope is held near the vehicle's value, and some causes look alike");
     }
+    for check in found.consistency.iter().filter(|check| check.outcome != Checked::Consistent) {
+        println!("{}", checked(check));
+    }
+    found.warnings.iter().for_each(|warning| println!("warning: {warning}"));
     println!("WRONG");
     for wrong in &found.wrong {
         println!(
@@ -126,10 +146,10 @@ fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
     println!("CAUSE: {}", verdict(found.verdict));
     for cause in &found.causes {
         let sizes: Vec<String> = cause.parameters.iter().map(|(name, estimate)| size(name, estimate)).collect();
+        let sizes = if sizes.is_empty() { "exact".to_owned() } else { sizes.join(", ") };
         println!(
-            "  {}: {}; held-out rms {:.2} -> {:.2} mm/s",
+            "  {}: {sizes}; held-out rms {:.2} -> {:.2} mm/s",
             words(&cause.cause),
-            sizes.join(", "),
             cause.holdout_rms_before * 1e3,
             cause.holdout_rms_after * 1e3
         );
@@ -158,7 +178,18 @@ fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
     }
 }
 
-fn verdict(verdict: Verdict) -> &'static str {
+/// A check in a line.
+pub(super) fn checked(check: &Check) -> String {
+    let outcome = match check.outcome {
+        Checked::Consistent => "consistent",
+        Checked::Mended => "wrong, mended",
+        Checked::Wrong => "wrong",
+        Checked::NotChecked => "not checked",
+    };
+    format!("{}: {outcome}: {}", check.check, check.says)
+}
+
+pub(super) fn verdict(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::None => "none",
         Verdict::Explained => "explained",
@@ -171,6 +202,6 @@ fn size(name: &str, estimate: &Estimate) -> String {
     format!("{name} = {:.4e} +- {:.1e}", estimate.value, estimate.se)
 }
 
-fn words(name: &str) -> String {
+pub(super) fn words(name: &str) -> String {
     name.replace('_', " ")
 }

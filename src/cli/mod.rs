@@ -9,6 +9,7 @@
 
 pub mod assemble;
 pub mod diagnose;
+mod diagnose_page;
 mod export_fmu;
 mod fmu;
 pub mod glide;

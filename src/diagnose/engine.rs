@@ -9,7 +9,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::evidence::{Candidate, Evidence, Headline, Point, Problem};
 use super::findings::{Cause, Diagnosis, Gain, Rejected, Unexplained, Verdict, Wrong};
 use super::holdout::{self, least_squares};
-use super::noise::{self, Noise, Series};
+use super::noise::{self, Noise};
+use super::regimes;
 use super::score::{Score, whiten, whiten_with_prior};
 use super::search::{Choice, Race, Runner};
 use super::smooth;
@@ -17,6 +18,12 @@ use crate::estimate::Estimate;
 
 /// Steps of Gauss and Newton to one fit.
 const MAX_FIT_STEPS: usize = 12;
+
+/// Alternations of fit and noise.
+const MAX_NOISE_ROUNDS: usize = 4;
+
+/// Versions of one mechanism whose traces are kept out of the noise.
+const MAX_VERSIONS_IN_NOISE: usize = 3;
 
 /// Alternations of fit and search.
 const MAX_ROUNDS: usize = 6;
@@ -28,6 +35,19 @@ const MARGIN: f64 = 6.0;
 /// Share of what the best curve explains that few parameters with a name must reach to keep it: what a rigid law explains
 /// but for a twentieth is that law, imperfectly written down, and the rest is told as unexplained.
 const FULL_SHARE: f64 = 0.95;
+
+/// Ratio of misfit to noise from which on the linearised model is not trusted to find the first mechanism.
+const GROSS_MISFIT: f64 = 2.0;
+
+/// Change of a mechanism's size from regime to regime, relative to it, from which on it is another mechanism; less may
+/// be due to what the model leaves out.
+const LEAST_CHANGE: f64 = 0.1;
+
+/// Least evidence for such a change, beyond the cost of having looked for it everywhere: a factor of 4.
+const LEAST_EXCESS: f64 = 3.0;
+
+/// Share of a mechanism's trace beside the baseline's parameters below which it hardly shows.
+const HARDLY_SHOWN: f64 = 0.1;
 
 /// Probability below which a misfit is called one.
 const SIGNIFICANT: f64 = 0.01;
@@ -83,20 +103,49 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
 
     // Mechanisms alone first: far from the truth the model bends, and a curve would take up the bend. Once they have done
     // what they can, what is left decides whether a curve was needed after all.
-    let mut present = baseline.clone();
+    let mut present = baseline.leap(problem).unwrap_or_else(|| baseline.clone());
     present.alternate(problem, |lap| (lap.race().best_mechanisms().members, None));
     let curve =
-        present.alternate(problem, |lap| decide(lap.race().best_mechanisms(), lap.race().best_with_curve(), lap));
+        present.alternate(problem, |lap| decide(lap.race().best_mechanisms(), lap.race().best_with_curve(), lap, problem));
     present.drop_what_does_not_predict(problem, &baseline);
     present.drop_what_chance_explains(problem, &baseline);
-    let curve = curve.or_else(|| Lap::new(candidates, &present).unnamed_curve(&present.included));
+    let refuted = present.drop_what_needs_other_sizes(problem, &baseline);
+    let curve = curve.or(refuted).or_else(|| Lap::new(candidates, &present).unnamed_curve(&present.included));
     report(problem, &baseline, &present, curve)
 }
 
+/// The baseline alone, and where it misses the data.
+pub fn baseline(problem: &impl Problem) -> (Stage, Vec<Wrong>) {
+    let mut baseline = Fitted::new(problem, problem.start(), Vec::new());
+    baseline.settle(problem);
+    let wrong = wrong(problem.candidates(), &baseline);
+    (baseline.stage(baseline.held_out()), wrong)
+}
+
+/// The gain from one set of held-out residuals to another, for each quantity.
+pub fn gains(evidence: &Evidence, before: &DVector<f64>, after: &DVector<f64>) -> Vec<Gain> {
+    let of = |quantity: &super::evidence::Quantity| {
+        let (b, a) = (holdout::rms(before, quantity.rows.clone()), holdout::rms(after, quantity.rows.clone()));
+        Gain {
+            quantity: quantity.name.to_owned(),
+            holdout_rms_before: b,
+            holdout_rms_after: a,
+            reduction_percent: holdout::reduction_percent(b, a),
+            ci95: holdout::reduction_interval(&evidence.block, quantity.rows.clone(), before, after),
+        }
+    };
+    evidence.quantities.iter().map(of).collect()
+}
+
 /// Mechanisms alone, or what is left of them beside a curve that none of them can replace.
-fn decide(mechanisms: Choice, with_curve: Option<Choice>, lap: &Lap<'_>) -> (Vec<usize>, Option<String>) {
+fn decide(
+    mechanisms: Choice,
+    with_curve: Option<Choice>,
+    lap: &Lap<'_>,
+    problem: &impl Problem,
+) -> (Vec<usize>, Option<String>) {
     match with_curve {
-        Some(other) if other.criterion < mechanisms.criterion.min(0.0) - MARGIN => {
+        Some(other) if other.criterion < mechanisms.criterion.min(0.0) - MARGIN.max(problem.part_unexplained() * -mechanisms.criterion) => {
             // Beside something unknown a name needs evidence that the unknown cannot take over, and more of it than the
             // unknown has itself: what is unknown may bring along a bit of many a mechanism.
             let race = lap.race();
@@ -144,30 +193,41 @@ impl Fitted {
         Fitted { point, included, evidence, noises }
     }
 
-    /// Gauss and Newton's steps, shortened where a whole one makes things worse.
+    /// The fit and its noise, each with the other as it is, until the fit stands.
     fn settle(&mut self, problem: &impl Problem) {
+        for _ in 0..MAX_NOISE_ROUNDS {
+            let moved = self.descend(problem);
+            self.noises = noises(problem, &self.evidence, &self.included);
+            if moved < 1e-2 {
+                return;
+            }
+        }
+    }
+
+    /// Gauss and Newton's steps, shortened where a whole one makes things worse; returns by how much the weighted sum of
+    /// squares fell.
+    fn descend(&mut self, problem: &impl Problem) -> f64 {
+        let mut fallen = 0.0;
         for _ in 0..MAX_FIT_STEPS {
             let columns = self.columns();
             let step = solve(&self.evidence, &self.noises, &columns, &self.evidence.residual);
             let before = weighted_squares(&self.evidence, &self.noises);
-            let expected = {
-                let left = &self.evidence.residual - &columns * &step;
-                before - weighted(&self.evidence, &self.noises, &left)
-            };
-            let mut accepted = false;
+            let mut fall = 0.0;
             for shortening in [1.0, 0.5, 0.25, 0.1, 0.03] {
                 let point = self.moved(problem, &(&step * shortening));
                 let evidence = believing(problem, problem.evidence(&point), &point, &self.included);
-                if weighted_squares(&evidence, &self.noises) < before {
-                    (self.point, self.evidence, accepted) = (point, evidence, true);
+                let after = weighted_squares(&evidence, &self.noises);
+                if after < before {
+                    (self.point, self.evidence, fall) = (point, evidence, before - after);
                     break;
                 }
             }
-            self.noises = noises(problem, &self.evidence, &self.included);
-            if !accepted || expected < 1e-4 {
-                return;
+            fallen += fall;
+            if fall < 1e-3 {
+                break;
             }
         }
+        fallen
     }
 
     /// Alternates between the choice of a set and its fit until the choice stands; returns the curve that goes with it.
@@ -194,6 +254,54 @@ impl Fitted {
             tried.push(members);
         }
         curve
+    }
+
+    /// Far from the truth the model bends, and its slopes mislead: there each mechanism is fitted in full, alone, by plain
+    /// least squares, and the one that leaves least is the place to start from.
+    fn leap(&self, problem: &impl Problem) -> Option<Fitted> {
+        if !problem.bends() {
+            return None;
+        }
+        let plain: Vec<Noise> = (0..self.noises.len())
+            .map(|quantity| {
+                let rows = self.evidence.quantities[quantity].rows.clone();
+                let stated = rows.clone().map(|row| self.evidence.stated_sd[row].powi(2)).sum::<f64>();
+                let misfit = rows.map(|row| self.evidence.residual[row].powi(2)).sum::<f64>();
+                Noise { white: misfit / stated.max(f64::MIN_POSITIVE), ..noise::WHITE }
+            })
+            .collect();
+        let is_gross = (0..self.noises.len()).any(|quantity| {
+            let rows = self.evidence.quantities[quantity].rows.clone();
+            holdout::rms(&self.evidence.residual, rows)
+                > GROSS_MISFIT * expected_rms(&self.evidence, &self.noises, quantity)
+        });
+        let candidates = problem.candidates();
+        let mut best: Option<(f64, Fitted)> = None;
+        for (i, _) in candidates.iter().enumerate().filter(|(_, candidate)| is_gross && candidate.fixed.is_empty()) {
+            let evidence = believing(problem, problem.evidence(&self.point), &self.point, &[i]);
+            let mut trial = Fitted { point: self.point.clone(), included: vec![i], evidence, noises: plain.clone() };
+            trial.descend(problem);
+            let left = weighted_squares(&trial.evidence, &plain);
+            let is_possible = trial.is_possible(candidates);
+            if is_possible && best.as_ref().is_none_or(|(least, _)| left < *least) {
+                best = Some((left, trial));
+            }
+        }
+        let (left, mut trial) = best?;
+        // Half of the misfit at least, or the slopes are as good a guide.
+        (left < 0.5 * weighted_squares(&self.evidence, &plain)).then(|| {
+            trial.noises = noises(problem, &trial.evidence, &trial.included);
+            trial.settle(problem);
+            trial
+        })
+    }
+
+    /// Whether every included parameter lies where physics allows it.
+    fn is_possible(&self, candidates: &[Candidate]) -> bool {
+        self.included.iter().all(|member| {
+            let values = self.point.candidates[*member].iter();
+            values.zip(&candidates[*member].bounds).all(|(value, (low, high))| (low..=high).contains(&value))
+        })
     }
 
     fn columns(&self) -> DMatrix<f64> {
@@ -310,6 +418,55 @@ impl Fitted {
                 Some((_, place)) => *self = self.without(problem, baseline, place),
                 None => return,
             }
+        }
+    }
+
+    /// A mechanism that needs another size in another regime is another one: it goes, and what its size goes with is
+    /// returned.
+    fn drop_what_needs_other_sizes(&mut self, problem: &impl Problem, baseline: &Fitted) -> Option<String> {
+        let mut refuted = None;
+        while problem.has_regimes() && !self.included.is_empty() {
+            let included: Vec<&DMatrix<f64>> =
+                self.included.iter().map(|member| &self.evidence.candidates[*member]).collect();
+            let found = regimes::misfits(&self.evidence, &self.noises, &included);
+            let differs = |misfit: &regimes::Misfit| {
+                let member = self.included[misfit.place];
+                let size = self.point.candidates[member][0] - problem.candidates()[member].neutral[0];
+                let mut others = self.included.clone();
+                others.remove(misfit.place);
+                let lap = Lap::new(problem.candidates(), self);
+                let race = lap.race();
+                let worth = race.criterion(&others) - race.criterion(&self.included);
+                misfit.excess > LEAST_EXCESS.max(problem.part_unexplained() * worth) && misfit.change.abs() > LEAST_CHANGE * size.abs()
+            };
+            let Some(worst) = found.into_iter().find(differs) else {
+                break;
+            };
+            *self = self.without(problem, baseline, worst.place);
+            refuted.get_or_insert(worst.with);
+            // Something unknown is there, and may bring along a bit of many a mechanism: the others need more evidence of
+            // their own than it has.
+            self.drop_what_is_weak(problem, baseline, MARGIN.max(worst.excess));
+        }
+        refuted
+    }
+
+    /// Only what is worth more than so much of the criterion stays.
+    fn drop_what_is_weak(&mut self, problem: &impl Problem, baseline: &Fitted, needed: f64) {
+        while !self.included.is_empty() {
+            let lap = Lap::new(problem.candidates(), self);
+            let race = lap.race();
+            let here = race.criterion(&self.included);
+            let worth = |place: usize| {
+                let mut fewer = self.included.clone();
+                fewer.remove(place);
+                race.criterion(&fewer) - here
+            };
+            let weakest = (0..self.included.len()).min_by(|a, b| worth(*a).total_cmp(&worth(*b)));
+            let Some(place) = weakest.filter(|place| worth(*place) < needed) else {
+                return;
+            };
+            *self = self.without(problem, baseline, place);
         }
     }
 
@@ -498,21 +655,7 @@ fn report(problem: &impl Problem, baseline: &Fitted, extended: &Fitted, curve: O
     let candidates = problem.candidates();
     let before = baseline.held_out();
     let after = if extended.included.is_empty() { before.clone() } else { extended.held_out() };
-    let gains: Vec<Gain> = baseline
-        .evidence
-        .quantities
-        .iter()
-        .map(|quantity| {
-            let (b, a) = (holdout::rms(&before, quantity.rows.clone()), holdout::rms(&after, quantity.rows.clone()));
-            Gain {
-                quantity: quantity.name.to_owned(),
-                holdout_rms_before: b,
-                holdout_rms_after: a,
-                reduction_percent: holdout::reduction_percent(b, a),
-                ci95: holdout::reduction_interval(&baseline.evidence.block, quantity.rows.clone(), &before, &after),
-            }
-        })
-        .collect();
+    let gains = gains(&baseline.evidence, &before, &after);
 
     let lap = Lap::new(candidates, extended);
     let race = lap.race();
@@ -535,6 +678,8 @@ fn report(problem: &impl Problem, baseline: &Fitted, extended: &Fitted, curve: O
     let diagnosis = Diagnosis {
         schema: "glidepolar.diagnosis/1",
         verdict,
+        consistency: Vec::new(),
+        warnings: Vec::new(),
         wrong: wrong(candidates, baseline),
         rejected: rejected(candidates, extended, &lap, &race, &causes),
         causes,
@@ -678,11 +823,17 @@ fn rejected(
                 .filter(|cause| cause.indistinguishable_from.iter().any(|other| other == name))
                 .map(|cause| cause.cause.as_str())
                 .collect();
-            let why = if stands_in.is_empty() {
+            let shown = lap.runners[index].columns.first().map_or(0.0, |column| lap.score.seen(*column));
+            let mut why = if !stands_in.is_empty() {
+                format!("cannot be told from {} in these data", stands_in.join(", "))
+            } else if p_value >= SIGNIFICANT {
                 format!("explains no more than chance would beside what is named (p = {p_value:.2})")
             } else {
-                format!("cannot be told from {} in these data", stands_in.join(", "))
+                format!("explains a part (p = {p_value:.1e}), but does not earn a name: it predicts no better, or needs another size elsewhere")
             };
+            if shown < HARDLY_SHOWN {
+                why += &format!("; beside the baseline's own parameters {:.1} % of its trace shows", 100.0 * shown);
+            }
             Rejected {
                 cause: name.to_owned(),
                 p_value: Some(p_value),
@@ -740,13 +891,20 @@ fn names(candidates: &[Candidate]) -> Vec<&'static str> {
     names
 }
 
-/// The noise of each quantity, everything that any candidate could explain set aside where there are rows to spare.
+/// The noise of each quantity, everything that any candidate could explain set aside where there are rows to spare. Of
+/// the versions of one mechanism a few stand for all: many jumps together would take all that is slow out of the noise.
 fn noises(problem: &impl Problem, evidence: &Evidence, included: &[usize]) -> Vec<Noise> {
+    let candidates = problem.candidates();
     let mut parts: Vec<&DMatrix<f64>> = vec![&evidence.baseline];
     parts.extend(included.iter().map(|member| &evidence.candidates[*member]));
     let few = side_by_side(evidence.residual.len(), &parts);
-    let all: Vec<&DMatrix<f64>> = std::iter::once(&evidence.baseline).chain(&evidence.candidates).collect();
-    let many = side_by_side(evidence.residual.len(), &all);
+    for name in names(candidates) {
+        let versions: Vec<usize> = (0..candidates.len()).filter(|i| candidates[*i].name == name).collect();
+        let every = versions.len().div_ceil(MAX_VERSIONS_IN_NOISE);
+        let chosen = versions.iter().skip(every / 2).step_by(every).filter(|i| !included.contains(i));
+        parts.extend(chosen.map(|i| &evidence.candidates[*i]));
+    }
+    let many = side_by_side(evidence.residual.len(), &parts);
     evidence
         .quantities
         .iter()
@@ -755,10 +913,8 @@ fn noises(problem: &impl Problem, evidence: &Evidence, included: &[usize]) -> Ve
             let reaching = many.column_iter().filter(|column| column.rows(rows.start, rows.len()).amax() > 0.0).count();
             let spare = rows.len() as f64 > problem.rows_per_column() * reaching as f64;
             let explained = if spare { &many } else { &few };
-            let series =
-                Series { time_s: &evidence.time_s[rows.clone()], stated_sd: &evidence.stated_sd[rows.clone()] };
             let residual = evidence.residual.rows(rows.start, rows.len()).into_owned();
-            noise::estimate(series, &residual, &explained.rows(rows.start, rows.len()).into_owned())
+            noise::estimate(evidence.series(quantity), &residual, &explained.rows(rows.start, rows.len()).into_owned())
         })
         .collect()
 }

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::noise::Series;
 use super::smooth::Kind;
 
 /// One measured quantity: a run of rows in the order of time.
@@ -41,6 +42,8 @@ pub struct Evidence {
     pub block: Vec<usize>,
     /// Which leg a row is on: +1 and -1; all +1 where there are no legs.
     pub leg: Vec<f64>,
+    /// Place of each row along the water column, 0 to 1, by which slow water keeps its shape; empty where there is none.
+    pub place: Vec<f64>,
     /// Measured less modelled.
     pub residual: DVector<f64>,
     /// Sensitivity of the modelled value to each baseline parameter: rows by parameters.
@@ -52,6 +55,15 @@ pub struct Evidence {
     pub candidates: Vec<DMatrix<f64>>,
     /// What the residuals may go with.
     pub covariates: Vec<Covariate>,
+}
+
+impl Evidence {
+    /// The rows of a quantity as its noise sees them.
+    pub fn series(&self, quantity: &Quantity) -> Series<'_> {
+        let rows = quantity.rows.clone();
+        let place = if self.place.is_empty() { &[][..] } else { &self.place[rows.clone()] };
+        Series { time_s: &self.time_s[rows.clone()], stated_sd: &self.stated_sd[rows], place }
+    }
 }
 
 /// A mechanism that a diagnosis may name.
@@ -119,6 +131,21 @@ pub trait Problem {
     /// Probability by chance, corrected for the number of mechanisms, above which none is named.
     fn most_chance(&self) -> f64 {
         1.0
+    }
+
+    /// Whether far from the truth the model bends so much that slopes mislead: then each mechanism is tried in full first.
+    fn bends(&self) -> bool {
+        false
+    }
+
+    /// Whether the covariates span regimes in each of which a mechanism must have one size.
+    fn has_regimes(&self) -> bool {
+        false
+    }
+
+    /// Share of what named mechanisms explain that may stay unexplained beside them without costing them their names.
+    fn part_unexplained(&self) -> f64 {
+        0.0
     }
 
     /// Residuals and sensitivities at a point. Rows, blocks and covariates are the same at every point.

@@ -20,6 +20,31 @@ pub enum Verdict {
     Unexplained,
 }
 
+/// What came out of one check.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Checked {
+    /// As it should be.
+    Consistent,
+    /// Wrong, and mended before anything was fitted.
+    Mended,
+    /// Wrong: nothing can be diagnosed with it.
+    Wrong,
+    /// The data lack what the check needs.
+    NotChecked,
+}
+
+/// One check of the data against themselves, before anything is fitted.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Check {
+    /// What was held against what.
+    pub check: &'static str,
+    /// What came out.
+    pub outcome: Checked,
+    /// In a sentence.
+    pub says: String,
+}
+
 /// A quantity that the baseline misses, and where.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Wrong {
@@ -100,6 +125,10 @@ pub struct Diagnosis {
     pub schema: &'static str,
     /// In a word.
     pub verdict: Verdict,
+    /// The data against themselves: units, signs, time base, density. Empty where no such check was made.
+    pub consistency: Vec<Check>,
+    /// What the reader must know before believing the rest.
+    pub warnings: Vec<String>,
     /// Where the baseline misses the data.
     pub wrong: Vec<Wrong>,
     /// The named mechanisms, strongest first.

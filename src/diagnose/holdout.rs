@@ -69,6 +69,11 @@ fn subset(evidence: &Evidence, kept: &[usize]) -> Evidence {
         stated_sd: kept.iter().map(|row| evidence.stated_sd[*row]).collect(),
         block: Vec::new(),
         leg: Vec::new(),
+        place: if evidence.place.is_empty() {
+            Vec::new()
+        } else {
+            kept.iter().map(|row| evidence.place[*row]).collect()
+        },
         residual: DVector::zeros(0),
         baseline: DMatrix::zeros(0, 0),
         prior: evidence.prior.clone(),

@@ -12,6 +12,7 @@ pub mod evidence;
 pub mod findings;
 pub mod holdout;
 pub mod noise;
+pub mod regimes;
 pub mod score;
 #[cfg(feature = "sea")]
 pub mod sea;
@@ -20,7 +21,7 @@ pub mod smooth;
 
 pub use engine::{Outcome, Stage, diagnose, diagnose_in_full};
 pub use evidence::{Candidate, Covariate, Evidence, Headline, Point, Problem, Quantity};
-pub use findings::{Cause, Diagnosis, Gain, Rejected, Unexplained, Verdict, Wrong};
+pub use findings::{Cause, Check, Checked, Diagnosis, Gain, Rejected, Unexplained, Verdict, Wrong};
 
 #[cfg(test)]
 mod tests;

@@ -1,28 +1,48 @@
 //! What is left when the model is right: measurement noise, and water that moves.
 //!
-//! Each quantity's residuals are taken as white noise plus an Ornstein-Uhlenbeck process (internal waves at sea, slow
-//! drift in a tank), with variance `white s_i^2 + red exp(-|t - t'| / tau)`. The process is Markov, so a Kalman filter
-//! turns residuals and sensitivities into independent numbers of unit variance in one pass over the rows. The three
-//! numbers are those of greatest restricted likelihood (Patterson and Thompson 1971), with every candidate's
-//! sensitivities projected out, so that an effect yet unexplained does not count as noise.
+//! Each quantity's residuals are taken as white noise plus an Ornstein-Uhlenbeck process that lasts for minutes, plus, where
+//! it shows, one that lasts for hours:
+//!
+//! ```text
+//! cov(i, j) = white s_i^2 [i = j] + red exp(-|t_i - t_j|/tau) + slow exp(-|t_i - t_j|/T) sum_k f_k(z_i) f_k(z_j) / K
+//! ```
+//!
+//! Internal waves of hours keep their shape over depth while they last: what a glider meets at one depth it meets there
+//! again on the next leg. So the slow process comes in the first modes of the place `z` (0 to 1 along the water column),
+//! `f = 1, sqrt 2 cos pi z, sqrt 2 cos 2 pi z`; where no place is known only `f = 1` is left. All processes are Markov, so a
+//! Kalman filter turns residuals and sensitivities into independent numbers of unit variance in one pass over the rows.
+//! The numbers are those of greatest restricted likelihood (Patterson and Thompson 1971), with every candidate's
+//! sensitivities projected out, so that an effect yet unexplained does not count as noise. A process is taken where it
+//! raises the logarithm of that likelihood by more than its two numbers cost (Akaike 1974).
 
 use nalgebra::{DMatrix, DVector};
+
+/// A slow part of a noise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slow {
+    /// Its variance, in the square of the quantity's unit.
+    pub variance: f64,
+    /// Its correlation time \[s\].
+    pub correlation_time_s: f64,
+}
 
 /// Noise of one quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
     /// Factor on the stated variance of the measurement.
     pub white: f64,
-    /// Variance of the slow part, in the square of the quantity's unit.
-    pub red: f64,
-    /// Correlation time of the slow part \[s\].
-    pub correlation_time_s: f64,
+    /// What lasts for minutes, and what lasts for hours and comes in modes of the place. One that is not there has no
+    /// variance.
+    pub slow: [Slow; 2],
 }
+
+/// As the measurement states, and nothing slow.
+pub const WHITE: Noise = Noise { white: 1.0, slow: [Slow { variance: 0.0, correlation_time_s: 1.0 }; 2] };
 
 impl Noise {
     /// Standard deviation of one row whose measurement has the stated standard deviation.
     pub fn sd(&self, stated_sd: f64) -> f64 {
-        (self.white * stated_sd * stated_sd + self.red).sqrt()
+        (self.white * stated_sd * stated_sd + self.slow[0].variance + self.slow[1].variance).sqrt()
     }
 }
 
@@ -33,46 +53,131 @@ pub struct Series<'a> {
     pub time_s: &'a [f64],
     /// Stated standard deviation of each row's measurement.
     pub stated_sd: &'a [f64],
+    /// Place of each row along the water column, 0 to 1; empty where there is none.
+    pub place: &'a [f64],
 }
 
 /// Makes every column independent and of unit variance, in place; returns the logarithm of the determinant of the
 /// covariance. Columns are the residuals and the sensitivities, rows as in the series.
 pub fn whiten(series: Series<'_>, noise: &Noise, columns: &mut DMatrix<f64>) -> f64 {
-    let n_columns = columns.ncols();
-    let mut means = vec![0.0; n_columns];
-    let mut variance = noise.red;
-    let mut log_determinant = 0.0;
-    for row in 0..series.time_s.len() {
-        if row > 0 {
-            let step_s = series.time_s[row] - series.time_s[row - 1];
-            let kept = (-step_s / noise.correlation_time_s).exp();
-            means.iter_mut().for_each(|mean| *mean *= kept);
-            variance = kept * kept * variance + noise.red * (1.0 - kept * kept);
+    // The fewer states the filter has, the quicker it is.
+    match (noise.slow[1].variance > 0.0, series.place.is_empty()) {
+        (false, _) => whiten_by::<1>(series, noise, columns),
+        (true, true) => whiten_by::<2>(series, noise, columns),
+        (true, false) => whiten_by::<{ 1 + MODES }>(series, noise, columns),
+    }
+}
+
+/// Modes of the place.
+const MODES: usize = 3;
+
+/// How many columns are filtered abreast.
+const ABREAST: usize = 8;
+
+/// What the filter does in one row, whatever the data.
+struct Step<const N: usize> {
+    kept: [f64; N],
+    /// How much of each state shows in the row.
+    shown: [f64; N],
+    gain: [f64; N],
+    scale: f64,
+}
+
+fn whiten_by<const N: usize>(series: Series<'_>, noise: &Noise, columns: &mut DMatrix<f64>) -> f64 {
+    let (steps, log_determinant) = filter::<N>(series, noise);
+    let n = steps.len();
+    // Several columns abreast: each alone would wait for its own last row.
+    for abreast in columns.as_mut_slice().chunks_mut(ABREAST * n.max(1)) {
+        let mut means = [[0.0; N]; ABREAST];
+        for (row, step) in steps.iter().enumerate() {
+            for (value, mean) in abreast[row..].iter_mut().step_by(n).zip(&mut means) {
+                let mut innovation = *value;
+                for k in 0..N {
+                    mean[k] *= step.kept[k];
+                    innovation -= step.shown[k] * mean[k];
+                }
+                for k in 0..N {
+                    mean[k] += step.gain[k] * innovation;
+                }
+                *value = innovation * step.scale;
+            }
         }
-        let stated = series.stated_sd[row];
-        let innovation = variance + noise.white * stated * stated;
-        let gain = variance / innovation;
-        let scale = innovation.sqrt().recip();
-        for (column, mean) in means.iter_mut().enumerate() {
-            let difference = columns[(row, column)] - *mean;
-            columns[(row, column)] = difference * scale;
-            *mean += gain * difference;
-        }
-        variance *= 1.0 - gain;
-        log_determinant += innovation.ln();
     }
     log_determinant
 }
 
-/// Shares of the slow part in the variance that are tried.
-const RED_SHARES: [f64; 12] = [0.0, 0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 0.96, 0.99];
+fn filter<const N: usize>(series: Series<'_>, noise: &Noise) -> (Vec<Step<N>>, f64) {
+    let of = |k: usize| noise.slow[usize::from(k > 0)];
+    let variances: [f64; N] =
+        std::array::from_fn(|k| if k > 0 { of(k).variance / (N - 1) as f64 } else { of(k).variance });
+    let mut p = [[0.0; N]; N];
+    for k in 0..N {
+        p[k][k] = variances[k];
+    }
+    let mut log_determinant = 0.0;
+    let steps = (0..series.time_s.len())
+        .map(|row| {
+            let step_s = if row > 0 { series.time_s[row] - series.time_s[row - 1] } else { f64::INFINITY };
+            let kept: [f64; N] = std::array::from_fn(|k| (-step_s / of(k).correlation_time_s).exp());
+            let shown: [f64; N] = std::array::from_fn(|k| match k {
+                0 | 1 => 1.0,
+                _ => std::f64::consts::SQRT_2 * (std::f64::consts::PI * (k - 1) as f64 * series.place[row]).cos(),
+            });
+            for i in 0..N {
+                for j in 0..N {
+                    let fresh = if i == j { variances[i] * (1.0 - kept[i] * kept[i]) } else { 0.0 };
+                    p[i][j] = kept[i] * kept[j] * p[i][j] + fresh;
+                }
+            }
+            let stated = series.stated_sd[row];
+            let seen: [f64; N] = std::array::from_fn(|i| (0..N).map(|j| p[i][j] * shown[j]).sum());
+            let innovation = (0..N).map(|i| shown[i] * seen[i]).sum::<f64>() + noise.white * stated * stated;
+            let gain: [f64; N] = seen.map(|seen| seen / innovation);
+            for i in 0..N {
+                for j in 0..N {
+                    p[i][j] -= gain[i] * gain[j] * innovation;
+                }
+            }
+            log_determinant += innovation.ln();
+            Step { kept, shown, gain, scale: innovation.sqrt().recip() }
+        })
+        .collect();
+    (steps, log_determinant)
+}
 
-/// Correlation times that are tried, in units of the median step between rows.
-const TIMES_IN_STEPS: [f64; 9] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0];
+/// Shares of a slow part in the variance that are tried first.
+const SHARES: [f64; 5] = [0.05, 0.2, 0.5, 0.8, 0.96];
+
+/// Shares of the process of hours that are tried first.
+const SLOW_SHARES: [f64; 2] = [0.1, 0.35];
+
+/// Correlation times that are tried first, in units of the median step between rows.
+const TIMES_IN_STEPS: [f64; 5] = [1.0, 4.0, 16.0, 64.0, 256.0];
+
+/// Shortest correlation time, in the same unit.
+const SHORTEST_TIME_IN_STEPS: f64 = 0.5;
+
+/// Longest correlation time, as a share of the whole record: what lasts longer is a level.
+const LONGEST_SHARE: f64 = 0.1;
 
 /// Largest variance of the noise, relative to that of the residuals once everything explained is set aside. Beyond it a
 /// slow process would stand for a level that no row shows, and hide every effect that is a level.
 const MAX_VARIANCE_RATIO: f64 = 1.5;
+
+/// A shape of noise: logits of the slow parts' shares, logarithms of their times in steps. Unit total variance.
+#[derive(Debug, Clone, Copy)]
+struct Shape {
+    shares: [f64; 2],
+    log_times: [f64; 2],
+}
+
+impl Shape {
+    fn noise(&self, stated: f64, step_s: f64) -> Noise {
+        let slow =
+            |k: usize| Slow { variance: self.shares[k] * stated, correlation_time_s: self.log_times[k].exp() * step_s };
+        Noise { white: 1.0 - self.shares[0] - self.shares[1], slow: [slow(0), slow(1)] }
+    }
+}
 
 /// The noise of greatest restricted likelihood. `residual` is what the present model leaves, `explained` the
 /// sensitivities to everything that could explain it.
@@ -83,60 +188,102 @@ pub fn estimate(series: Series<'_>, residual: &DVector<f64>, explained: &DMatrix
     steps.sort_by(f64::total_cmp);
     let step_s = steps.get(steps.len() / 2).copied().unwrap_or(1.0);
     let stated = series.stated_sd.iter().map(|sd| sd * sd).sum::<f64>() / n.max(1) as f64;
+    let columns = stacked(explained, residual);
 
-    let white = Noise { white: 1.0, red: 0.0, correlation_time_s: step_s };
-    let seen = profile(series, &white, residual, explained).map_or(f64::INFINITY, |(_, scale)| scale);
-    let mut best = (f64::NEG_INFINITY, white);
-    for share in RED_SHARES {
-        for time in TIMES_IN_STEPS {
-            // Shape first; the common scale has a closed form.
-            let shape = Noise { white: 1.0 - share, red: share * stated, correlation_time_s: time * step_s };
-            let Some((log_likelihood, scale)) = profile(series, &shape, residual, explained) else {
-                continue;
-            };
-            if log_likelihood > best.0 && scale <= MAX_VARIANCE_RATIO * seen {
-                let noise = Noise { white: shape.white * scale, red: shape.red * scale, ..shape };
-                best = (log_likelihood, noise);
-            }
-            if share == 0.0 {
-                // Without a slow part its correlation time means nothing.
-                break;
+    let white = Shape { shares: [0.0; 2], log_times: [0.0; 2] };
+    let at = |shape: &Shape| profile(series, &shape.noise(stated, step_s), &columns);
+    let Some((mut likelihood, mut scale)) = at(&white) else {
+        return white.noise(stated, step_s);
+    };
+    let most = MAX_VARIANCE_RATIO * scale;
+    let span_s = series.time_s.last().copied().unwrap_or(0.0) - series.time_s.first().copied().unwrap_or(0.0);
+    let longest = (span_s / step_s * LONGEST_SHARE).clamp(SHORTEST_TIME_IN_STEPS, TIMES_IN_STEPS[4]);
+    let try_one = |shape: &Shape| {
+        let is_short = shape.log_times.iter().all(|time| *time <= longest.ln() + 1e-9);
+        if is_short { at(shape).filter(|(_, scale)| *scale <= most) } else { None }
+    };
+    let mut best = white;
+    for process in 0..2 {
+        let free = 1.0 - best.shares[0];
+        let mut found = (likelihood, scale, best);
+        // The second process is slow, and a small part of what the first one left.
+        let (shares, times): (&[f64], &[f64]) =
+            if process == 0 { (&SHARES, &TIMES_IN_STEPS) } else { (&SLOW_SHARES, &TIMES_IN_STEPS[2..]) };
+        for &share in shares {
+            for &time in times {
+                let mut shape = best;
+                shape.shares[process] = share * free;
+                shape.log_times[process] = time.ln();
+                if let Some((l, s)) = try_one(&shape).filter(|(l, _)| *l > found.0) {
+                    found = (l, s, shape);
+                }
             }
         }
+        refine(&mut found, process + 1, &try_one);
+        if found.0 < likelihood + 2.0 {
+            break;
+        }
+        (likelihood, scale, best) = found;
     }
-    best.1
+    let mut noise = best.noise(stated, step_s);
+    noise.white *= scale;
+    noise.slow.iter_mut().for_each(|slow| slow.variance *= scale);
+    noise
 }
 
-/// Restricted log-likelihood of a shape with its best scale, and that scale.
-fn profile(series: Series<'_>, shape: &Noise, residual: &DVector<f64>, explained: &DMatrix<f64>) -> Option<(f64, f64)> {
-    let (n, k) = (residual.len(), explained.ncols());
-    let mut columns = DMatrix::zeros(n, k + 1);
-    columns.columns_mut(0, k).copy_from(explained);
-    // Sensitivities come in all units: each in its own size, or the small ones drown in the rounding of the large ones.
-    for mut column in columns.columns_mut(0, k).column_iter_mut() {
-        let size = column.norm();
-        if size > 0.0 {
-            column.unscale_mut(size);
+/// Climbs from a shape: each number up or down by a step that shrinks.
+fn refine(found: &mut (f64, f64, Shape), processes: usize, at: &impl Fn(&Shape) -> Option<(f64, f64)>) {
+    for step in [0.6, 0.2] {
+        let mut moved = true;
+        for _ in 0..3 {
+            if !std::mem::take(&mut moved) {
+                break;
+            }
+            for number in 0..2 * processes {
+                for sign in [-1.0, 1.0] {
+                    let mut shape = found.2;
+                    let k = number / 2;
+                    if number % 2 == 0 {
+                        let free = 1.0 - shape.shares[1 - k];
+                        let share = (shape.shares[k] / free).clamp(1e-4, 1.0 - 1e-4);
+                        let logit = (share / (1.0 - share)).ln() + 2.0 * sign * step;
+                        shape.shares[k] = free / (1.0 + (-logit).exp());
+                    } else {
+                        let time = shape.log_times[k] + 2.0 * sign * step;
+                        shape.log_times[k] = time.max(SHORTEST_TIME_IN_STEPS.ln());
+                    }
+                    if let Some((l, s)) = at(&shape).filter(|(l, _)| *l > found.0 + 1e-3) {
+                        *found = (l, s, shape);
+                        moved = true;
+                    }
+                }
+            }
         }
     }
+}
+
+/// The directions of the explained columns, each once and of unit size, with the residual behind them. Sensitivities
+/// come in all units, and many are nearly alike: the restricted likelihood only asks for the space that they span.
+fn stacked(explained: &DMatrix<f64>, residual: &DVector<f64>) -> DMatrix<f64> {
+    let basis = super::score::orthonormal(explained.clone());
+    let k = basis.ncols();
+    let mut columns = basis.insert_column(k, 0.0);
     columns.column_mut(k).copy_from(residual);
+    columns
+}
+
+/// Restricted log-likelihood of a shape with its best scale, and that scale. The last column is the residual.
+fn profile(series: Series<'_>, shape: &Noise, columns: &DMatrix<f64>) -> Option<(f64, f64)> {
+    let (n, k) = (columns.nrows(), columns.ncols() - 1);
+    let mut columns = columns.clone();
     let log_determinant = whiten(series, shape, &mut columns);
-    let design = columns.columns(0, k).into_owned();
-    let gram = design.transpose() * &design;
-    let eigen = gram.symmetric_eigen();
-    let largest = eigen.eigenvalues.max().max(f64::MIN_POSITIVE);
-    let moments = design.transpose() * columns.column(k);
-    let (mut explained_squares, mut log_gram, mut rank) = (0.0, 0.0, 0);
-    for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
-        // A direction that no row sees takes no degree of freedom.
-        if *value > 1e-10 * largest {
-            explained_squares += vector.dot(&moments).powi(2) / value;
-            log_gram += value.ln();
-            rank += 1;
-        }
-    }
-    let free = n.checked_sub(rank).filter(|free| *free > 0)? as f64;
-    let squares = columns.column(k).norm_squared() - explained_squares;
+    let products = columns.transpose() * &columns;
+    let cholesky = products.view((0, 0), (k, k)).into_owned().cholesky()?;
+    let moments = products.view((0, k), (k, 1)).into_owned();
+    let explained_squares = moments.dot(&cholesky.solve(&moments));
+    let log_gram = 2.0 * cholesky.l_dirty().diagonal().iter().map(|value| value.ln()).sum::<f64>();
+    let free = n.checked_sub(k).filter(|free| *free > 0)? as f64;
+    let squares = products[(k, k)] - explained_squares;
     let scale = (squares / free).max(f64::MIN_POSITIVE);
     // The explained columns' own scale, not the noise's, so the determinant of the Gram matrix scales out.
     let log_likelihood = -0.5 * (free * scale.ln() + log_determinant + log_gram + free);
@@ -149,18 +296,23 @@ mod tests {
     use rand::{RngExt, SeedableRng, rngs::StdRng};
     use rand_distr::StandardNormal;
 
+    fn slow(variance: f64, correlation_time_s: f64) -> Slow {
+        Slow { variance, correlation_time_s }
+    }
+
     fn sample(n: usize, noise: &Noise, seed: u64) -> (Vec<f64>, Vec<f64>, DVector<f64>) {
         let mut rng = StdRng::seed_from_u64(seed);
         let mut normal = move || rng.sample::<f64, _>(StandardNormal);
         let time_s: Vec<f64> = (0..n).map(|i| 60.0 * i as f64).collect();
         let stated = vec![0.003; n];
-        let kept = (-60.0 / noise.correlation_time_s).exp();
-        let mut slow = noise.red.sqrt() * normal();
+        let [Slow { variance: red, correlation_time_s }, _] = noise.slow;
+        let kept = (-60.0 / correlation_time_s).exp();
+        let mut slow = red.sqrt() * normal();
         let residual = DVector::from_iterator(
             n,
             (0..n).map(|_| {
                 let value = slow + noise.white.sqrt() * 0.003 * normal();
-                slow = kept * slow + (noise.red * (1.0 - kept * kept)).sqrt() * normal();
+                slow = kept * slow + (red * (1.0 - kept * kept)).sqrt() * normal();
                 value
             }),
         );
@@ -170,16 +322,25 @@ mod tests {
     #[test]
     fn whitening_is_the_inverse_square_root_of_the_covariance() {
         // Against the covariance written out: y' S^-1 y and log det S.
-        let noise = Noise { white: 1.5, red: 4e-5, correlation_time_s: 300.0 };
+        let noise = Noise { white: 1.5, slow: [slow(4e-5, 300.0), slow(2e-5, 5000.0)] };
         let (time_s, stated_sd, residual) = sample(40, &noise, 1);
+        let place: Vec<f64> = (0..40).map(|i| (f64::from(i) * 0.37).fract()).collect();
         let covariance = DMatrix::from_fn(40, 40, |i, j| {
-            let slow = noise.red * (-(time_s[i] - time_s[j]).abs() / noise.correlation_time_s).exp();
+            let apart = (time_s[i] - time_s[j]).abs();
+            let mode =
+                |k: usize, z: f64| if k == 0 { 1.0 } else { 2f64.sqrt() * (k as f64 * std::f64::consts::PI * z).cos() };
+            let modes: f64 = (0..3).map(|k| mode(k, place[i]) * mode(k, place[j]) / 3.0).sum();
+            let slow: f64 = [(noise.slow[0], 1.0), (noise.slow[1], modes)]
+                .iter()
+                .map(|(slow, shape)| slow.variance * (-apart / slow.correlation_time_s).exp() * shape)
+                .sum();
             if i == j { slow + noise.white * stated_sd[i].powi(2) } else { slow }
         });
         let cholesky = covariance.cholesky().unwrap();
         let expected = residual.dot(&cholesky.solve(&residual));
         let mut columns = DMatrix::from_column_slice(40, 1, residual.as_slice());
-        let log_determinant = whiten(Series { time_s: &time_s, stated_sd: &stated_sd }, &noise, &mut columns);
+        let log_determinant =
+            whiten(Series { time_s: &time_s, stated_sd: &stated_sd, place: &place }, &noise, &mut columns);
         assert!((columns.norm_squared() - expected).abs() < 1e-9 * expected);
         let log_expected = 2.0 * cholesky.l().diagonal().map(f64::ln).sum();
         assert!((log_determinant - log_expected).abs() < 1e-9 * log_expected.abs());
@@ -187,14 +348,14 @@ mod tests {
 
     #[test]
     fn the_noise_that_made_the_data_is_found_again() {
-        let truth = Noise { white: 1.0, red: 3.6e-5, correlation_time_s: 600.0 };
+        let truth = Noise { white: 1.0, slow: [slow(3.6e-5, 600.0), slow(0.0, 1.0)] };
         let (mut sds, mut times) = (0.0, 0.0);
         for seed in 0..20 {
             let (time_s, stated_sd, residual) = sample(700, &truth, seed);
             let trend = DMatrix::from_fn(700, 2, |i, j| if j == 0 { 1.0 } else { i as f64 });
-            let found = estimate(Series { time_s: &time_s, stated_sd: &stated_sd }, &residual, &trend);
+            let found = estimate(Series { time_s: &time_s, stated_sd: &stated_sd, place: &[] }, &residual, &trend);
             sds += found.sd(0.003) / 20.0;
-            times += found.correlation_time_s.ln() / 20.0;
+            times += found.slow[0].correlation_time_s.ln() / 20.0;
         }
         assert!((sds / truth.sd(0.003) - 1.0).abs() < 0.1, "sd {sds}");
         assert!((times - 600f64.ln()).abs() < 0.5, "correlation time {}", times.exp());

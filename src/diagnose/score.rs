@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::evidence::Evidence;
-use super::noise::{self, Noise, Series};
+use super::noise::{self, Noise};
 
 /// A column whose part outside the baseline is smaller than this, relative to the whole, is seen as baseline alone.
 const UNSEEN: f64 = 1e-4;
@@ -53,9 +53,8 @@ pub fn whiten_with_prior(evidence: &Evidence, noises: &[Noise], columns: &DMatri
 pub fn whiten(evidence: &Evidence, noises: &[Noise], columns: &mut DMatrix<f64>) {
     for (quantity, noise) in evidence.quantities.iter().zip(noises) {
         let rows = quantity.rows.clone();
-        let series = Series { time_s: &evidence.time_s[rows.clone()], stated_sd: &evidence.stated_sd[rows.clone()] };
         let mut part = columns.rows(rows.start, rows.len()).into_owned();
-        noise::whiten(series, noise, &mut part);
+        noise::whiten(evidence.series(quantity), noise, &mut part);
         columns.rows_mut(rows.start, rows.len()).copy_from(&part);
     }
 }
@@ -108,6 +107,11 @@ impl Score {
     /// Whether a column shows at all beside the baseline.
     pub fn is_seen(&self, column: usize) -> bool {
         self.seen[column] > UNSEEN
+    }
+
+    /// Share of a column that the baseline cannot imitate.
+    pub fn seen(&self, column: usize) -> f64 {
+        self.seen[column]
     }
 
     /// The fit of these columns together; directions that the data do not see take no part.

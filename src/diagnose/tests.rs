@@ -88,6 +88,7 @@ impl Problem for Toy {
             stated_sd: vec![0.5; ROWS],
             block: self.block.clone(),
             leg: self.leg.clone(),
+            place: Vec::new(),
             residual,
             baseline: DMatrix::from_element(ROWS, 1, 1.0),
             prior: vec![(0.0, 1e6)],

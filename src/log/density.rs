@@ -27,10 +27,23 @@ pub fn in_situ_density_kg_m3(
     latitude_deg: f64,
     longitude_deg: f64,
 ) -> f64 {
+    densities_kg_m3(practical_salinity, temperature_C, pressure_dbar, latitude_deg, longitude_deg)[0]
+}
+
+/// As [`in_situ_density_kg_m3`], and beside it the density of the same water brought to p = 0.
+pub(super) fn densities_kg_m3(
+    practical_salinity: f64,
+    temperature_C: f64,
+    pressure_dbar: f64,
+    latitude_deg: f64,
+    longitude_deg: f64,
+) -> [f64; 2] {
     let salinity = absolute_salinity_g_kg(practical_salinity, latitude_deg, longitude_deg);
     let pressure = pressure_dbar.max(0.0);
-    let temperature = conservative_temperature_C(salinity, temperature_C, pressure);
-    rho(salinity, temperature, pressure).unwrap_or(f64::NAN)
+    let in_situ = conservative_temperature_C(salinity, temperature_C, pressure);
+    // Logs that evaluate at p = 0 do so with the temperature as it was read.
+    let at_surface = conservative_temperature_C(salinity, temperature_C, 0.0);
+    [rho(salinity, in_situ, pressure), rho(salinity, at_surface, 0.0)].map(|density| density.unwrap_or(f64::NAN))
 }
 
 /// Practical salinity from conductivity \[S/m\], in-situ temperature \[degC\] and pressure \[dbar\].

@@ -101,6 +101,8 @@ pub fn read_glide_table(path: &Path, columns: &Columns) -> Result<Vec<Observatio
             pressure_rate_dbar_s: -up * density * 9.81 * 1e-4,
             temperature_C: temperature,
             density_kg_m3: density,
+            teos10_density_kg_m3: f64::NAN,
+            teos10_surface_density_kg_m3: f64::NAN,
             pitch_rad,
             roll_rad: roll,
             rudder_rad: rudder,

@@ -14,8 +14,12 @@ pub struct Observation {
     pub pressure_rate_dbar_s: f64,
     /// Water temperature \[degC\].
     pub temperature_C: f64,
-    /// In-situ density \[kg/m3\].
+    /// In-situ density \[kg/m3\], as recorded where it was.
     pub density_kg_m3: f64,
+    /// Density by TEOS-10 from the recorded salinity or conductivity, temperature and pressure \[kg/m3\].
+    pub teos10_density_kg_m3: f64,
+    /// The same water at p = 0 \[kg/m3\].
+    pub teos10_surface_density_kg_m3: f64,
     /// Pitch \[rad\].
     pub pitch_rad: f64,
     /// Roll \[rad\].

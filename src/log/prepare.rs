@@ -5,7 +5,7 @@
 
 use super::channels::{Channel, FlightLog};
 use super::clean::{Notes, despike, fill, fill_angle, median_step, order};
-use super::density::{in_situ_density_kg_m3, practical_salinity};
+use super::density::{densities_kg_m3, practical_salinity};
 use super::observation::{DBAR_PA, Observation};
 use super::segment::legs;
 use super::vertical_velocity::vertical_velocity;
@@ -199,7 +199,8 @@ impl Preparation {
             return;
         }
         self.fill_slow_channels(&mut log);
-        let density = density_kg_m3(&log, &s);
+        let water = teos10(&log);
+        let density = density_kg_m3(&log, &water, &s);
         let pressure = log.column(Channel::Pressure);
         let time = log.column(Channel::Time);
         let velocity = vertical_velocity(time, pressure, s.half_window_s);
@@ -235,6 +236,8 @@ impl Preparation {
                     pressure_rate_dbar_s: velocity.rate_dbar_s[i],
                     temperature_C: log.at(Channel::Temperature, i),
                     density_kg_m3: density[i],
+                    teos10_density_kg_m3: water[i][0],
+                    teos10_surface_density_kg_m3: water[i][1],
                     pitch_rad,
                     roll_rad: log.at(Channel::Roll, i),
                     rudder_rad: log.at(Channel::Rudder, i),
@@ -319,15 +322,11 @@ fn pressure_dbar(log: &FlightLog, settings: &Settings) -> Vec<f64> {
         .collect()
 }
 
-/// In-situ density: as recorded, or by TEOS-10, or as the user gave it.
-fn density_kg_m3(log: &FlightLog, settings: &Settings) -> Vec<f64> {
+/// Density by TEOS-10 in each row, in situ and at p = 0; NaN where the water was not measured.
+fn teos10(log: &FlightLog) -> Vec<[f64; 2]> {
     let mut position = (f64::NAN, f64::NAN);
-    let mut density: Vec<f64> = (0..log.len())
+    (0..log.len())
         .map(|i| {
-            let recorded = log.at(Channel::Density, i);
-            if recorded.is_finite() {
-                return recorded;
-            }
             let (latitude, longitude) = (log.at(Channel::Latitude, i), log.at(Channel::Longitude, i));
             if latitude.is_finite() && longitude.is_finite() {
                 position = (latitude, longitude);
@@ -339,9 +338,16 @@ fn density_kg_m3(log: &FlightLog, settings: &Settings) -> Vec<f64> {
             } else {
                 practical_salinity(log.at(Channel::Conductivity, i), temperature, pressure)
             };
-            in_situ_density_kg_m3(salinity, temperature, pressure, position.0, position.1)
+            densities_kg_m3(salinity, temperature, pressure, position.0, position.1)
         })
-        .collect();
+        .collect()
+}
+
+/// In-situ density: as recorded, or by TEOS-10, or as the user gave it.
+fn density_kg_m3(log: &FlightLog, teos10: &[[f64; 2]], settings: &Settings) -> Vec<f64> {
+    let recorded = |i| log.at(Channel::Density, i);
+    let mut density: Vec<f64> =
+        (0..log.len()).map(|i| if recorded(i).is_finite() { recorded(i) } else { teos10[i][0] }).collect();
     if let Some(given) = settings.density_kg_m3.filter(|_| density.iter().all(|value| !value.is_finite())) {
         density.fill(given);
     }

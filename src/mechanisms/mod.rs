@@ -104,7 +104,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "pressure_scale",
         Instruments,
         ["pressure_scale"],
-        0.05,
+        0.1,
         "The pressure sensor reads too much or too little",
         "calibration of the pressure sensor",
         "in proportion to vertical velocity"
@@ -230,7 +230,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "density_bias",
         Motion,
         ["density_bias_kg_m3"],
-        2.0,
+        1.0,
         "The conductivity sensor reads a wrong density",
         "fouled or uncalibrated conductivity cell",
         "both legs, with opposite sign"

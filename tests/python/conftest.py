@@ -38,6 +38,12 @@ def glidepolar() -> Path:
     return path_from("GLIDEPOLAR_COMMAND")
 
 
+@pytest.fixture(scope="session")
+def virtual_sea() -> Path:
+    """The generator of flight logs with a hidden effect."""
+    return path_from("GLIDEPOLAR_VIRTUAL_SEA")
+
+
 def pytest_runtest_logreport(report):
     """A skip goes into the list that `cargo xtask test` shows at its end."""
     file = os.environ.get("GLIDEPOLAR_SKIPPED")

@@ -9,17 +9,21 @@
 //! Knows the engine, the steady glide and observations; no files.
 
 mod bins;
+pub mod consistency;
 mod model;
+mod whole;
 
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
 use crate::log::Observation;
 use crate::mechanisms::{AT_SEA, Enters};
 
 use super::evidence::{Candidate, Covariate, Evidence, Point, Problem, Quantity};
+use super::findings::{Check, Checked};
 use super::smooth::Kind;
 use bins::Bin;
 use model::{Directions, MAX_DIRECTIONS, Vehicle};
 use nalgebra::{DMatrix, DVector};
+pub use whole::{SeaDiagnosis, diagnose_log};
 
 /// What is fitted to which data.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,6 +46,13 @@ impl Default for Settings {
 /// Standard deviation of what a vehicle's polar is believed to be, relative to its value.
 const RELATIVE_BELIEF: f64 = 1.0;
 
+/// From here on, in the same measure, a fitted polar is doubted aloud.
+const FAR_FROM_BELIEF: f64 = 2.0;
+
+/// Share of what named mechanisms explain by which something unknown must explain more to take their place. Less is a part
+/// that stays unexplained beside them: no sea is without.
+const PART_UNEXPLAINED: f64 = 0.05;
+
 /// Most times at which a jump of drag is looked for.
 const MAX_JUMPS: usize = 30;
 
@@ -59,6 +70,14 @@ pub enum SeaError {
         /// Bins that remained.
         found: usize,
     },
+    /// The log contradicts itself.
+    #[error("the log contradicts itself: {}", wrong(.0))]
+    Inconsistent(Vec<Check>),
+}
+
+fn wrong(checks: &[Check]) -> String {
+    let wrong = checks.iter().filter(|check| check.outcome == Checked::Wrong);
+    wrong.map(|check| format!("{}: {}", check.check, check.says)).collect::<Vec<_>>().join("; ")
 }
 
 /// A log against a vehicle.
@@ -94,11 +113,13 @@ impl SeaProblem {
             ..*parameters
         };
         let mut bins = bins::bins(observations, settings.max_bins);
-        bins.retain(|bin| model::flies(parameters, bin));
+        let is_steady = model::steady(parameters, &bins);
+        let mut keep = is_steady.into_iter();
+        bins.retain(|bin| keep.next().unwrap_or(false) && model::flies(parameters, bin));
+        bins.iter_mut().for_each(|bin| model::add_weighing_error(parameters, bin));
         if bins.len() < MIN_BINS {
             return Err(SeaError::TooFew { found: bins.len() });
         }
-        model::take_inertia_off(parameters, &mut bins);
         let with_speed: Vec<usize> = if settings.use_speed {
             (0..bins.len()).filter(|i| bins[*i].mean.speed_m_s.is_finite()).collect()
         } else {
@@ -113,6 +134,10 @@ impl SeaProblem {
         let mut directions = Directions::new(&baseline_index);
         let (mut candidates, mut shapes) = (Vec::new(), Vec::new());
         for (candidate, index, jump_s) in candidates_of(&bins, parameters) {
+            // Whoever holds the lift slope holds the law of lift: a bend of it would let the slope go again.
+            if !settings.fit_lift && candidate.name == "nonlinear_lift" {
+                continue;
+            }
             let Some(direction) = directions.of(index) else {
                 continue;
             };
@@ -140,6 +165,24 @@ impl SeaProblem {
     /// How many bins the log was reduced to.
     pub fn n_bins(&self) -> usize {
         self.bins.len()
+    }
+
+    /// The baseline's parameters that were fitted far from what the vehicle says, in a sentence each.
+    pub fn doubts(&self, point: &Point) -> Vec<String> {
+        let mut believed = self.parameters;
+        let values = self.baseline.iter().zip(&self.baseline_index).zip(&point.baseline);
+        values
+            .filter_map(|(((name, unit), index), value)| {
+                let belief = *believed.at(*index);
+                let far = (value - belief).abs() > FAR_FROM_BELIEF * belief.abs().max(0.1) || *value <= 0.0;
+                let pitch = if *name == "a_per_rad" {
+                    "; a lift slope and a scale of the pitch cannot be told apart by vertical velocity and speed: hold the slope at an outside value (--pin-lift=A)"
+                } else {
+                    ""
+                };
+                far.then(|| format!("{name} = {value:.3} {unit} is far from the vehicle's {belief:.3}{pitch}"))
+            })
+            .collect()
     }
 
     /// What the vehicle's own polar says of the polar: within its own size. It keeps a baseline that lacks the true cause
@@ -232,18 +275,31 @@ impl Problem for SeaProblem {
         }
     }
 
+    fn bends(&self) -> bool {
+        true
+    }
+
+    fn has_regimes(&self) -> bool {
+        true
+    }
+
+    fn part_unexplained(&self) -> f64 {
+        PART_UNEXPLAINED
+    }
+
     fn evidence(&self, point: &Point) -> Evidence {
         let parameters = self.parameters_at(point);
         let (n_w, n_u) = (self.bins.len(), self.with_speed.len());
         let n = n_w + n_u;
+        let moving = model::inertia(&parameters, &self.bins);
         let row_bins: Vec<&Bin> = self.bins.iter().chain(self.with_speed.iter().map(|i| &self.bins[*i])).collect();
 
         let mut residual = DVector::zeros(n);
         let mut slopes = DMatrix::zeros(n, self.directions.len());
         let mut speed_row = n_w;
         let vehicle = Vehicle::new(&parameters, &self.directions);
-        for (row, bin) in self.bins.iter().enumerate() {
-            let (sink, speed) = vehicle.fly(bin);
+        for (row, (bin, inertia)) in self.bins.iter().zip(&moving).enumerate() {
+            let (sink, speed) = vehicle.fly(inertia);
             residual[row] = bin.mean.sink_m_s - sink.0;
             slopes.row_mut(row).copy_from_slice(&sink.1[..self.directions.len()]);
             if self.with_speed.get(speed_row - n_w) == Some(&row) {
@@ -276,6 +332,7 @@ impl Problem for SeaProblem {
                 .collect(),
             block: row_bins.iter().map(|bin| bin.mean.leg as usize).collect(),
             leg: row_bins.iter().map(|bin| if bin.mean.descends() { 1.0 } else { -1.0 }).collect(),
+            place: places(&row_bins),
             residual,
             baseline: slopes.columns(0, nb).into_owned(),
             prior: self.prior(point),
@@ -283,6 +340,14 @@ impl Problem for SeaProblem {
             covariates: covariates(&row_bins),
         }
     }
+}
+
+/// Place along the water column: the share of all bins that lie higher.
+fn places(bins: &[&Bin]) -> Vec<f64> {
+    let mut sorted: Vec<f64> = bins.iter().map(|bin| bin.mean.pressure_dbar).collect();
+    sorted.sort_by(f64::total_cmp);
+    let n = sorted.len().max(1) as f64;
+    bins.iter().map(|bin| sorted.partition_point(|p| *p < bin.mean.pressure_dbar) as f64 / n).collect()
 }
 
 /// What was set or met, never what is to be explained: a curve along the measured velocity itself would fit its noise.

@@ -1,12 +1,13 @@
 //! The steady glide of one bin, with its slopes in every direction that a fit may go.
 
 use nalgebra::{Const, U1};
-use num_dual::{Derivative, DualSVec64};
+use num_dual::{Derivative, DualNum, DualSVec64};
 
 use super::bins::Bin;
-use crate::dynamics::{Parameters, parameter_index};
+use crate::dynamics::{Parameters, Surroundings, parameter_index};
 use crate::glide::Glider;
-use crate::identify::predict;
+use crate::identify::{Prediction, predict};
+use crate::log::{DBAR_PA, Observation};
 
 /// Most parameters that can be varied at once.
 pub const MAX_DIRECTIONS: usize = 24;
@@ -74,10 +75,18 @@ impl Vehicle {
 
     /// Vertical velocity and speed as the instruments would read them. Where no glide balances the glider stands still:
     /// no velocity, no slope.
-    pub fn fly(&self, bin: &Bin) -> (Slopes, Slopes) {
-        let glider = if bin.mean.time_s < self.jump_s { &self.before } else { &self.after };
+    pub fn fly(&self, inertia: &Inertia) -> (Slopes, Slopes) {
+        let mean = &inertia.bin.mean;
+        let glider = if mean.time_s < self.jump_s { &self.before } else { &self.after };
         let still = (0.0, [0.0; MAX_DIRECTIONS]);
-        predict(glider, &bin.mean, None).map_or((still, still), |read| (parts(read.sink_m_s), parts(read.speed_m_s)))
+        let Some(read) = predict(glider, mean, None) else {
+            return (still, still);
+        };
+        // Angle of attack and speed are those of the turned glide, the path is that of the pitch that is flown.
+        let p = &glider.parameters;
+        let turned = read.angle_of_attack_rad - (p.pitch_scale * mean.pitch_rad + p.pitch_offset_rad);
+        let flown = (turned + inertia.turned_rad).sin() - turned.sin();
+        (parts(read.sink_m_s + read.speed_m_s * flown / p.pressure_scale), parts(read.speed_m_s))
     }
 }
 
@@ -86,34 +95,141 @@ pub fn flies(parameters: &Parameters<f64>, bin: &Bin) -> bool {
     predict(&Glider::new(*parameters), &bin.mean, None).is_some()
 }
 
-/// Takes the inertia of each bin off the weight that drives it, so that the steady glide of what is left sinks as the
-/// accelerating glider does.
-///
-/// Along the path `M dV/dt = -m0 g sin xi - D` with `M` the mass and its added mass along axis 1. With `w = -V sin xi`
-/// this is the steady balance of the net mass `m0 - M w' / (g sin^2 xi)`; the pitch stands in for the path, which is
-/// steeper by a few degrees, in a term that is small itself. `w'` is that of the model, from bin to bin: the measured
-/// one holds the water's own accelerations, which carry the glider along. It also is what a late pressure goes by.
-pub fn take_inertia_off(parameters: &Parameters<f64>, bins: &mut [Bin]) {
-    let glider = Glider::new(*parameters);
-    let sinks: Vec<f64> =
-        bins.iter().map(|bin| predict(&glider, &bin.mean, None).map_or(0.0, |read| read.sink_m_s)).collect();
+/// Largest share of the drag that the inertia may have where a glide counts as steady.
+const LARGEST_INERTIA: f64 = 0.2;
+
+/// What net mass is uncertain by where everything is as it should be \[kg\]: a cubic centimetre of ballast, 0.02 kg/m3 of
+/// density.
+const WEIGHING_ERROR_KG: f64 = 1e-3;
+
+/// Drag coefficient of usual gliders on their frontal area, where a rough figure will do: the vehicle's own may be wrong by
+/// as much as is to be found out.
+const USUAL_DRAG_COEFFICIENT: f64 = 0.3;
+
+/// Angle of attack of a usual glide \[rad\], where a small term needs the path rather than the pitch.
+const USUAL_ANGLE_OF_ATTACK_RAD: f64 = 0.05;
+
+/// Which bins are steady: `M |w'| / sin xi` below a share of the drag `rho A b w^2 / (2 sin^2 xi)`, all as measured. A
+/// glider that hangs near neutral is not, whatever the time since its last turn.
+pub fn steady(parameters: &Parameters<f64>, bins: &[Bin]) -> Vec<bool> {
     let mass = parameters.mass_kg() + parameters.added_mass_1_kg;
-    for i in 0..bins.len() {
-        let low = if i > 0 && bins[i - 1].mean.leg == bins[i].mean.leg { i - 1 } else { i };
-        let high = if bins.get(i + 1).is_some_and(|next| next.mean.leg == bins[i].mean.leg) { i + 1 } else { i };
-        if high > low {
-            let acceleration = (sinks[high] - sinks[low]) / (bins[high].mean.time_s - bins[low].mean.time_s);
-            let mean = &mut bins[i].mean;
-            mean.sink_rate_m_s2 = acceleration;
-            let sin = mean.pitch_rad.sin();
-            let lost_kg = mass * acceleration / (parameters.gravity_m_s2 * (sin * sin).max(LEAST_SQUARE_OF_SINE));
-            mean.ballast_m3 += lost_kg / parameters.true_density_kg_m3(mean.density_kg_m3);
-        }
-    }
+    let reach_s = reach_s(bins);
+    (0..bins.len())
+        .map(|i| {
+            let (low, high) = neighbours(bins, i, reach_s);
+            if high == low {
+                return true;
+            }
+            let [a, b] = [low, high].map(|j| &bins[j].mean);
+            let acceleration = (b.sink_m_s - a.sink_m_s) / (b.time_s - a.time_s);
+            let sin = path_rad(&bins[i]).sin();
+            mass * acceleration.abs() / sin <= LARGEST_INERTIA * drag_N(parameters, &bins[i])
+        })
+        .collect()
 }
 
-/// Square of the sine of the shallowest path for which the inertia is taken off in full, 12 deg.
-const LEAST_SQUARE_OF_SINE: f64 = 0.04;
+/// Adds to the errors of a bin what the uncertainty of its net mass makes of them. By the balance along the path,
+/// `dw/dm = g sin xi w / (2 D)`: it grows without bound towards neutral.
+pub fn add_weighing_error(parameters: &Parameters<f64>, bin: &mut Bin) {
+    let sin = path_rad(bin).sin();
+    let per_kg = parameters.gravity_m_s2 * sin * bin.mean.sink_m_s.abs() / (2.0 * drag_N(parameters, bin));
+    bin.sink_sd_m_s = bin.sink_sd_m_s.hypot(per_kg * WEIGHING_ERROR_KG);
+    bin.speed_sd_m_s = bin.speed_sd_m_s.hypot(per_kg * WEIGHING_ERROR_KG / sin);
+}
+
+fn path_rad(bin: &Bin) -> f64 {
+    bin.mean.pitch_rad.abs() + USUAL_ANGLE_OF_ATTACK_RAD
+}
+
+/// Drag by the measured vertical velocity.
+fn drag_N(parameters: &Parameters<f64>, bin: &Bin) -> f64 {
+    let speed = bin.mean.sink_m_s / path_rad(bin).sin();
+    let size = 0.5 * bin.mean.density_kg_m3 * parameters.frontal_area_m2 * USUAL_DRAG_COEFFICIENT;
+    (size * speed * speed).max(f64::MIN_POSITIVE)
+}
+
+/// The inertia of one bin, as a change of the weight that it hangs on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Inertia {
+    /// The bin with the ballast volume and the pitch at which a steady glide has its angle of attack and speed.
+    pub bin: Bin,
+    /// By how much that pitch is larger than the one that is flown \[rad\].
+    pub turned_rad: f64,
+}
+
+/// The inertia of each bin.
+///
+/// Across and along the path of steepness `s`, `L = m0 g cos s` and `D = m0 g sin s - M dV/dt`, with `M` the mass and its
+/// added mass along axis 1. Lift and drag are those of a steady glide that hangs on another weight: with
+/// `x = M V' / (m0 g)` it is `m0 hypot(cos s, sin s - x)`, turned by `atan2(sin s - x, cos s) - s`. `V'` is that of the model
+/// at these parameters, from bin to bin: the measured one holds the water's own accelerations, which carry the glider
+/// along. `w'` likewise is what a late pressure goes by.
+pub fn inertia(parameters: &Parameters<f64>, bins: &[Bin]) -> Vec<Inertia> {
+    let glider = Glider::new(*parameters);
+    let flown: Vec<Option<Prediction<f64>>> = bins.iter().map(|bin| predict(&glider, &bin.mean, None)).collect();
+    let mass = parameters.mass_kg() + parameters.added_mass_1_kg;
+    let reach_s = reach_s(bins);
+    (0..bins.len())
+        .map(|i| {
+            let mut found = Inertia { bin: bins[i], turned_rad: 0.0 };
+            let (low, high) = neighbours(bins, i, reach_s);
+            let (Some(before), Some(here), Some(after)) = (&flown[low], &flown[i], &flown[high]) else {
+                return found;
+            };
+            if high == low {
+                return found;
+            }
+            let span_s = bins[high].mean.time_s - bins[low].mean.time_s;
+            let mean = &mut found.bin.mean;
+            mean.sink_rate_m_s2 = (after.sink_m_s - before.sink_m_s) / span_s;
+            let net_kg = net_mass_kg(parameters, mean);
+            let steep = (mean.pitch_rad - here.angle_of_attack_rad).abs();
+            let along = (after.speed_m_s - before.speed_m_s) / span_s;
+            // Where it is no small correction any more the glide is not steady, and the bin tells little.
+            let x =
+                (mass * along / (net_kg.abs() * parameters.gravity_m_s2)).clamp(-0.5 * steep.sin(), 0.5 * steep.sin());
+            let (across, along) = (steep.cos(), steep.sin() - x);
+            found.turned_rad = (along.atan2(across) - steep) * mean.pitch_rad.signum();
+            mean.pitch_rad += found.turned_rad / parameters.pitch_scale;
+            // The volume that is read, so that a scale of the engine does not count twice.
+            mean.ballast_m3 += net_kg * (1.0 - across.hypot(along))
+                / (parameters.true_density_kg_m3(mean.density_kg_m3) * parameters.ballast_scale);
+            found
+        })
+        .collect()
+}
+
+/// Net mass in one bin, by the readings as they are.
+fn net_mass_kg(parameters: &Parameters<f64>, mean: &Observation) -> f64 {
+    let known = |value: f64, otherwise: f64| if value.is_finite() { value } else { otherwise };
+    let water = Surroundings {
+        density_kg_m3: mean.density_kg_m3,
+        pressure_Pa: parameters.pressure_scale * mean.pressure_dbar * DBAR_PA,
+        temperature_C: known(mean.temperature_C, parameters.reference_temperature_C),
+        time_s: mean.time_s,
+    };
+    parameters.net_mass_kg(mean.ballast_m3, &water)
+}
+
+/// The bins before and after one on the same leg, itself where there is none: what lies beyond a gap, as where the pump
+/// ran, is another glide.
+fn neighbours(bins: &[Bin], i: usize, reach_s: f64) -> (usize, usize) {
+    let is_near = |other: usize| {
+        let (here, there) = (&bins[i].mean, &bins[other].mean);
+        here.leg == there.leg && (here.time_s - there.time_s).abs() <= reach_s
+    };
+    let low = if i > 0 && is_near(i - 1) { i - 1 } else { i };
+    let high = if i + 1 < bins.len() && is_near(i + 1) { i + 1 } else { i };
+    (low, high)
+}
+
+/// Longest time between neighbours \[s\]: one and a half times the usual.
+fn reach_s(bins: &[Bin]) -> f64 {
+    let on_a_leg = bins.windows(2).filter(|pair| pair[0].mean.leg == pair[1].mean.leg);
+    let mut steps: Vec<f64> = on_a_leg.map(|pair| pair[1].mean.time_s - pair[0].mean.time_s).collect();
+    steps.sort_by(f64::total_cmp);
+    1.5 * steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY)
+}
 
 fn parts(value: Dual) -> Slopes {
     let slopes = value.eps.0.map_or([0.0; MAX_DIRECTIONS], |eps| std::array::from_fn(|i| eps[i]));

@@ -1,0 +1,256 @@
+//! A diagnosis as a page: for each of the four answers one figure and one sentence.
+
+use super::diagnose::{checked, verdict, words};
+use crate::diagnose::sea::SeaDiagnosis;
+use crate::diagnose::{Checked, Diagnosis};
+use crate::report::{Axis, Cell, Figure, Layer, Panel, Report, Section, Table};
+
+/// The page of a log's diagnosis.
+pub(super) fn page(vehicle: &str, found: &SeaDiagnosis, trim: &str) -> Report {
+    let diagnosis = &found.told.diagnosis;
+    let subject = format!("{vehicle}, {} stretches of steady glide", found.problem.n_bins());
+    let mut report = Report::new("Diagnosis", subject).finding(format!("Baseline: {trim}."));
+    if !found.problem.has_speed() {
+        report = report
+            .warning("No measured speed: the lift slope is held near the vehicle's value, and some causes look alike.");
+    }
+    for check in diagnosis.consistency.iter().filter(|check| check.outcome != Checked::Consistent) {
+        report = report.warning(format!("{}.", capital(&checked(check))));
+    }
+    for warning in &diagnosis.warnings {
+        report = report.warning(format!("{}.", capital(warning)));
+    }
+    let sentences = [wrong(diagnosis), cause(diagnosis), extension(diagnosis), gain(diagnosis)];
+    for sentence in &sentences {
+        report = report.finding(sentence.clone());
+    }
+    let [wrong, cause, extension, gain] = sentences;
+    report
+        .section(Section::new("Wrong").text(wrong).figure(misfit(found)))
+        .section(Section::new("Cause").text(cause).figure(weighed(diagnosis)).table(causes(diagnosis)))
+        .section(Section::new("Extension").text(extension).figure(flown(found)))
+        .section(Section::new("Gain").text(gain).figure(gained(diagnosis)).table(gains(diagnosis)))
+        .section(Section::new("Rejected").folded().table(rejected(diagnosis)))
+        .section(
+            Section::new("Consistency of the log")
+                .folded()
+                .block(crate::report::Block::List(diagnosis.consistency.iter().map(checked).collect())),
+        )
+}
+
+fn wrong(found: &Diagnosis) -> String {
+    let Some(worst) = found.wrong.first() else {
+        return "The baseline misses the data by no more than measurement and moving water explain.".to_owned();
+    };
+    let others: Vec<&str> = found.wrong[1..].iter().map(|wrong| wrong.regime.as_str()).collect();
+    let others = if others.is_empty() { String::new() } else { format!(", and so it does with {}", others.join(", ")) };
+    format!(
+        "The baseline misses the {} by {:.1} mm/s rms where measurement and moving water explain {:.1} mm/s; the misfit goes with {} (p = {:.1e}){others}.",
+        words(&worst.quantity),
+        worst.rms * 1e3,
+        worst.expected_rms * 1e3,
+        worst.regime,
+        worst.p_value
+    )
+}
+
+fn cause(found: &Diagnosis) -> String {
+    let mut sentences: Vec<String> = found
+        .causes
+        .iter()
+        .map(|cause| {
+            let sizes: Vec<String> = cause
+                .parameters
+                .iter()
+                .map(|(name, e)| {
+                    format!("{name} = {:.4e} {} (95 %: {:.4e} to {:.4e})", e.value, e.unit, e.ci95[0], e.ci95[1])
+                })
+                .collect();
+            let sizes =
+                if sizes.is_empty() { "known exactly from the log's own columns".to_owned() } else { sizes.join(", ") };
+            let alike: Vec<String> = cause.indistinguishable_from.iter().map(|name| words(name)).collect();
+            let alike = if alike.is_empty() {
+                String::new()
+            } else {
+                format!("; these data cannot tell it from {}", alike.join(" or "))
+            };
+            format!("{}: {sizes}{alike}.", capital(&words(&cause.cause)))
+        })
+        .collect();
+    if let Some(left) = &found.unexplained {
+        sentences.push(format!(
+            "What is left goes with {}, and no known mechanism explains it.",
+            left.depends_on.join(", ")
+        ));
+    }
+    if sentences.is_empty() {
+        sentences.push("No mechanism is called for.".to_owned());
+    }
+    format!("Verdict: {}. {}", verdict(found.verdict), sentences.join(" "))
+}
+
+fn extension(found: &Diagnosis) -> String {
+    let what = if found.causes.is_empty() {
+        "The extension is the baseline with its fitted polar"
+    } else {
+        "The extension is the baseline with its fitted polar and the mechanisms above"
+    };
+    match &found.extended {
+        Some(path) => format!("{what}, written to {path}; the FMU flies it as it is."),
+        None => format!("{what}; `--extended` writes it as a vehicle that the FMU flies."),
+    }
+}
+
+fn gain(found: &Diagnosis) -> String {
+    let gains: Vec<String> = found
+        .gains
+        .iter()
+        .map(|gain| {
+            format!(
+                "of the {} from {:.1} to {:.1} mm/s, {:.0} % less (95 %: {:.0} to {:.0} %)",
+                words(&gain.quantity),
+                gain.holdout_rms_before * 1e3,
+                gain.holdout_rms_after * 1e3,
+                gain.reduction_percent,
+                gain.ci95[0],
+                gain.ci95[1]
+            )
+        })
+        .collect();
+    format!("On whole glides that the fit did not see the rms error falls: {}.", gains.join("; "))
+}
+
+/// The baseline's residuals along the covariate with which they go most clearly, and what the extension leaves of them.
+fn misfit(found: &SeaDiagnosis) -> Figure {
+    let evidence = &found.evidence;
+    let worst = found.told.diagnosis.wrong.first().map_or("depth", |wrong| wrong.regime.as_str());
+    let covariates = &evidence.covariates;
+    let covariate = covariates.iter().find(|c| c.name == worst).or_else(|| covariates.first());
+    let (name, values) = covariate.map_or(("time", &evidence.time_s), |c| (c.name, &c.values));
+    let mut figure = Figure::new("wrong", axis(name));
+    for quantity in &evidence.quantities {
+        let mut panel =
+            Panel::new(Axis::new(format!("Residual of {}", words(quantity.name)), "", "mm/s")).layer(Layer::at_y(0.0));
+        for (leg, label) in [(1.0, "descents, baseline"), (-1.0, "ascents, baseline")] {
+            let rows: Vec<usize> = quantity.rows.clone().filter(|row| evidence.leg[*row] == leg).collect();
+            let xs = rows.iter().map(|row| shown(name, values[*row])).collect();
+            let ys = rows.iter().map(|row| found.told.before.residual[*row] * 1e3).collect();
+            panel = panel.layer(Layer::points(xs, ys).label(label));
+        }
+        figure = figure.panel(panel);
+    }
+    figure.caption(format!("Measured less modelled, the baseline fitted to all glides, against {name}. A point is about a minute of steady glide."))
+}
+
+/// How much each mechanism explains.
+fn weighed(found: &Diagnosis) -> Figure {
+    let evidence = |p: f64| -p.max(1e-300).log10();
+    let mut rows: Vec<(String, f64)> = found
+        .causes
+        .iter()
+        .map(|cause| (format!("{} (named)", words(&cause.cause)), evidence(cause.p_value)))
+        .collect();
+    rows.extend(found.rejected.iter().filter_map(|r| Some((words(&r.cause), evidence(r.p_value?)))));
+    let names: Vec<String> = rows.iter().map(|row| row.0.clone()).collect();
+    let panel = Panel::new(Axis::of_names("", names))
+        .layer(Layer::points(rows.iter().map(|row| row.1).collect(), (0..rows.len()).map(|i| i as f64).collect()));
+    Figure::new("cause", Axis::new("Evidence, -log10 of the probability by chance", "", "")).panel(panel).caption(
+        "What each mechanism explains: the named ones beside the others that are named, the others beside all that are.",
+    )
+}
+
+/// Residuals before and after in the order of time.
+fn flown(found: &SeaDiagnosis) -> Figure {
+    let evidence = &found.evidence;
+    let mut figure = Figure::new("extension", Axis::new("Time", "t", "h"));
+    for quantity in &evidence.quantities {
+        let hours: Vec<f64> = quantity.rows.clone().map(|row| evidence.time_s[row] / 3600.0).collect();
+        let of = |residual: &nalgebra::DVector<f64>| quantity.rows.clone().map(|row| residual[row] * 1e3).collect();
+        figure = figure.panel(
+            Panel::new(Axis::new(format!("Residual of {}", words(quantity.name)), "", "mm/s"))
+                .layer(Layer::at_y(0.0))
+                .layer(Layer::points(hours.clone(), of(&found.told.before.held_out)).label("baseline"))
+                .layer(Layer::points(hours.clone(), of(&found.told.after.held_out)).label("extension")),
+        );
+    }
+    figure.caption("Measured less predicted, each glide predicted by a fit to the others, against time.")
+}
+
+fn gained(found: &Diagnosis) -> Figure {
+    let names: Vec<String> = found.gains.iter().map(|gain| words(&gain.quantity)).collect();
+    let at: Vec<f64> = (0..names.len()).map(|i| i as f64).collect();
+    let layer = Layer::points(found.gains.iter().map(|gain| gain.reduction_percent).collect(), at)
+        .x_interval(found.gains.iter().map(|gain| (gain.ci95[0], gain.ci95[1])).collect());
+    Figure::new("gain", Axis::new("Fall of the rms error on held-out glides", "", "%"))
+        .panel(Panel::new(Axis::of_names("", names)).layer(Layer::at_x(0.0)).layer(layer))
+        .caption("Bars are 95 % intervals by resampling whole glides.")
+}
+
+fn causes(found: &Diagnosis) -> Table {
+    let columns = ["Cause", "Parameter", "Value", "95 % interval", "Unit", "Cannot be told from"];
+    let mut table = Table::new("What is named, strongest first.", columns);
+    for cause in &found.causes {
+        let alike: Vec<String> = cause.indistinguishable_from.iter().map(|name| words(name)).collect();
+        for (name, e) in &cause.parameters {
+            table = table.row([
+                Cell::Text(words(&cause.cause)),
+                Cell::Text(name.clone()),
+                Cell::number(e.value, 4),
+                Cell::Interval { low: e.ci95[0], high: e.ci95[1] },
+                Cell::Text(e.unit.clone()),
+                Cell::Text(alike.join(", ")),
+            ]);
+        }
+    }
+    table
+}
+
+fn gains(found: &Diagnosis) -> Table {
+    let mut table =
+        Table::new("Root mean square on held-out glides.", ["Quantity", "Before [mm/s]", "After [mm/s]", "Less [%]"]);
+    for gain in &found.gains {
+        table = table.row([
+            Cell::Text(words(&gain.quantity)),
+            Cell::number(gain.holdout_rms_before * 1e3, 3),
+            Cell::number(gain.holdout_rms_after * 1e3, 3),
+            Cell::WithInterval { value: gain.reduction_percent, low: gain.ci95[0], high: gain.ci95[1] },
+        ]);
+    }
+    table
+}
+
+fn rejected(found: &Diagnosis) -> Table {
+    let mut table = Table::new("What was weighed and not named.", ["Mechanism", "Why"]);
+    for one in &found.rejected {
+        table = table.row([Cell::Text(words(&one.cause)), Cell::Text(one.why.clone())]);
+    }
+    table
+}
+
+/// A covariate as an axis, in the unit in which it is shown.
+fn axis(name: &str) -> Axis {
+    match name {
+        "depth" => Axis::new("Pressure", "p", "dbar"),
+        "time" => Axis::new("Time", "t", "h"),
+        "pitch" => Axis::new("Pitch angle, either way", "|θ|", "deg"),
+        "ballast" => Axis::new("Ballast volume", "V_b", "cc"),
+        "temperature" => Axis::new("Temperature", "T", "°C"),
+        "tide" => Axis::new("Phase of the tide", "", "deg"),
+        other => Axis::new(capital(other), "", "deg"),
+    }
+}
+
+fn shown(name: &str, value: f64) -> f64 {
+    match name {
+        "depth" | "temperature" => value,
+        "time" => value / 3600.0,
+        "ballast" => value * 1e6,
+        "tide" => value.rem_euclid(std::f64::consts::TAU).to_degrees(),
+        _ => value.to_degrees(),
+    }
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().collect::<String>() + letters.as_str())
+}

@@ -1,0 +1,94 @@
+//! A cause has one size everywhere: on both legs, shallow and deep, early and late, in what each quantity tells.
+//!
+//! A curve that merely resembles a mechanism needs another size of it in another regime. For each named mechanism its
+//! own column, weighed by a covariate, is fitted beside it; what that explains is the evidence that one size is not
+//! enough. A test of one degree of freedom sees this long before a free curve pays its cost.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::evidence::Evidence;
+use super::noise::Noise;
+use super::score::Score;
+use super::smooth::Kind;
+
+/// A regime in which a mechanism would need another size.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Misfit {
+    /// The place of the mechanism among those included.
+    pub place: usize,
+    /// With what the size would have to go.
+    pub with: String,
+    /// Evidence: fall of the sum of squares, less the cost of having looked everywhere.
+    pub excess: f64,
+    /// By how much the size would change from the mean to one standard deviation beyond (from leg to leg by twice as much).
+    pub change: f64,
+}
+
+/// The regime in which each included mechanism fails worst, the worst mechanism first. `included` are their columns.
+pub fn misfits(evidence: &Evidence, noises: &[Noise], included: &[&DMatrix<f64>]) -> Vec<Misfit> {
+    if included.is_empty() {
+        return Vec::new();
+    }
+    let n = evidence.residual.len();
+    let k: usize = included.iter().map(|columns| columns.ncols()).sum();
+    let mut tests: Vec<(usize, String, DVector<f64>)> = Vec::new();
+    for (place, columns) in included.iter().enumerate() {
+        for (name, weight) in weights(evidence) {
+            let weighed = DVector::from_fn(n, |row, _| columns[(row, 0)] * weight[row]);
+            tests.push((place, name, weighed));
+        }
+    }
+    let mut all = DMatrix::zeros(n, k + tests.len());
+    let mut at = 0;
+    for columns in included {
+        all.columns_mut(at, columns.ncols()).copy_from(columns);
+        at += columns.ncols();
+    }
+    for (i, (_, _, column)) in tests.iter().enumerate() {
+        all.set_column(k + i, column);
+    }
+    let mut evidence = evidence.clone();
+    evidence.prior.truncate(evidence.baseline.ncols());
+    let usual = vec![f64::INFINITY; all.ncols()];
+    let score = Score::new(&evidence, noises, &evidence.baseline, &all, &usual);
+    let known: Vec<usize> = (0..k).collect();
+    let here = score.fit(&known).gain;
+    let cost = score.effective_rows.ln() + 2.0 * (tests.len().max(1) as f64).ln();
+    let mut worst: Vec<Misfit> = Vec::new();
+    for (i, (place, name, _)) in tests.into_iter().enumerate() {
+        if !score.is_seen(k + i) {
+            continue;
+        }
+        let with: Vec<usize> = known.iter().copied().chain([k + i]).collect();
+        let fit = score.fit(&with);
+        let (excess, change) = (fit.gain - here - cost, fit.step[k]);
+        match worst.iter_mut().find(|known| known.place == place) {
+            Some(known) if known.excess < excess => *known = Misfit { place, with: name, excess, change },
+            Some(_) => {}
+            None => worst.push(Misfit { place, with: name, excess, change }),
+        }
+    }
+    worst.sort_by(|a, b| b.excess.total_cmp(&a.excess));
+    worst
+}
+
+/// What a size may go with: each covariate that runs along a line, the leg, the second quantity.
+fn weights(evidence: &Evidence) -> Vec<(String, Vec<f64>)> {
+    let n = evidence.residual.len();
+    let mut found: Vec<(String, Vec<f64>)> = Vec::new();
+    for covariate in evidence.covariates.iter().filter(|covariate| covariate.kind == Kind::Line) {
+        let mean = covariate.values.iter().sum::<f64>() / n as f64;
+        let spread = (covariate.values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n as f64).sqrt();
+        if spread > 1e-9 {
+            found.push((covariate.name.to_owned(), covariate.values.iter().map(|v| (v - mean) / spread).collect()));
+        }
+    }
+    if evidence.leg.iter().any(|leg| *leg < 0.0) && evidence.leg.iter().any(|leg| *leg > 0.0) {
+        found.push(("leg".to_owned(), evidence.leg.clone()));
+    }
+    for quantity in evidence.quantities.iter().skip(1) {
+        let inside = (0..n).map(|row| if quantity.rows.contains(&row) { 1.0 } else { 0.0 }).collect();
+        found.push((quantity.name.to_owned(), inside));
+    }
+    found
+}

@@ -1,0 +1,243 @@
+//! The log held against itself, before anything is fitted: units, signs, time base, and the density against
+//! temperature, salinity and pressure.
+//!
+//! The density column `r` stands against TEOS-10 of the same row, in situ `r_s` and at p = 0 `r_0`:
+//!
+//! ```text
+//! r - r_s = -bias - missing (r_s - r_0)
+//! ```
+//!
+//! Without errors both numbers are 0. `missing` = 1 says that the column was evaluated at p = 0, any other value that it
+//! was evaluated at `1 - missing` times the pressure that is read. Equations of state in use differ by 0.01 kg/m3, and
+//! salinity anomalies that a log without a position cannot know by some 0.03 kg/m3.
+//!
+//! Knows observations; no vehicle.
+
+use crate::diagnose::findings::{Check, Checked};
+use crate::log::Observation;
+
+/// The check of the density.
+pub const DENSITY: &str = "density against temperature, salinity and pressure";
+
+/// An error of the density column, known from the column's own temperature, salinity and pressure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum DensityError {
+    /// It was evaluated at p = 0.
+    AtZeroPressure,
+    /// It is off by a constant: true density less density read \[kg/m3\], with its standard error.
+    Bias(f64, f64),
+}
+
+/// Smallest constant difference that is called an error \[kg/m3\]: three times what equations of state and salinity
+/// anomalies differ by.
+const LEAST_BIAS_KG_M3: f64 = 0.1;
+
+/// Standard error of a constant difference, by the equations of state and the anomaly \[kg/m3\].
+const BIAS_SE_KG_M3: f64 = 0.03;
+
+/// Spread of the water's own compression from which on the pressure in a density can be told \[kg/m3\]: 30 dbar.
+const LEAST_COMPRESSION_KG_M3: f64 = 0.13;
+
+/// By how much the share of the pressure may be off.
+const SHARE_MARGIN: f64 = 0.1;
+
+/// Fewest samples with a density and a water sample.
+const LEAST_SAMPLES: usize = 30;
+
+/// Holds a log against itself.
+pub fn checks(observations: &[Observation]) -> (Vec<Check>, Option<DensityError>) {
+    let (density, error) = density(observations);
+    let checks = vec![
+        vertical_velocity(observations),
+        pressure(observations),
+        pitch_unit(observations),
+        pitch_sign(observations),
+        ballast_unit(observations),
+        ballast_sign(observations),
+        density,
+    ];
+    (checks, error)
+}
+
+/// The observations with the density as it should have been recorded.
+pub fn mended(observations: &[Observation], error: DensityError) -> Vec<Observation> {
+    let mended = |o: &Observation| match error {
+        DensityError::AtZeroPressure if o.teos10_density_kg_m3.is_finite() => o.teos10_density_kg_m3,
+        DensityError::AtZeroPressure => f64::NAN,
+        DensityError::Bias(bias, _) => o.density_kg_m3 + bias,
+    };
+    observations.iter().map(|o| Observation { density_kg_m3: mended(o), ..*o }).collect()
+}
+
+fn vertical_velocity(observations: &[Observation]) -> Check {
+    let check = "time base and pressure unit";
+    let Some(w) = quantile(observations.iter().map(|o| o.sink_m_s.abs()), 0.5) else {
+        return not_checked(check, "no vertical velocity");
+    };
+    judge(
+        check,
+        (0.005..=2.0).contains(&w),
+        || format!("the median vertical velocity is {w:.3} m/s; gliders do 0.05 to 0.5 m/s"),
+        "is time in seconds, and pressure in decibar?",
+    )
+}
+
+fn pressure(observations: &[Observation]) -> Check {
+    let check = "sign of pressure or depth";
+    let Some(p) = quantile(observations.iter().map(|o| o.pressure_dbar), 0.5) else {
+        return not_checked(check, "no pressure");
+    };
+    judge(
+        check,
+        p > 0.0,
+        || format!("the median pressure is {p:.1} dbar"),
+        "pressure and depth are positive below the surface",
+    )
+}
+
+fn pitch_unit(observations: &[Observation]) -> Check {
+    let check = "unit of pitch";
+    let Some(pitch) = quantile(observations.iter().map(|o| o.pitch_rad.abs()), 0.9) else {
+        return not_checked(check, "no pitch");
+    };
+    let half_turn = std::f64::consts::FRAC_PI_2;
+    judge(
+        check,
+        (0.04..=half_turn).contains(&pitch),
+        || format!("nine in ten pitch angles are below {pitch:.3} rad = {:.1} deg", pitch.to_degrees()),
+        if pitch > half_turn { "are degrees in a column of radians?" } else { "are radians in a column of degrees?" },
+    )
+}
+
+fn pitch_sign(observations: &[Observation]) -> Check {
+    let check = "sign of pitch";
+    let (mut alike, mut n) = (0, 0);
+    for o in observations.iter().filter(|o| o.pitch_rad.abs() > 0.05 && o.sink_m_s.abs() > 0.02) {
+        n += 1;
+        alike += usize::from((o.pitch_rad < 0.0) == (o.sink_m_s > 0.0));
+    }
+    if n < LEAST_SAMPLES.min(observations.len()) {
+        return not_checked(check, "too few samples under way");
+    }
+    let share = 100.0 * alike as f64 / n as f64;
+    judge(
+        check,
+        share > 50.0,
+        || format!("the nose points the way the glider goes in {share:.0} % of the samples"),
+        "pitch is positive nose up",
+    )
+}
+
+fn ballast_unit(observations: &[Observation]) -> Check {
+    let check = "unit of ballast volume";
+    let of = |share| quantile(observations.iter().map(|o| o.ballast_m3 * 1e6), share);
+    let (Some(low), Some(high)) = (of(0.05), of(0.95)) else {
+        return not_checked(check, "no ballast volume");
+    };
+    judge(
+        check,
+        (5.0..=5000.0).contains(&(high - low)),
+        || format!("the ballast volume goes from {low:.3} to {high:.3} cc"),
+        "is it in the unit that the column's name says?",
+    )
+}
+
+fn ballast_sign(observations: &[Observation]) -> Check {
+    let check = "sign of ballast volume";
+    let of = |sinks: bool| {
+        let here = observations.iter().filter(move |o| (o.sink_m_s > 0.0) == sinks && o.sink_m_s.abs() > 0.02);
+        quantile(here.map(|o| o.ballast_m3 * 1e6), 0.5)
+    };
+    let (Some(down), Some(up)) = (of(true), of(false)) else {
+        return not_checked(check, "descents and ascents are needed");
+    };
+    judge(
+        check,
+        down < up,
+        || format!("the median ballast volume is {down:.0} cc on descents and {up:.0} cc on ascents"),
+        "the volume is positive when more buoyant",
+    )
+}
+
+fn density(observations: &[Observation]) -> (Check, Option<DensityError>) {
+    let check = DENSITY;
+    let rows: Vec<(f64, f64)> = observations
+        .iter()
+        .map(|o| (o.teos10_density_kg_m3 - o.teos10_surface_density_kg_m3, o.density_kg_m3 - o.teos10_density_kg_m3))
+        .filter(|(compression, difference)| compression.is_finite() && difference.is_finite())
+        .collect();
+    if rows.len() < LEAST_SAMPLES {
+        return (not_checked(check, "no temperature with salinity or conductivity beside the density"), None);
+    }
+    let (level, slope, spread) = robust_line(&rows);
+    // Without a range of pressure all of the difference is a level.
+    let (bias, missing) =
+        if spread >= LEAST_COMPRESSION_KG_M3 { (-level, -slope) } else { (-median(rows.iter().map(|row| row.1)), 0.0) };
+    let of = |outcome, says: String| Check { check, outcome, says };
+    if missing.abs() < SHARE_MARGIN && bias.abs() < LEAST_BIAS_KG_M3 {
+        return (
+            of(
+                Checked::Consistent,
+                format!("TEOS-10 in situ gives the density within {:.3} kg/m3", bias.abs().max(0.001)),
+            ),
+            None,
+        );
+    }
+    if (missing - 1.0).abs() < SHARE_MARGIN && bias.abs() < LEAST_BIAS_KG_M3 {
+        let says = format!(
+            "the density is that of the same water at p = 0 (share of the compression that it lacks: {missing:.3})"
+        );
+        return (of(Checked::Mended, says), Some(DensityError::AtZeroPressure));
+    }
+    if missing.abs() < SHARE_MARGIN {
+        let says = format!("the density differs from TEOS-10 in situ by a constant, {:+.3} kg/m3", -bias);
+        return (of(Checked::Mended, says), Some(DensityError::Bias(bias, BIAS_SE_KG_M3)));
+    }
+    let says = format!(
+        "the density fits its temperature and salinity at {:.2} times the pressure that is read, {:+.3} kg/m3 apart; density, salinity, temperature or pressure is in another unit than its column says",
+        1.0 - missing,
+        -bias
+    );
+    (of(Checked::Wrong, says), None)
+}
+
+/// Level and slope of the line through most of the points, and the range of the abscissa from its 5th to its 95th
+/// hundredth. Points further from the line than six median distances are left out, as interpolated cells are.
+fn robust_line(rows: &[(f64, f64)]) -> (f64, f64, f64) {
+    let of = |share| quantile(rows.iter().map(|row| row.0), share).unwrap_or(0.0);
+    let spread = of(0.95) - of(0.05);
+    let (mut level, mut slope, mut reach) = (0.0, 0.0, f64::INFINITY);
+    for _ in 0..5 {
+        let (mut n, mut sx, mut sy, mut sxx, mut sxy) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for (x, y) in rows.iter().filter(|(x, y)| (y - level - slope * x).abs() <= reach) {
+            (n, sx, sy, sxx, sxy) = (n + 1.0, sx + x, sy + y, sxx + x * x, sxy + x * y);
+        }
+        let square = sxx - sx * sx / n;
+        slope = if square > 0.0 { (sxy - sx * sy / n) / square } else { 0.0 };
+        level = (sy - slope * sx) / n;
+        reach = 6.0 * median(rows.iter().map(|(x, y)| (y - level - slope * x).abs())).max(1e-4);
+    }
+    (level, slope, spread)
+}
+
+fn judge(check: &'static str, is_right: bool, found: impl Fn() -> String, otherwise: &str) -> Check {
+    let says = if is_right { found() } else { format!("{}: {otherwise}", found()) };
+    Check { check, outcome: if is_right { Checked::Consistent } else { Checked::Wrong }, says }
+}
+
+fn not_checked(check: &'static str, why: &str) -> Check {
+    Check { check, outcome: Checked::NotChecked, says: why.to_owned() }
+}
+
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    quantile(values, 0.5).unwrap_or(0.0)
+}
+
+fn quantile(values: impl Iterator<Item = f64>, share: f64) -> Option<f64> {
+    let mut finite: Vec<f64> = values.filter(|value| value.is_finite()).collect();
+    if finite.is_empty() {
+        return None;
+    }
+    let place = ((finite.len() - 1) as f64 * share).round() as usize;
+    Some(*finite.select_nth_unstable_by(place, f64::total_cmp).1)
+}
