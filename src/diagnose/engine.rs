@@ -37,7 +37,7 @@ const MARGIN: f64 = 6.0;
 const FULL_SHARE: f64 = 0.95;
 
 /// Ratio of misfit to noise from which on the linearised model is not trusted to find the first mechanism.
-const GROSS_MISFIT: f64 = 2.0;
+const GROSS_MISFIT: f64 = 1.5;
 
 /// Change of a mechanism's size from regime to regime, relative to it, from which on it is another mechanism; less may
 /// be due to what the model leaves out.
@@ -105,8 +105,8 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
     // what they can, what is left decides whether a curve was needed after all.
     let mut present = baseline.leap(problem).unwrap_or_else(|| baseline.clone());
     present.alternate(problem, |lap| (lap.race().best_mechanisms().members, None));
-    let curve =
-        present.alternate(problem, |lap| decide(lap.race().best_mechanisms(), lap.race().best_with_curve(), lap, problem));
+    let curve = present
+        .alternate(problem, |lap| decide(lap.race().best_mechanisms(), lap.race().best_with_curve(), lap, problem));
     present.drop_what_does_not_predict(problem, &baseline);
     present.drop_what_chance_explains(problem, &baseline);
     let refuted = present.drop_what_needs_other_sizes(problem, &baseline);
@@ -145,7 +145,10 @@ fn decide(
     problem: &impl Problem,
 ) -> (Vec<usize>, Option<String>) {
     match with_curve {
-        Some(other) if other.criterion < mechanisms.criterion.min(0.0) - MARGIN.max(problem.part_unexplained() * -mechanisms.criterion) => {
+        Some(other)
+            if other.criterion
+                < mechanisms.criterion.min(0.0) - MARGIN.max(problem.part_unexplained() * -mechanisms.criterion) =>
+        {
             // Beside something unknown a name needs evidence that the unknown cannot take over, and more of it than the
             // unknown has itself: what is unknown may bring along a bit of many a mechanism.
             let race = lap.race();
@@ -276,24 +279,29 @@ impl Fitted {
                 > GROSS_MISFIT * expected_rms(&self.evidence, &self.noises, quantity)
         });
         let candidates = problem.candidates();
-        let mut best: Option<(f64, Fitted)> = None;
+        let mut trials: Vec<(f64, Fitted)> = Vec::new();
         for (i, _) in candidates.iter().enumerate().filter(|(_, candidate)| is_gross && candidate.fixed.is_empty()) {
             let evidence = believing(problem, problem.evidence(&self.point), &self.point, &[i]);
             let mut trial = Fitted { point: self.point.clone(), included: vec![i], evidence, noises: plain.clone() };
             trial.descend(problem);
-            let left = weighted_squares(&trial.evidence, &plain);
-            let is_possible = trial.is_possible(candidates);
-            if is_possible && best.as_ref().is_none_or(|(least, _)| left < *least) {
-                best = Some((left, trial));
+            if trial.is_possible(candidates) {
+                trials.push((weighted_squares(&trial.evidence, &plain), trial));
             }
         }
-        let (left, mut trial) = best?;
-        // Half of the misfit at least, or the slopes are as good a guide.
-        (left < 0.5 * weighted_squares(&self.evidence, &plain)).then(|| {
+        // Half of the misfit at least, or the slopes are as good a guide. What is left by the best ones is judged where they
+        // were not fitted.
+        let least = trials.iter().map(|trial| trial.0).min_by(f64::total_cmp)?;
+        let enough = (2.0 * least).min(0.5 * weighted_squares(&self.evidence, &plain));
+        let settled = trials.into_iter().filter(|(left, _)| *left <= enough).map(|(_, mut trial)| {
             trial.noises = noises(problem, &trial.evidence, &trial.included);
             trial.settle(problem);
-            trial
-        })
+            let left = trial.held_out();
+            let of = |quantity: &super::evidence::Quantity| {
+                quantity.rows.len() as f64 * holdout::rms(&left, quantity.rows.clone()).ln()
+            };
+            (trial.evidence.quantities.iter().map(of).sum::<f64>(), trial)
+        });
+        settled.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, trial)| trial)
     }
 
     /// Whether every included parameter lies where physics allows it.
@@ -437,7 +445,8 @@ impl Fitted {
                 let lap = Lap::new(problem.candidates(), self);
                 let race = lap.race();
                 let worth = race.criterion(&others) - race.criterion(&self.included);
-                misfit.excess > LEAST_EXCESS.max(problem.part_unexplained() * worth) && misfit.change.abs() > LEAST_CHANGE * size.abs()
+                misfit.excess > LEAST_EXCESS.max(problem.part_unexplained() * worth)
+                    && misfit.change.abs() > LEAST_CHANGE * size.abs()
             };
             let Some(worst) = found.into_iter().find(differs) else {
                 break;

@@ -92,12 +92,12 @@ fn whiten_by<const N: usize>(series: Series<'_>, noise: &Noise, columns: &mut DM
         for (row, step) in steps.iter().enumerate() {
             for (value, mean) in abreast[row..].iter_mut().step_by(n).zip(&mut means) {
                 let mut innovation = *value;
-                for k in 0..N {
-                    mean[k] *= step.kept[k];
-                    innovation -= step.shown[k] * mean[k];
+                for (mean, (kept, shown)) in mean.iter_mut().zip(step.kept.iter().zip(&step.shown)) {
+                    *mean *= kept;
+                    innovation -= shown * *mean;
                 }
-                for k in 0..N {
-                    mean[k] += step.gain[k] * innovation;
+                for (mean, gain) in mean.iter_mut().zip(&step.gain) {
+                    *mean += gain * innovation;
                 }
                 *value = innovation * step.scale;
             }

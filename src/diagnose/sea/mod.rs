@@ -51,7 +51,7 @@ const FAR_FROM_BELIEF: f64 = 2.0;
 
 /// Share of what named mechanisms explain by which something unknown must explain more to take their place. Less is a part
 /// that stays unexplained beside them: no sea is without.
-const PART_UNEXPLAINED: f64 = 0.05;
+const PART_UNEXPLAINED: f64 = 0.1;
 
 /// Most times at which a jump of drag is looked for.
 const MAX_JUMPS: usize = 30;

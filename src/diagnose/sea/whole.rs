@@ -2,10 +2,10 @@
 
 use super::consistency::{self, DensityError};
 use super::{SeaError, SeaProblem, Settings};
-use crate::diagnose::{Evidence, Problem};
 use crate::diagnose::engine::{self, Outcome};
 use crate::diagnose::findings::{Cause, Check, Checked, Verdict};
 use crate::diagnose::holdout;
+use crate::diagnose::{Evidence, Problem};
 use crate::dynamics::{Parameters, parameter_index};
 use crate::estimate::Estimate;
 use crate::identify::Trim;

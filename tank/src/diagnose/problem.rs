@@ -398,6 +398,7 @@ impl Problem for TankProblem<'_> {
             stated_sd: (0..3).flat_map(|k| self.order.iter().map(move |run| self.sd[*run][k])).collect(),
             block: (0..n).collect::<Vec<_>>().repeat(3),
             leg: of_run(&|run| if self.data.runs[run].point.yaw_deg < 0.0 { -1.0 } else { 1.0 }),
+            place: Vec::new(),
             residual,
             baseline,
             prior: (0..self.baseline.len()).map(|j| (self.start[j] - point.baseline[j], self.belief[j])).collect(),
