@@ -61,7 +61,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     }
     let settings = Settings { fit_lift: arguments.pin_lift.is_none(), ..Settings::default() };
     let parameters = vehicle.glide_parameters();
-    let mut found = diagnose_log(&parameters, trim, &log.observations, settings)?;
+    let mut found = diagnose_log(&parameters, trim, &log.observations, settings).map_err(|error| {
+        // What was taken out in the reading may be what is wrong.
+        let notes =
+            if log.notes.is_empty() { String::new() } else { format!("; the reading noted: {}", log.notes.join("; ")) };
+        match error {
+            SeaError::Inconsistent(_) => CliError::Usage(format!("{error}{notes}")),
+            SeaError::TooFew { .. } => CliError::Failed(format!("{error}{notes}")),
+        }
+    })?;
+    found.told.diagnosis.warnings.extend(log.notes.iter().cloned());
 
     if let Some(path) = &arguments.extended {
         // What the trim took for the mass belongs to the extended vehicle as well, or it would fly at another weight.
@@ -82,15 +91,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         print(&found.told.diagnosis, &found.problem, trim.sentence());
     }
     arguments.output.write_json(&found.told.diagnosis)
-}
-
-impl From<SeaError> for CliError {
-    fn from(error: SeaError) -> Self {
-        match error {
-            SeaError::TooFew { .. } => CliError::Failed(error.to_string()),
-            SeaError::Inconsistent(_) => CliError::Usage(error.to_string()),
-        }
-    }
 }
 
 /// Writes the polar that was fitted and the mechanisms that were named into a vehicle.
