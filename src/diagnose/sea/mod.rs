@@ -138,6 +138,11 @@ impl SeaProblem {
             if !settings.fit_lift && candidate.name == "nonlinear_lift" {
                 continue;
             }
+            // Vertical velocity alone cannot tell a scale of the pitch from the polar: what it would be called is something
+            // else.
+            if with_speed.is_empty() && candidate.name == "pitch_scale" {
+                continue;
+            }
             let Some(direction) = directions.of(index) else {
                 continue;
             };

@@ -68,7 +68,7 @@ pub fn diagnose_log(
     if error.is_none() {
         name_what_density_hides(&mut told, &problem, &checks);
     }
-    told.diagnosis.rejected.extend(unweighed(&checks, &told));
+    told.diagnosis.rejected.extend(unweighed(&checks, &told, problem.has_speed()));
     told.diagnosis.consistency = checks;
     told.diagnosis.warnings = problem.doubts(&told.after.point);
     let evidence = problem.evidence(&told.after.point);
@@ -142,7 +142,7 @@ fn name_what_density_hides(told: &mut Outcome, problem: &SeaProblem, checks: &[C
 }
 
 /// The mechanisms that no steady glide can show, and those that the checks settle.
-fn unweighed(checks: &[Check], told: &Outcome) -> Vec<crate::diagnose::Rejected> {
+fn unweighed(checks: &[Check], told: &Outcome, has_speed: bool) -> Vec<crate::diagnose::Rejected> {
     let density = checks.iter().find(|check| check.check == consistency::DENSITY);
     let reject = |cause: &str, why: String| crate::diagnose::Rejected {
         cause: cause.to_owned(),
@@ -154,6 +154,10 @@ fn unweighed(checks: &[Check], told: &Outcome) -> Vec<crate::diagnose::Rejected>
         "inertia",
         "samples near inflections take no part, and along the glide the vehicle's own inertia is in the model; it has no free size".to_owned(),
     )];
+    if !has_speed {
+        let why = "without a measured speed lift slope and drag take up what a scale of the pitch would do";
+        found.push(reject("pitch_scale", why.to_owned()));
+    }
     let is_named = told.diagnosis.causes.iter().any(|cause| cause.cause == "density_at_zero_pressure");
     if let Some(check) = density.filter(|_| !is_named) {
         let why = match check.outcome {
