@@ -56,6 +56,8 @@ pub fn signs(hulls: &[HullResults]) -> Option<Diagnosis> {
         p_value: 0.0,
     };
     Some(Diagnosis {
+        consistency: Vec::new(),
+        warnings: Vec::new(),
         schema: "glidepolar.diagnosis/1",
         verdict: Verdict::Explained,
         wrong: vec![wrong],
