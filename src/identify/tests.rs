@@ -44,6 +44,8 @@ fn sample_in(
         pressure_rate_dbar_s: 0.0,
         temperature_C: water.temperature_C,
         density_kg_m3: water.density_kg_m3,
+        teos10_density_kg_m3: f64::NAN,
+        teos10_surface_density_kg_m3: f64::NAN,
         pitch_rad: glide.pitch_rad,
         roll_rad: 0.0,
         rudder_rad: 0.0,
