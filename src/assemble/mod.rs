@@ -100,7 +100,9 @@ pub enum AssembleError {
 /// Where the hull has no coefficients.
 pub fn build_up(parts: &Parts<'_>) -> Result<Buildup, AssembleError> {
     let hull = parts.hull;
-    let fit = hull.fit.as_ref().ok_or_else(|| AssembleError::NoFit(hull.id.clone()))?;
+    // Where a diagnosis named what the plain fit gets wrong, the coefficients beside it hold.
+    let extended = hull.extended.as_ref().map(|extended| &extended.fit);
+    let fit = extended.or(hull.fit.as_ref()).ok_or_else(|| AssembleError::NoFit(hull.id.clone()))?;
     let of = |value: f64, se: f64| Figure { value, se };
     let added = hull.added_mass(parts.density_kg_m3, parts.volume_m3);
     let slender = hull.geometry.loa_m.powi(2) / hull.geometry.frontal_area_m2();

@@ -167,6 +167,8 @@ fn vehicle(a: &Arguments, base: Vehicle, parts: &Parts<'_>, build: &Buildup) -> 
         ("added_mass.m3_kg", total.m3_kg),
         ("added_mass.pitch_inertia_kg_m2", inertia),
     ];
+    let crossflow = parts.hull.extended.as_ref().and_then(|extended| extended.nonlinear_lift_per_rad2.as_ref());
+    figures.extend(crossflow.map(|k| ("mechanisms.nonlinear_lift_per_rad2", Figure { value: k.value, se: k.se })));
     figures.extend(parts.wing.map(|wing| ("geometry.wing_span_m", exact(wing.span_m))));
     // Legs that were measured apart belong to the base vehicle's own hull and wing.
     for leg in ["descent", "ascent"] {

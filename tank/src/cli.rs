@@ -18,6 +18,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 #[command(after_help = "Examples:\n  \
     tank-reduce demo pmm_runs                          write a synthetic campaign\n  \
     tank-reduce pmm_runs                               reduce a campaign; results in tank_out\n  \
+    tank-reduce pmm_runs --diagnose                    and say what is wrong in it, and why\n  \
     tank-reduce points.csv --hull hull.toml --json -   reduce a table of points\n\
     Exit code: 0 done, 1 it could not be written, 2 the input cannot be used.")]
 pub struct Cli {
@@ -95,6 +96,9 @@ impl Reduce {
         };
         if self.diagnose {
             results.diagnose();
+            if let Some(diagnoses) = &mut results.diagnoses {
+                diagnoses.extended_in(&self.out.join("fits.json").display().to_string());
+            }
         }
         output::write(&results, &self.inputs(input), &self.output.folder(&self.out)?)?;
         if self.output.shows_tables() {

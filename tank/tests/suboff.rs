@@ -127,3 +127,33 @@ fn slopes_at_small_drift_are_those_of_the_report() {
     // The side force so near zero is small against its own zero error: the interval says so.
     assert!((yv.ci95[0]..=yv.ci95[1]).contains(&yv_report), "{yv:?}, {yv_report}");
 }
+
+/// The same 24 points hold a law of the wrong kind, a zero of the yaw moment and an axial force that goes with the side
+/// force: named in this order, with nothing else beside them.
+#[test]
+fn the_diagnosis_names_crossflow_and_predicts_lift_tenfold_better() {
+    let mut results = suboff(10.0);
+    results.diagnose();
+    let reduced = results.reduction();
+    let diagnosis = reduced.hulls[0].diagnosis.as_ref().expect("a diagnosis");
+    let causes = diagnosis["causes"].as_array().unwrap();
+    let mut names: Vec<&str> = causes.iter().map(|cause| cause["cause"].as_str().unwrap()).collect();
+    assert_eq!(names[0], "crossflow");
+    names.sort_unstable();
+    assert_eq!(names, ["crossflow", "interaction", "yaw_moment_zero"]);
+    assert_eq!(diagnosis["gain"]["quantity"], "CL");
+    let of = |key: &str| diagnosis["gain"][key].as_f64().unwrap();
+    assert!(of("holdout_rms_before") / of("holdout_rms_after") > 8.0);
+    // A fit of Roddy's lift alone gives 5.7; X' odd is 1.13 % of Y' odd; N' even is 7e-5, 27 N m at 3.344 m/s.
+    let size = |cause: &str, name: &str| {
+        let cause = causes.iter().find(|c| c["cause"] == cause).unwrap();
+        cause["parameters"][name]["value"].as_f64().unwrap()
+    };
+    assert_near(size("crossflow", "crossflow_per_rad2"), 5.9, 0.1);
+    assert_near(size("interaction", "af_from_sf").abs(), 0.0113, 0.25);
+    assert_near(size("yaw_moment_zero", "yaw_moment_zero_N_m"), 27.0, 0.25);
+    let extended = reduced.hulls[0].extended.as_ref().unwrap();
+    assert!(extended.nonlinear_lift_per_rad2.is_some() && extended.fit.a.value < 0.3);
+    let rejected = diagnosis["rejected"].as_array().unwrap();
+    assert!(rejected.iter().any(|r| r["cause"] == "speed_scale" && r["why"].as_str().unwrap().contains("absorb")));
+}

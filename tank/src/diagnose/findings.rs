@@ -113,8 +113,8 @@ impl Teller<'_> {
             }
         };
         let mut sizes = BTreeMap::new();
-        for (name, shares) in mechanism.told_as {
-            sizes.insert((*name).to_owned(), told(shares, mechanism.parameters[0].unit));
+        for (name, unit, shares) in mechanism.told_as {
+            sizes.insert((*name).to_owned(), told(shares, unit));
         }
         if mechanism.told_as.is_empty() {
             for (i, parameter) in mechanism.parameters.iter().enumerate() {

@@ -30,8 +30,8 @@ pub struct Mechanism {
     pub source: &'static str,
     /// Name, unit and term of each parameter; the first is its size.
     pub parameters: &'static [Parameter],
-    /// How it is told, where not by the parameters themselves: names, and the share of each parameter in them.
-    pub told_as: &'static [(&'static str, &'static [f64])],
+    /// How it is told, where not by the parameters themselves: name, unit, and the share of each parameter in it.
+    pub told_as: &'static [(&'static str, &'static str, &'static [f64])],
     /// How far it reaches.
     pub reach: Reach,
     /// In which data it shows.
@@ -92,8 +92,20 @@ pub const IN_TANK: &[Mechanism] = &[
                 usual: Usual::Is(6.0),
                 bounds: (0.0, 40.0),
             },
+            Parameter {
+                name: "crossflow_suction",
+                unit: "1",
+                term: Term::CrossflowSuction,
+                neutral: 0.0,
+                usual: Usual::Is(0.3),
+                bounds: (-1.0, 1.0),
+            },
         ],
-        told_as: &[("crossflow_per_rad2", &[1.0, 1.0]), ("crossflow_moment_per_rad2", &[-STATION, STATION])],
+        told_as: &[
+            ("crossflow_per_rad2", "1/rad^2", &[1.0, 1.0, 0.0]),
+            ("crossflow_moment_per_rad2", "1/rad^2", &[-STATION, STATION, 0.0]),
+            ("crossflow_suction", "1", &[0.0, 0.0, 1.0]),
+        ],
         reach: Reach::Hull,
         regime: "large angles, opposite on the two sides in lift and moment, alike in drag",
         shown_by: "angles of 10 degrees and more on both sides",

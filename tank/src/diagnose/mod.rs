@@ -96,6 +96,23 @@ impl Diagnoses {
         diagnoses
     }
 
+    /// Says in which file the extended fits stand.
+    pub fn extended_in(&mut self, path: &str) {
+        let mut any = false;
+        for hull in self.hulls.iter_mut().flatten().filter(|hull| hull.extended.is_some()) {
+            hull.diagnosis.extended = Some(path.to_owned());
+            any = true;
+        }
+        if let Some(campaign) = self.campaign.as_mut().filter(|_| any) {
+            campaign.extended = Some(path.to_owned());
+        }
+    }
+
+    /// What is told first: of the campaign, or of the one hull that there is.
+    pub fn overall(&self) -> Option<&Diagnosis> {
+        self.campaign.as_ref().or_else(|| self.hulls.iter().flatten().map(|hull| &hull.diagnosis).next())
+    }
+
     /// One answer that holds for every hull alike.
     fn same_for_all(data: &Data, found: Diagnosis) -> Diagnoses {
         let hull = HullDiagnosis { diagnosis: found.clone(), extended: None };

@@ -8,7 +8,7 @@ use nalgebra::{Const, Matrix3, U1};
 use num_dual::{Derivative, DualSVec64};
 
 /// How many numbers a run's reading depends on.
-pub const TERMS: usize = 17;
+pub const TERMS: usize = 18;
 
 type Dual = DualSVec64<TERMS>;
 
@@ -43,6 +43,8 @@ pub enum Term {
     CrossflowFore,
     /// The same aft of it.
     CrossflowAft,
+    /// Share of the crossflow's drag that suction on the nose gives back.
+    CrossflowSuction,
     /// Exponent of the dynamic pressure in b.
     DragExponent,
     /// Recorded less true temperature \[degC\].
@@ -74,6 +76,7 @@ impl Term {
             Term::Temperature => 14,
             Term::StrutAxial => 15,
             Term::StrutSide => 16,
+            Term::CrossflowSuction => 17,
             Term::None => usize::MAX,
         }
     }
@@ -141,7 +144,7 @@ fn coefficients<T: Number>(setting: &Setting, p: &[T; TERMS]) -> [T; 3] {
     let across = sine * sine.abs();
     let (fore, aft) = (at(Term::CrossflowFore), at(Term::CrossflowAft));
     let normal = lift * cosine + drag * sine + (fore + aft) * across;
-    let axial = drag * cosine - lift * sine;
+    let axial = drag * cosine - lift * sine - at(Term::CrossflowSuction) * (fore + aft) * across * sine;
     let moment = at(Term::D) * side * alpha + (fore - aft) * across * STATION;
 
     // The rig. A temperature entered too high makes the water too light on paper.
@@ -225,6 +228,7 @@ mod tests {
         let mut values = hull();
         values[Term::Misalignment.place()] = 0.4;
         values[Term::CrossflowAft.place()] = 3.0;
+        values[Term::CrossflowSuction.place()] = 0.3;
         values[Term::DragExponent.place()] = -0.1;
         values[Term::Temperature.place()] = 2.0;
         values[Term::Asymmetry.place()] = 1.1;

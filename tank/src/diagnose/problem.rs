@@ -304,8 +304,9 @@ impl<'a> TankProblem<'a> {
                 run.point.speed_m_s.map_or(f64::NAN, |speed| speed / (9.81 * length).sqrt())
             });
         }
-        add("run order", &|run, _| run.time_s);
+        // The rows of a table stand in order of angle rather than of time.
         if self.data.is_raw {
+            add("run order", &|run, _| run.time_s);
             add("time of day", &|_, index| self.days.hours(index).unwrap_or(f64::NAN));
             add("speed of the run before", &|_, index| self.days.speed_before(index).unwrap_or(f64::NAN));
             for hull in (0..self.data.hulls.len()).filter(|_| self.data.hulls.len() > 1) {
@@ -339,7 +340,7 @@ impl Problem for TankProblem<'_> {
     }
 
     fn least_advantage(&self) -> f64 {
-        3.0
+        2.0
     }
 
     fn most_chance(&self) -> f64 {

@@ -29,6 +29,16 @@ pub fn print(results: &Results) {
         "CL = a alpha, CD = b + c alpha^2, CM = d alpha about the centre of buoyancy, |alpha| <= {} deg; 95 % intervals",
         results.range_deg
     );
+    print_diagnosis(results);
+}
+
+/// Prints what was found wrong, in few lines.
+fn print_diagnosis(results: &Results) {
+    let Some(diagnosis) = results.diagnoses.as_ref().and_then(|diagnoses| diagnoses.overall()) else { return };
+    anstream::println!("{BOLD}diagnosis{BOLD:#}");
+    for sentence in super::diagnosis::sentences(diagnosis) {
+        anstream::println!("  {sentence}");
+    }
 }
 
 /// Widths as [`shown`] prints.

@@ -1,6 +1,7 @@
 //! What a reduction leaves behind: tables, figures, a page. Each knows the results and nothing of how they came about.
 
 mod console;
+mod diagnosis;
 mod figures;
 mod page;
 mod tables;

@@ -26,6 +26,9 @@ pub fn report(results: &Results, inputs: &[std::path::PathBuf]) -> Result<Report
     for input in inputs {
         report = report.input(InputFile::read(input)?);
     }
+    if let Some(section) = super::diagnosis::section(results) {
+        report = report.section(section);
+    }
     report = report.section(coefficients(results));
     if results.hulls.iter().any(|h| h.dynamic.is_some()) {
         report = report.section(derivatives(results));
