@@ -94,22 +94,21 @@ impl Teller<'_> {
         let values = &self.outcome.after.point.candidates[candidate];
         let covariance = self.covariance(place);
         let n = mechanism.parameters.len();
-        // Value and variance of a sum of parameters, each with its share.
-        let of = |first: usize, shares: &[f64]| {
-            let value = shares.iter().enumerate().map(|(i, share)| share * values[first + i]).sum::<f64>();
+        // A sum of parameters of one hull, each with its share, and the covariance of two hulls' sums.
+        let value = |hull: usize, shares: &[f64]| -> f64 { (0..n).map(|i| shares[i] * values[n * hull + i]).sum() };
+        let covariance = |one: usize, other: usize, shares: &[f64]| -> f64 {
             let pairs = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
-            let variance: f64 = pairs.map(|(i, j)| shares[i] * shares[j] * covariance[(first + i, first + j)]).sum();
-            (value, variance.max(0.0))
+            pairs.map(|(i, j)| shares[i] * shares[j] * covariance[(n * one + i, n * other + j)]).sum()
         };
         let told = |shares: &[f64], unit: &str| match (shape, hull) {
             (Shape::EachHull(_), None) => {
-                let of_hulls: Vec<(f64, f64)> = (0..self.data.hulls.len()).map(|hull| of(n * hull, shares)).collect();
-                mean(&of_hulls, unit)
+                let hulls = self.data.hulls.len();
+                let values: Vec<f64> = (0..hulls).map(|hull| value(hull, shares)).collect();
+                mean(&values, &DMatrix::from_fn(hulls, hulls, |i, j| covariance(i, j, shares)), unit)
             }
             _ => {
-                let first = if let (Shape::EachHull(_), Some(hull)) = (shape, hull) { n * hull } else { 0 };
-                let (value, variance) = of(first, shares);
-                Estimate::normal(value, variance.sqrt(), unit)
+                let hull = if matches!(shape, Shape::EachHull(_)) { hull.unwrap_or(0) } else { 0 };
+                Estimate::normal(value(hull, shares), covariance(hull, hull, shares).max(0.0).sqrt(), unit)
             }
         };
         let mut sizes = BTreeMap::new();
@@ -292,15 +291,19 @@ impl Teller<'_> {
     }
 }
 
-/// The mean of what hulls show, each with its variance; where they differ by more than that, by their scatter.
-fn mean(of_hulls: &[(f64, f64)], unit: &str) -> Estimate {
-    let seen: Vec<(f64, f64)> = of_hulls.iter().copied().filter(|(_, variance)| *variance > 0.0).collect();
-    let weight: f64 = seen.iter().map(|(_, variance)| variance.recip()).sum();
+/// The mean of what hulls show, with the errors that they share; where they differ by more than that, by their scatter.
+fn mean(values: &[f64], covariance: &DMatrix<f64>, unit: &str) -> Estimate {
+    let seen: Vec<usize> = (0..values.len()).filter(|i| covariance[(*i, *i)] > 0.0).collect();
     if seen.is_empty() {
-        return Estimate::normal(of_hulls.first().map_or(0.0, |(value, _)| *value), 0.0, unit);
+        return Estimate::normal(values.first().copied().unwrap_or(0.0), 0.0, unit);
     }
-    let mean = seen.iter().map(|(value, variance)| value / variance).sum::<f64>() / weight;
-    let chi2: f64 = seen.iter().map(|(value, variance)| (value - mean).powi(2) / variance).sum();
+    let weights: Vec<f64> = seen.iter().map(|i| covariance[(*i, *i)].recip()).collect();
+    let all: f64 = weights.iter().sum();
+    let mean = seen.iter().zip(&weights).map(|(i, weight)| weight * values[*i]).sum::<f64>() / all;
+    let chi2: f64 = seen.iter().zip(&weights).map(|(i, weight)| weight * (values[*i] - mean).powi(2)).sum();
     let scale = (chi2 / (seen.len() as f64 - 1.0).max(1.0)).max(1.0);
-    Estimate::normal(mean, (scale / weight).sqrt(), unit)
+    let pairs = (0..seen.len()).flat_map(|i| (0..seen.len()).map(move |j| (i, j)));
+    let variance: f64 =
+        pairs.map(|(i, j)| weights[i] * weights[j] * covariance[(seen[i], seen[j])]).sum::<f64>() / (all * all);
+    Estimate::normal(mean, (scale * variance.max(0.0)).sqrt(), unit)
 }
