@@ -12,12 +12,14 @@
 //! hull is left out but for the standard errors. Knows no files.
 
 mod effect;
+mod stability;
 mod surface;
 
 use crate::dynamics::Parameters;
 use crate::hull_tests::{ReducedHull, Source};
 
 pub use effect::{Effect, Lateral, Look, effect};
+pub use stability::PitchStability;
 pub use surface::{Figure, Surface, ittc_57, plate_friction};
 
 /// An external sensor.
@@ -84,6 +86,8 @@ pub struct Buildup {
     pub terms: Vec<Term>,
     /// Their sum; independent errors add in squares.
     pub total: Term,
+    /// Whether the sum turns into the flow.
+    pub pitch: PitchStability,
 }
 
 /// Why there is no build-up.
@@ -153,7 +157,7 @@ pub fn build_up(parts: &Parts<'_>) -> Result<Buildup, AssembleError> {
         added_pitch_inertia_kg_m2: plus(sum.added_pitch_inertia_kg_m2, term.added_pitch_inertia_kg_m2),
         ..sum
     });
-    Ok(Buildup { terms, total })
+    Ok(Buildup { pitch: PitchStability::of(parts, &total), terms, total })
 }
 
 /// A surface in the vertical plane of motion; `flow` is the share of the angle of attack that reaches it.

@@ -120,9 +120,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         write_whole(path, vehicle.to_toml().as_bytes(), replace)?;
     }
     let sensor = a.sensor.as_ref().map(|keys| answer(a, &vehicle, &parts, &read_pod(keys)?)).transpose()?;
+    let (is_warning, pitch) = build.pitch.told(a.speed_m_s);
+    if is_warning {
+        eprintln!("warning: {pitch}");
+    }
     let report = Report { schema: "glidepolar.assemble/1", vehicle: vehicle.name.clone(), build, sensor };
     if a.output.shows_tables() {
         report.print();
+        if !is_warning {
+            println!("  {pitch}");
+        }
     }
     a.output.write_json(&report)
 }

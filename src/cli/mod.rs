@@ -225,7 +225,11 @@ pub fn main() -> ExitCode {
     }
 }
 
-fn run(cli: Cli) -> Result<(), CliError> {
+/// Does what was asked.
+///
+/// # Errors
+/// Where the input cannot be used, the question has no answer, or the results cannot be written.
+pub fn run(cli: Cli) -> Result<(), CliError> {
     match cli.command {
         Command::Assemble(arguments) => assemble::run(&arguments),
         Command::Completions(arguments) => arguments.run(Cli::command()),
