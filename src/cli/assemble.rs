@@ -434,7 +434,13 @@ impl Answer {
                 row("endurance [d]", &endurance.days, 1);
                 row("way through the water [km]", &endurance.distance_km, 0);
                 let days = endurance.days[0].value - endurance.days[1].value;
-                println!("  the sensor costs {days:.1} days; rudder positive: bow to starboard");
+                let way_km = endurance.distance_km[0].value - endurance.distance_km[1].value;
+                // A slower glider pumps less often, which can keep it at sea for longer.
+                let days =
+                    if days >= 0.0 { format!("costs {days:.1} days") } else { format!("adds {:.1} days", -days) };
+                println!(
+                    "  the sensor {days} at sea and costs {way_km:.0} km of way; rudder positive: bow to starboard"
+                );
             }
             None => println!("  the days of endurance need battery and consumers: [energy] of the base vehicle"),
         }

@@ -31,6 +31,25 @@ pub struct Shared {
     pub dof: f64,
 }
 
+impl Shared {
+    /// Without the errors that no observation feels: a long campaign has hundreds of zeros, and each fit feels a few.
+    pub fn felt(self) -> Self {
+        let felt = felt([&self.influence]);
+        Shared {
+            influence: self.influence.select_columns(&felt),
+            covariance: self.covariance.select_rows(&felt).select_columns(&felt),
+            dof: self.dof,
+        }
+    }
+}
+
+/// Which errors any observation feels in any of some influences.
+pub fn felt<'a>(influences: impl IntoIterator<Item = &'a DMatrix<f64>> + Clone) -> Vec<usize> {
+    let errors = influences.clone().into_iter().map(DMatrix::ncols).max().unwrap_or(0);
+    let is_felt = |j: &usize| influences.clone().into_iter().any(|i| i.column(*j).iter().any(|value| *value != 0.0));
+    (0..errors).filter(is_felt).collect()
+}
+
 /// How the scatter between observations is judged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Scatter {

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::regression::Shared;
+use crate::regression::{self, Shared};
 
 /// The three coefficients, in the order in which everything here keeps them.
 pub const NAMES: [&str; 3] = ["CL", "CD", "CM"];
@@ -80,14 +80,18 @@ impl Sweep {
         (0..self.points.len()).filter(|i| inside(&self.points[*i])).collect()
     }
 
-    /// The shared errors as some of the points feel them in one coefficient.
+    /// The shared errors as some of the points feel them in one coefficient, without those that none of them feels.
     pub fn shared_for(&self, rows: &[usize], coefficient: usize) -> Vec<Shared> {
         self.shared
             .iter()
-            .map(|shared| Shared {
-                influence: shared.influence[coefficient].select_rows(rows.iter()),
-                covariance: shared.covariance.clone(),
-                dof: shared.dof,
+            .map(|shared| {
+                let influence = shared.influence[coefficient].select_rows(rows.iter());
+                let felt = regression::felt([&influence]);
+                Shared {
+                    influence: influence.select_columns(&felt),
+                    covariance: shared.covariance.select_columns(&felt).select_rows(&felt),
+                    dof: shared.dof,
+                }
             })
             .collect()
     }

@@ -149,7 +149,7 @@ fn fit(
             &runs.iter().map(|run| run.nominal_speed_m_s).collect::<Vec<_>>(),
             OWN_DOF,
         )),
-        shared: vec![Shared { influence: zeros, covariance: zero_errors.clone(), dof: zero_dof }],
+        shared: vec![Shared { influence: zeros, covariance: zero_errors.clone(), dof: zero_dof }.felt()],
     };
     problem.solve(Scatter::BetweenRuns)
 }

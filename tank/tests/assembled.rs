@@ -48,7 +48,7 @@ fn a_reduced_campaign_becomes_a_vehicle_with_and_without_a_sensor() {
     let across = -hull.dynamic.yvdot * 0.5 * density * row.geometry.loa_m.powi(3);
     assert!((of_hull["m3_kg"]["value"].as_f64().unwrap() / across - 1.0).abs() < 0.02);
 
-    // Before, after, change: the sensor slows, steepens, and takes rudder and days.
+    // Before, after, change: the sensor slows, steepens, and takes rudder and way.
     let of = |name: &str, i: usize| answer["sensor"][name][i]["value"].as_f64().unwrap();
     for name in ["speed_m_s", "horizontal_velocity_m_s"] {
         assert!(of(name, 1) < of(name, 0), "{name}");
@@ -60,8 +60,10 @@ fn a_reduced_campaign_becomes_a_vehicle_with_and_without_a_sensor() {
     assert!(of("glide_angle_deg", 1).abs() > of("glide_angle_deg", 0).abs());
     let rudder = answer["sensor"]["rudder_deg"]["value"].as_f64().unwrap();
     assert!((0.01..5.0).contains(&rudder), "{rudder}");
-    let days = |i: usize| answer["sensor"]["endurance"]["days"][i]["value"].as_f64().unwrap();
-    assert!(days(1) < days(0) && days(0) > 1.0, "{} {}", days(0), days(1));
+    // Days may even rise, since a slower glider pumps less often: what a sensor surely takes is the way.
+    let endurance = |name: &str, i: usize| answer["sensor"]["endurance"][name][i]["value"].as_f64().unwrap();
+    assert!(endurance("days", 0) > 1.0 && endurance("days", 0) != endurance("days", 1));
+    assert!(endurance("distance_km", 1) < endurance("distance_km", 0));
 
     // The wing alone does not turn this hull into the flow; a tail does.
     assert_eq!(answer["build"]["pitch"]["is_stable"], false);

@@ -97,7 +97,7 @@ pub(super) fn problem(common: &Common, model: &Model, observations: &[&Observati
     let shared = kinds.iter().enumerate().map(|(k, kind)| {
         let (covariance, dof) = common.covariance(*kind);
         let influence = DMatrix::from_fn(n, covariance.nrows(), |i, j| observations[i].shared[k][coefficient][j]);
-        Shared { influence, covariance, dof }
+        Shared { influence, covariance, dof }.felt()
     });
     Problem {
         design: DMatrix::from_fn(n, columns.len(), |i, j| observations[i].regressors[columns[j]]),
