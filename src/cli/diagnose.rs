@@ -10,6 +10,7 @@ use crate::diagnose::sea::{SeaDiagnosis, SeaError, SeaProblem, Settings, diagnos
 use crate::diagnose::{Check, Checked, Diagnosis, Point, Problem, Verdict};
 use crate::dynamics::parameter_index;
 use crate::estimate::Estimate;
+use crate::identify::identifiability::built_up_lift_slope;
 use crate::output::{Replace, write_whole};
 use crate::report::InputFile;
 use crate::vehicle::Vehicle;
@@ -57,9 +58,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
                 "--pin-lift={lift} is no lift slope: expected a positive number per rad"
             )));
         }
-        vehicle.set("hydro.a_per_rad", lift)?;
+        hold_lift(&mut vehicle, lift)?;
     }
-    let settings = Settings { fit_lift: arguments.pin_lift.is_none(), ..Settings::default() };
+    // Without speed nothing tells the lift slope: a built-in Slocum is held where `identify` holds it.
+    let has_speed = log.observations.iter().any(|o| o.speed_m_s.is_finite());
+    let built_up = if has_speed || arguments.pin_lift.is_some() { None } else { built_up_lift_slope(&vehicle) };
+    if let Some((lift, _)) = built_up {
+        hold_lift(&mut vehicle, lift)?;
+    }
+    let settings = Settings { fit_lift: arguments.pin_lift.is_none() && built_up.is_none(), ..Settings::default() };
     let parameters = vehicle.glide_parameters();
     let mut found = diagnose_log(&parameters, trim, &log.observations, settings).map_err(|error| {
         // What was taken out in the reading may be what is wrong.
@@ -70,6 +77,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
             SeaError::TooFew { .. } => CliError::Failed(format!("{error}{notes}")),
         }
     })?;
+    if let Some((lift, source)) = built_up {
+        let held = format!("no measured speed: the lift slope is held at {lift:.1} per rad: {source}");
+        found.told.diagnosis.warnings.push(held);
+    }
     found.told.diagnosis.warnings.extend(log.notes.iter().cloned());
 
     if let Some(path) = &arguments.extended {
@@ -91,6 +102,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         print(&found.told.diagnosis, &found.problem, trim.sentence());
     }
     arguments.output.write_json(&found.told.diagnosis)
+}
+
+/// Sets the lift slope, that of the legs as well where they were measured apart.
+fn hold_lift(vehicle: &mut Vehicle, lift_per_rad: f64) -> Result<(), CliError> {
+    vehicle.set("hydro.a_per_rad", lift_per_rad)?;
+    for leg in ["hydro.descent.a_per_rad", "hydro.ascent.a_per_rad"] {
+        if vehicle.get(leg).is_some() {
+            vehicle.set(leg, lift_per_rad)?;
+        }
+    }
+    Ok(())
 }
 
 /// Writes the polar that was fitted and the mechanisms that were named into a vehicle.
@@ -123,7 +145,9 @@ fn extend(vehicle: &mut Vehicle, found: &SeaDiagnosis, trimmed_kg: f64) -> Resul
 fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
     println!("{} stretches of steady glide; baseline: {trim}", problem.n_bins());
     if !problem.has_speed() {
-        println!("no measured speed: the lift slope is held near the vehicle's value, and some causes look alike");
+        println!(
+            "no measured speed: the lift slope is held at the vehicle's value or near it, and some causes look alike"
+        );
     }
     for check in found.consistency.iter().filter(|check| check.outcome != Checked::Consistent) {
         println!("{}", checked(check));

@@ -37,7 +37,10 @@ const MARGIN: f64 = 6.0;
 const FULL_SHARE: f64 = 0.95;
 
 /// Ratio of misfit to noise from which on the linearised model is not trusted to find the first mechanism.
-const GROSS_MISFIT: f64 = 1.5;
+const GROSS_MISFIT: f64 = 1.25;
+
+/// Difference of the logarithm of the held-out likelihood within which two single mechanisms are as good as each other.
+const SAME: f64 = 1.0;
 
 /// Change of a mechanism's size from regime to regime, relative to it, from which on it is another mechanism; less may
 /// be due to what the model leaves out.
@@ -103,13 +106,24 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
 
     // Mechanisms alone first: far from the truth the model bends, and a curve would take up the bend. Once they have done
     // what they can, what is left decides whether a curve was needed after all.
-    let mut present = baseline.leap(problem).unwrap_or_else(|| baseline.clone());
+    let single = baseline.leap(problem);
+    let mut present = single.clone().unwrap_or_else(|| baseline.clone());
     present.alternate(problem, |lap| (lap.race().best_mechanisms().members, None));
     let curve = present
         .alternate(problem, |lap| decide(lap.race().best_mechanisms(), lap.race().best_with_curve(), lap, problem));
     present.drop_what_does_not_predict(problem, &baseline);
     present.drop_what_chance_explains(problem, &baseline);
-    let refuted = present.drop_what_needs_other_sizes(problem, &baseline);
+    let mut refuted = present.drop_what_needs_other_sizes(problem, &baseline);
+    if let Some(mut single) = single.filter(|single| single.predicts_as_well_as(&present)) {
+        // A set that was thinned out to no more than one mechanism, and predicts no better than that one alone, was a
+        // detour.
+        single.drop_what_does_not_predict(problem, &baseline);
+        single.drop_what_chance_explains(problem, &baseline);
+        let of_single = single.drop_what_needs_other_sizes(problem, &baseline);
+        if !single.included.is_empty() {
+            (present, refuted) = (single, of_single);
+        }
+    }
     let curve = curve.or(refuted).or_else(|| Lap::new(candidates, &present).unnamed_curve(&present.included));
     report(problem, &baseline, &present, curve)
 }
@@ -265,14 +279,7 @@ impl Fitted {
         if !problem.bends() {
             return None;
         }
-        let plain: Vec<Noise> = (0..self.noises.len())
-            .map(|quantity| {
-                let rows = self.evidence.quantities[quantity].rows.clone();
-                let stated = rows.clone().map(|row| self.evidence.stated_sd[row].powi(2)).sum::<f64>();
-                let misfit = rows.map(|row| self.evidence.residual[row].powi(2)).sum::<f64>();
-                Noise { white: misfit / stated.max(f64::MIN_POSITIVE), ..noise::WHITE }
-            })
-            .collect();
+        let plain = plain_noises(&self.evidence);
         let is_gross = (0..self.noises.len()).any(|quantity| {
             let rows = self.evidence.quantities[quantity].rows.clone();
             holdout::rms(&self.evidence.residual, rows)
@@ -283,7 +290,14 @@ impl Fitted {
         for (i, _) in candidates.iter().enumerate().filter(|(_, candidate)| is_gross && candidate.fixed.is_empty()) {
             let evidence = believing(problem, problem.evidence(&self.point), &self.point, &[i]);
             let mut trial = Fitted { point: self.point.clone(), included: vec![i], evidence, noises: plain.clone() };
-            trial.descend(problem);
+            // At first all of the misfit counts as noise, beside which beliefs about sizes weigh too much: once more with
+            // what is left, until no more goes.
+            for _ in 0..MAX_NOISE_ROUNDS {
+                if trial.descend(problem) < 1e-2 {
+                    break;
+                }
+                trial.noises = plain_noises(&trial.evidence);
+            }
             if trial.is_possible(candidates) {
                 trials.push((weighted_squares(&trial.evidence, &plain), trial));
             }
@@ -301,7 +315,22 @@ impl Fitted {
             };
             (trial.evidence.quantities.iter().map(of).sum::<f64>(), trial)
         });
-        settled.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, trial)| trial)
+        let settled: Vec<(f64, Fitted)> = settled.collect();
+        let least = settled.iter().map(|(left, _)| *left).min_by(f64::total_cmp)?;
+        // Where two are as good as each other the catalogue's order decides: the commoner stands first.
+        settled.into_iter().find(|(left, _)| *left < least + SAME).map(|(_, trial)| trial)
+    }
+
+    /// Whether it is no larger than another set and leaves no more of the data that were held out.
+    fn predicts_as_well_as(&self, other: &Fitted) -> bool {
+        let left = |fitted: &Fitted| {
+            let held_out = fitted.held_out();
+            let of = |quantity: &super::evidence::Quantity| {
+                quantity.rows.len() as f64 * holdout::rms(&held_out, quantity.rows.clone()).ln()
+            };
+            fitted.evidence.quantities.iter().map(of).sum::<f64>()
+        };
+        self.included != other.included && self.included.len() >= other.included.len() && left(self) <= left(other)
     }
 
     /// Whether every included parameter lies where physics allows it.
@@ -898,6 +927,16 @@ fn names(candidates: &[Candidate]) -> Vec<&'static str> {
         }
     }
     names
+}
+
+/// White noise as large as what is left.
+fn plain_noises(evidence: &Evidence) -> Vec<Noise> {
+    let of = |quantity: &super::evidence::Quantity| {
+        let stated: f64 = quantity.rows.clone().map(|row| evidence.stated_sd[row].powi(2)).sum();
+        let misfit: f64 = quantity.rows.clone().map(|row| evidence.residual[row].powi(2)).sum();
+        Noise { white: misfit / stated.max(f64::MIN_POSITIVE), ..noise::WHITE }
+    };
+    evidence.quantities.iter().map(of).collect()
 }
 
 /// The noise of each quantity, everything that any candidate could explain set aside where there are rows to spare. Of

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::data::{Dive, by_dive};
 use super::holdout::hold_out;
-use super::identifiability::{Pin, ProfilePoint, is_identified, profile, slocum_lift_slope_per_rad};
+use super::identifiability::{Pin, ProfilePoint, built_up_lift_slope, is_identified, profile};
 use super::inflections::{Inflections, UNSTEADY_ONLY, Unsteady, inflections};
 use super::joint::{Fit, IdentifyError, Question, fit};
 use super::pitch_balance::{PitchBalance, pitch_balance};
@@ -230,12 +230,8 @@ pub fn identify(
 
 /// A lift slope from outside the log: the user's own vehicle, or the build-up for a winged Slocum.
 fn outside_lift_slope(vehicle: &Vehicle) -> (f64, String) {
-    let parameters = vehicle.glide_parameters();
-    if vehicle.is_builtin && vehicle.name.to_lowercase().contains("slocum") {
-        let source = "build-up of a winged Slocum: wing of aspect ratio 7 swept by 43 deg, hull 3.8 per rad on 0.1 m2";
-        return (slocum_lift_slope_per_rad(parameters.frontal_area_m2), source.to_owned());
-    }
-    (parameters.a_per_rad, format!("vehicle `{}`", vehicle.name))
+    let own = || (vehicle.glide_parameters().a_per_rad, format!("vehicle `{}`", vehicle.name));
+    built_up_lift_slope(vehicle).map_or_else(own, |(a, source)| (a, source.to_owned()))
 }
 
 /// The tank paper's own comparison: each leg fitted with the trim as it is, then both with one offset.

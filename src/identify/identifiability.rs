@@ -12,6 +12,7 @@ use serde::Serialize;
 use super::data::Dive;
 use super::joint::{Fit, IdentifyError, Question, fit};
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
+use crate::vehicle::Vehicle;
 
 /// A parameter that was held, at what, and why.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -22,6 +23,16 @@ pub struct Pin {
     pub source: String,
     /// Why it is not fitted.
     pub reason: String,
+}
+
+/// What the build-up says of the lift slope of a built-in vehicle \[1/rad\], with its source: a built-in Slocum stands for
+/// any Slocum, wings and all, where the slopes in its file are those of a paper's tank hull or model.
+pub fn built_up_lift_slope(vehicle: &Vehicle) -> Option<(f64, &'static str)> {
+    let is_slocum = vehicle.is_builtin && vehicle.name.to_lowercase().contains("slocum");
+    is_slocum.then(|| {
+        let source = "build-up of a winged Slocum: wing of aspect ratio 7 swept by 43 deg, hull 3.8 per rad on 0.1 m2";
+        (slocum_lift_slope_per_rad(vehicle.glide_parameters().frontal_area_m2), source)
+    })
 }
 
 /// Lift slope of a winged Slocum by build-up, on its frontal area \[1/rad\].

@@ -230,7 +230,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "density_bias",
         Motion,
         ["density_bias_kg_m3"],
-        1.0,
+        0.5,
         "The conductivity sensor reads a wrong density",
         "fouled or uncalibrated conductivity cell",
         "both legs, with opposite sign"
