@@ -5,12 +5,15 @@
 //! - [`score`], [`search`]: what each set of mechanisms explains, and which set is worth its cost.
 //! - [`smooth`]: curves without a name that run in the same race; where one wins, no mechanism is named.
 //! - [`holdout`]: the gain on data that no fit saw.
-//! - [`engine`]: the four answers in their order.
+//! - [`engine`]: the four answers in their order, with what it is made of: a fit, what is thinned out of it, one lap of the
+//!   search, what is told.
 
 pub mod engine;
 pub mod evidence;
 pub mod findings;
+mod fitted;
 pub mod holdout;
+mod lap;
 pub mod noise;
 pub mod regimes;
 pub mod score;
@@ -18,6 +21,8 @@ pub mod score;
 pub mod sea;
 pub mod search;
 pub mod smooth;
+mod thinning;
+mod told;
 
 pub use engine::{Outcome, Stage, diagnose, diagnose_in_full};
 pub use evidence::{Candidate, Covariate, Evidence, Headline, Point, Problem, Quantity};

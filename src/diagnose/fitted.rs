@@ -1,0 +1,339 @@
+//! A fit of the baseline with some mechanisms, and its noise: steps of Gauss and Newton, a first mechanism found in full,
+//! what is left of data that were held out. Names nothing.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::engine::Stage;
+use super::evidence::{Candidate, Evidence, Point, Problem};
+use super::holdout::{self, least_squares};
+use super::lap::Lap;
+use super::noise::{self, Noise};
+use super::score::{whiten, whiten_with_prior};
+use super::told::names;
+
+/// Steps of Gauss and Newton to one fit.
+const MAX_FIT_STEPS: usize = 12;
+
+/// Alternations of fit and noise.
+const MAX_NOISE_ROUNDS: usize = 4;
+
+/// Versions of one mechanism whose traces are kept out of the noise.
+const MAX_VERSIONS_IN_NOISE: usize = 3;
+
+/// Alternations of fit and search.
+const MAX_ROUNDS: usize = 6;
+
+/// Ratio of misfit to noise from which on the linearised model is not trusted to find the first mechanism.
+const GROSS_MISFIT: f64 = 1.25;
+
+/// Difference of the logarithm of the held-out likelihood within which two single mechanisms are as good as each other.
+const SAME: f64 = 1.0;
+
+/// A fit of the baseline and the included candidates.
+#[derive(Debug, Clone)]
+pub(super) struct Fitted {
+    pub(super) point: Point,
+    pub(super) included: Vec<usize>,
+    pub(super) evidence: Evidence,
+    pub(super) noises: Vec<Noise>,
+}
+
+impl Fitted {
+    pub(super) fn new(problem: &impl Problem, point: Point, included: Vec<usize>) -> Self {
+        let evidence = believing(problem, problem.evidence(&point), &point, &included);
+        let noises = noises(problem, &evidence, &included);
+        Fitted { point, included, evidence, noises }
+    }
+
+    /// The fit and its noise, each with the other as it is, until the fit stands.
+    pub(super) fn settle(&mut self, problem: &impl Problem) {
+        for _ in 0..MAX_NOISE_ROUNDS {
+            let moved = self.descend(problem);
+            self.noises = noises(problem, &self.evidence, &self.included);
+            if moved < 1e-2 {
+                return;
+            }
+        }
+    }
+
+    /// Gauss and Newton's steps, shortened where a whole one makes things worse; returns by how much the weighted sum of
+    /// squares fell.
+    pub(super) fn descend(&mut self, problem: &impl Problem) -> f64 {
+        let mut fallen = 0.0;
+        for _ in 0..MAX_FIT_STEPS {
+            let columns = self.columns();
+            let step = solve(&self.evidence, &self.noises, &columns, &self.evidence.residual);
+            let before = weighted_squares(&self.evidence, &self.noises);
+            let mut fall = 0.0;
+            for shortening in [1.0, 0.5, 0.25, 0.1, 0.03] {
+                let point = self.moved(problem, &(&step * shortening));
+                let evidence = believing(problem, problem.evidence(&point), &point, &self.included);
+                let after = weighted_squares(&evidence, &self.noises);
+                if after < before {
+                    (self.point, self.evidence, fall) = (point, evidence, before - after);
+                    break;
+                }
+            }
+            fallen += fall;
+            if fall < 1e-3 {
+                break;
+            }
+        }
+        fallen
+    }
+
+    /// Alternates between the choice of a set and its fit until the choice stands; returns the curve that goes with it.
+    pub(super) fn alternate(
+        &mut self,
+        problem: &impl Problem,
+        choose: impl Fn(&Lap<'_>) -> (Vec<usize>, Option<String>),
+    ) -> Option<String> {
+        let mut tried = vec![self.included.clone()];
+        let mut curve = None;
+        for _ in 0..MAX_ROUNDS {
+            let lap = Lap::new(problem.candidates(), self);
+            let (members, found) = choose(&lap);
+            curve = found;
+            if members == self.included {
+                break;
+            }
+            let mut next = Fitted::new(problem, lap.point_of(&members, problem), members.clone());
+            next.settle(problem);
+            *self = next;
+            if tried.contains(&members) {
+                break;
+            }
+            tried.push(members);
+        }
+        curve
+    }
+
+    /// Far from the truth the model bends, and its slopes mislead: there each mechanism is fitted in full, alone, by plain
+    /// least squares, and the one that leaves least is the place to start from.
+    pub(super) fn leap(&self, problem: &impl Problem) -> Option<Fitted> {
+        if !problem.bends() {
+            return None;
+        }
+        let plain = plain_noises(&self.evidence);
+        let is_gross = (0..self.noises.len()).any(|quantity| {
+            let rows = self.evidence.quantities[quantity].rows.clone();
+            holdout::rms(&self.evidence.residual, rows)
+                > GROSS_MISFIT * expected_rms(&self.evidence, &self.noises, quantity)
+        });
+        let candidates = problem.candidates();
+        let mut trials: Vec<(f64, Fitted)> = Vec::new();
+        for (i, _) in candidates.iter().enumerate().filter(|(_, candidate)| is_gross && candidate.fixed.is_empty()) {
+            let evidence = believing(problem, problem.evidence(&self.point), &self.point, &[i]);
+            let mut trial = Fitted { point: self.point.clone(), included: vec![i], evidence, noises: plain.clone() };
+            // At first all of the misfit counts as noise, beside which beliefs about sizes weigh too much: once more with
+            // what is left, until no more goes.
+            for _ in 0..MAX_NOISE_ROUNDS {
+                if trial.descend(problem) < 1e-2 {
+                    break;
+                }
+                trial.noises = plain_noises(&trial.evidence);
+            }
+            if trial.is_possible(candidates) {
+                trials.push((weighted_squares(&trial.evidence, &plain), trial));
+            }
+        }
+        // Half of the misfit at least, or the slopes are as good a guide. What is left by the best ones is judged where they
+        // were not fitted.
+        let least = trials.iter().map(|trial| trial.0).min_by(f64::total_cmp)?;
+        let enough = (2.0 * least).min(0.5 * weighted_squares(&self.evidence, &plain));
+        let settled = trials.into_iter().filter(|(left, _)| *left <= enough).map(|(_, mut trial)| {
+            trial.noises = noises(problem, &trial.evidence, &trial.included);
+            trial.settle(problem);
+            let left = trial.held_out();
+            let of = |quantity: &super::evidence::Quantity| {
+                quantity.rows.len() as f64 * holdout::rms(&left, quantity.rows.clone()).ln()
+            };
+            (trial.evidence.quantities.iter().map(of).sum::<f64>(), trial)
+        });
+        let settled: Vec<(f64, Fitted)> = settled.collect();
+        let least = settled.iter().map(|(left, _)| *left).min_by(f64::total_cmp)?;
+        // Where two are as good as each other the catalogue's order decides: the commoner stands first.
+        settled.into_iter().find(|(left, _)| *left < least + SAME).map(|(_, trial)| trial)
+    }
+
+    /// Whether it is no larger than another set and leaves no more of the data that were held out.
+    pub(super) fn predicts_as_well_as(&self, other: &Fitted) -> bool {
+        let left = |fitted: &Fitted| {
+            let held_out = fitted.held_out();
+            let of = |quantity: &super::evidence::Quantity| {
+                quantity.rows.len() as f64 * holdout::rms(&held_out, quantity.rows.clone()).ln()
+            };
+            fitted.evidence.quantities.iter().map(of).sum::<f64>()
+        };
+        self.included != other.included && self.included.len() >= other.included.len() && left(self) <= left(other)
+    }
+
+    /// Whether every included parameter lies where physics allows it.
+    pub(super) fn is_possible(&self, candidates: &[Candidate]) -> bool {
+        self.included.iter().all(|member| {
+            let values = self.point.candidates[*member].iter();
+            values.zip(&candidates[*member].bounds).all(|(value, (low, high))| (low..=high).contains(&value))
+        })
+    }
+
+    pub(super) fn columns(&self) -> DMatrix<f64> {
+        let parts: Vec<&DMatrix<f64>> = std::iter::once(&self.evidence.baseline)
+            .chain(self.included.iter().map(|member| &self.evidence.candidates[*member]))
+            .collect();
+        side_by_side(self.evidence.residual.len(), &parts)
+    }
+
+    pub(super) fn moved(&self, problem: &impl Problem, step: &DVector<f64>) -> Point {
+        let mut point = self.point.clone();
+        let mut steps = step.iter();
+        for (value, step) in point.baseline.iter_mut().zip(&mut steps) {
+            *value += step;
+        }
+        for member in &self.included {
+            for (value, step) in point.candidates[*member].iter_mut().zip(&mut steps) {
+                *value += step;
+            }
+        }
+        debug_assert_eq!(problem.baseline().len(), point.baseline.len());
+        point
+    }
+
+    /// Residuals as the baseline would leave them at this point: the included candidates' share put back.
+    pub(super) fn without_candidates(&self, candidates: &[Candidate]) -> DVector<f64> {
+        let mut residual = self.evidence.residual.clone();
+        for member in &self.included {
+            let (values, neutral) = (&self.point.candidates[*member], &candidates[*member].neutral);
+            let offset = DVector::from_iterator(values.len(), values.iter().zip(neutral).map(|(v, n)| v - n));
+            residual += &self.evidence.candidates[*member] * offset;
+        }
+        residual
+    }
+
+    pub(super) fn stage(&self, held_out: DVector<f64>) -> Stage {
+        let mut sd = vec![0.0; self.evidence.residual.len()];
+        for (quantity, noise) in self.evidence.quantities.iter().zip(&self.noises) {
+            quantity.rows.clone().for_each(|row| sd[row] = noise.sd(self.evidence.stated_sd[row]));
+        }
+        let columns = self.columns();
+        let (n, k) = columns.shape();
+        let mut all = columns.insert_column(k, 0.0);
+        all.column_mut(k).copy_from(&self.evidence.residual);
+        let all = whiten_with_prior(&self.evidence, &self.noises, &all, k);
+        let design = all.columns(0, k);
+        let covariance = (design.tr_mul(&design)).pseudo_inverse(1e-14).unwrap_or_else(|_| DMatrix::zeros(k, k));
+        let mut by_block: std::collections::BTreeMap<usize, DVector<f64>> = std::collections::BTreeMap::new();
+        for row in 0..all.nrows() {
+            // Each belief is a block of its own.
+            let block = if row < n { self.evidence.block[row] } else { usize::MAX - row };
+            let score = by_block.entry(block).or_insert_with(|| DVector::zeros(k));
+            *score += design.row(row).transpose() * all[(row, k)];
+        }
+        let blocks = by_block.len() as f64 - (all.nrows() - n) as f64;
+        let few = blocks / (blocks - 1.0).max(1.0) * n as f64 / (n as f64 - k as f64).max(1.0);
+        let between = by_block.values().fold(DMatrix::zeros(k, k), |sum, score| sum + score * score.transpose());
+        let covariance_by_blocks = &covariance * between * &covariance * few;
+        Stage {
+            point: self.point.clone(),
+            residual: self.evidence.residual.clone(),
+            held_out,
+            sd,
+            covariance,
+            covariance_by_blocks,
+        }
+    }
+
+    /// What is left of each row when its block was held out.
+    pub(super) fn held_out(&self) -> DVector<f64> {
+        holdout::residuals(&self.evidence, &self.noises, &self.columns(), &self.evidence.residual)
+    }
+}
+
+/// The evidence with what is believed of the included candidates beside what is believed of the baseline.
+pub(super) fn believing(problem: &impl Problem, mut evidence: Evidence, point: &Point, included: &[usize]) -> Evidence {
+    for member in included {
+        let candidate = &problem.candidates()[*member];
+        for ((value, neutral), usual) in point.candidates[*member].iter().zip(&candidate.neutral).zip(&candidate.usual)
+        {
+            evidence.prior.push((neutral - value, *usual));
+        }
+    }
+    evidence
+}
+
+/// White noise as large as what is left.
+pub(super) fn plain_noises(evidence: &Evidence) -> Vec<Noise> {
+    let of = |quantity: &super::evidence::Quantity| {
+        let stated: f64 = quantity.rows.clone().map(|row| evidence.stated_sd[row].powi(2)).sum();
+        let misfit: f64 = quantity.rows.clone().map(|row| evidence.residual[row].powi(2)).sum();
+        Noise { white: misfit / stated.max(f64::MIN_POSITIVE), ..noise::WHITE }
+    };
+    evidence.quantities.iter().map(of).collect()
+}
+
+/// The noise of each quantity, everything that any candidate could explain set aside where there are rows to spare. Of
+/// the versions of one mechanism a few stand for all: many jumps together would take all that is slow out of the noise.
+pub(super) fn noises(problem: &impl Problem, evidence: &Evidence, included: &[usize]) -> Vec<Noise> {
+    let candidates = problem.candidates();
+    let mut parts: Vec<&DMatrix<f64>> = vec![&evidence.baseline];
+    parts.extend(included.iter().map(|member| &evidence.candidates[*member]));
+    let few = side_by_side(evidence.residual.len(), &parts);
+    for name in names(candidates) {
+        let versions: Vec<usize> = (0..candidates.len()).filter(|i| candidates[*i].name == name).collect();
+        let every = versions.len().div_ceil(MAX_VERSIONS_IN_NOISE);
+        let chosen = versions.iter().skip(every / 2).step_by(every).filter(|i| !included.contains(i));
+        parts.extend(chosen.map(|i| &evidence.candidates[*i]));
+    }
+    let many = side_by_side(evidence.residual.len(), &parts);
+    evidence
+        .quantities
+        .iter()
+        .map(|quantity| {
+            let rows = quantity.rows.clone();
+            let reaching = many.column_iter().filter(|column| column.rows(rows.start, rows.len()).amax() > 0.0).count();
+            let spare = rows.len() as f64 > problem.rows_per_column() * reaching as f64;
+            let explained = if spare { &many } else { &few };
+            let residual = evidence.residual.rows(rows.start, rows.len()).into_owned();
+            noise::estimate(evidence.series(quantity), &residual, &explained.rows(rows.start, rows.len()).into_owned())
+        })
+        .collect()
+}
+
+pub(super) fn solve(
+    evidence: &Evidence,
+    noises: &[Noise],
+    columns: &DMatrix<f64>,
+    target: &DVector<f64>,
+) -> DVector<f64> {
+    let k = columns.ncols();
+    let mut all = DMatrix::zeros(target.len(), k + 1);
+    all.columns_mut(0, k).copy_from(columns);
+    all.column_mut(k).copy_from(target);
+    least_squares(&whiten_with_prior(evidence, noises, &all, k))
+}
+
+pub(super) fn weighted_squares(evidence: &Evidence, noises: &[Noise]) -> f64 {
+    weighted(evidence, noises, &evidence.residual)
+}
+
+pub(super) fn weighted(evidence: &Evidence, noises: &[Noise], values: &DVector<f64>) -> f64 {
+    let mut column = DMatrix::from_column_slice(values.len(), 1, values.as_slice());
+    whiten(evidence, noises, &mut column);
+    let belief: f64 = evidence.prior.iter().map(|(belief, sd)| (belief / sd).powi(2)).sum();
+    column.norm_squared() + belief
+}
+
+pub(super) fn side_by_side(rows: usize, parts: &[&DMatrix<f64>]) -> DMatrix<f64> {
+    let mut all = DMatrix::zeros(rows, parts.iter().map(|part| part.ncols()).sum());
+    let mut column = 0;
+    for part in parts {
+        all.columns_mut(column, part.ncols()).copy_from(part);
+        column += part.ncols();
+    }
+    all
+}
+
+pub(super) fn expected_rms(evidence: &Evidence, noises: &[Noise], quantity: usize) -> f64 {
+    let rows = evidence.quantities[quantity].rows.clone();
+    let n = rows.len().max(1) as f64;
+    (rows.map(|row| noises[quantity].sd(evidence.stated_sd[row]).powi(2)).sum::<f64>() / n).sqrt()
+}

@@ -1,0 +1,164 @@
+//! One round of the search around a fit: every mechanism and every curve without a name as runners of one race.
+
+use nalgebra::DMatrix;
+
+use super::engine::MARGIN;
+use super::evidence::{Candidate, Evidence, Point, Problem};
+use super::fitted::{Fitted, side_by_side};
+use super::score::Score;
+use super::search::{Race, Runner};
+use super::smooth;
+
+/// A curve in the race.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CurveRunner {
+    pub(super) runner: usize,
+    /// Along which covariate it runs.
+    pub(super) covariate: &'static str,
+    /// In which quantity; none where in all together.
+    pub(super) quantity: Option<usize>,
+}
+
+/// One round of the search around a fit.
+pub(super) struct Lap<'a> {
+    pub(super) candidates: &'a [Candidate],
+    pub(super) fitted: &'a Fitted,
+    pub(super) runners: Vec<Runner>,
+    pub(super) curves: Vec<CurveRunner>,
+    pub(super) score: Score,
+}
+
+impl<'a> Lap<'a> {
+    pub(super) fn new(candidates: &'a [Candidate], fitted: &'a Fitted) -> Self {
+        let mut evidence = fitted.evidence.clone();
+        evidence.residual = fitted.without_candidates(candidates);
+        evidence.prior.truncate(evidence.baseline.ncols());
+        let mut runners: Vec<Runner> = Vec::new();
+        let mut parts_of_all: Vec<DMatrix<f64>> = Vec::new();
+        let mut usual: Vec<f64> = Vec::new();
+        let mut n_columns = 0;
+        for (index, candidate) in candidates.iter().enumerate() {
+            let family = candidates.iter().position(|other| other.name == candidate.name).unwrap_or(index);
+            let allowed = candidate.bounds.iter().zip(&candidate.neutral);
+            let bounds = allowed.map(|((low, high), neutral)| (low - neutral, high - neutral)).collect();
+            let columns: Vec<usize> = (n_columns..n_columns + evidence.candidates[index].ncols()).collect();
+            n_columns += columns.len();
+            parts_of_all.push(evidence.candidates[index].clone());
+            runners.push(Runner { columns, family, is_curve: false, bounds });
+            usual.extend(&candidate.usual);
+        }
+        let mut curves: Vec<CurveRunner> = Vec::new();
+        for (covariate, shapes) in curve_shapes(&evidence) {
+            // Columns of each shape in each quantity; any of them together may be what is there.
+            let columns: Vec<Vec<Vec<usize>>> = shapes
+                .into_iter()
+                .map(|parts| {
+                    let place = |part: DMatrix<f64>| {
+                        let columns = (n_columns..n_columns + part.ncols()).collect();
+                        n_columns += part.ncols();
+                        parts_of_all.push(part);
+                        columns
+                    };
+                    parts.into_iter().map(place).collect()
+                })
+                .collect();
+            let mut add = |quantity: Option<usize>, columns: Vec<usize>| {
+                let runner = runners.len();
+                runners.push(Runner { columns, family: runner, is_curve: true, bounds: Vec::new() });
+                curves.push(CurveRunner { runner, covariate, quantity });
+            };
+            let n_quantities = evidence.quantities.len();
+            let mut shapes: Vec<Vec<Vec<usize>>> = columns.clone();
+            if columns.len() > 1 {
+                shapes.push(
+                    (0..n_quantities).map(|q| columns.iter().flat_map(|shape| shape[q].clone()).collect()).collect(),
+                );
+            }
+            for shape in shapes {
+                if n_quantities > 1 {
+                    add(None, shape.concat());
+                }
+                for (quantity, columns) in shape.into_iter().enumerate() {
+                    add(Some(quantity), columns);
+                }
+            }
+        }
+        let parts = parts_of_all;
+        let all = side_by_side(evidence.residual.len(), &parts.iter().collect::<Vec<_>>());
+        usual.resize(all.ncols(), f64::INFINITY);
+        let score = Score::new(&evidence, &fitted.noises, &evidence.baseline, &all, &usual);
+        Lap { candidates, fitted, runners, curves, score }
+    }
+
+    pub(super) fn race(&self) -> Race<'_> {
+        Race::new(&self.score, &self.runners)
+    }
+
+    /// The covariate of the curve that explains what these members leave, if one clearly does.
+    pub(super) fn unnamed_curve(&self, members: &[usize]) -> Option<String> {
+        self.best_curve(members).and_then(|curve| self.curve_name(curve)).map(str::to_owned)
+    }
+
+    /// The curve that best explains what these members leave, if one clearly does.
+    pub(super) fn best_curve(&self, members: &[usize]) -> Option<usize> {
+        let race = self.race();
+        let here = race.criterion(members);
+        let best = self.curves.iter().map(|curve| {
+            let mut with = members.to_vec();
+            with.push(curve.runner);
+            (race.criterion(&with), curve.runner)
+        });
+        let (criterion, runner) = best.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        (criterion < here - MARGIN).then_some(runner)
+    }
+
+    pub(super) fn curve_name(&self, runner: usize) -> Option<&str> {
+        self.curves.iter().find(|curve| curve.runner == runner).map(|curve| curve.covariate)
+    }
+
+    /// Where the linearised fit of a set lies.
+    pub(super) fn point_of(&self, members: &[usize], problem: &impl Problem) -> Point {
+        let mut point = self.fitted.point.clone();
+        for (values, candidate) in point.candidates.iter_mut().zip(self.candidates) {
+            values.clone_from(&candidate.neutral);
+        }
+        let columns = self.race().columns(members);
+        if columns.is_empty() {
+            return Point { baseline: problem.start().baseline, ..point };
+        }
+        let fit = self.score.fit(&columns);
+        let mut steps = fit.step.iter();
+        for member in members {
+            for (value, step) in point.candidates[*member].iter_mut().zip(&mut steps) {
+                *value += step;
+            }
+        }
+        point
+    }
+}
+
+/// Every curve that could show: along each covariate, alike and opposite on the legs, for each quantity its columns.
+pub(super) fn curve_shapes(evidence: &Evidence) -> Vec<(&'static str, Vec<Vec<DMatrix<f64>>>)> {
+    let n = evidence.residual.len();
+    let has_legs = evidence.leg.iter().any(|leg| *leg < 0.0) && evidence.leg.iter().any(|leg| *leg > 0.0);
+    let mut found = Vec::new();
+    for covariate in &evidence.covariates {
+        let basis = smooth::basis(covariate.kind, &covariate.values);
+        if basis.ncols() == 0 {
+            continue;
+        }
+        let by_leg = DMatrix::from_fn(n, basis.ncols(), |i, j| basis[(i, j)] * evidence.leg[i]);
+        let parts_of = |shape: DMatrix<f64>| -> Vec<DMatrix<f64>> {
+            // Each quantity in units of its own noise, and free of the others.
+            let part = |rows: &std::ops::Range<usize>| {
+                DMatrix::from_fn(n, shape.ncols(), |i, j| {
+                    if rows.contains(&i) { shape[(i, j)] * evidence.stated_sd[i] } else { 0.0 }
+                })
+            };
+            evidence.quantities.iter().map(|quantity| part(&quantity.rows)).collect()
+        };
+        let shapes = if has_legs { vec![basis, by_leg] } else { vec![basis] };
+        found.push((covariate.name, shapes.into_iter().map(parts_of).collect()));
+    }
+    found
+}

@@ -1,0 +1,131 @@
+//! What goes out of a fit again: mechanisms that do not predict, that chance explains, that need another size in another
+//! regime.
+
+use nalgebra::DMatrix;
+
+use super::engine::MARGIN;
+use super::evidence::Problem;
+use super::fitted::Fitted;
+use super::holdout;
+use super::lap::Lap;
+use super::regimes;
+use super::told::{chance, names};
+
+/// Change of a mechanism's size from regime to regime, relative to it, from which on it is another mechanism; less may
+/// be due to what the model leaves out.
+const LEAST_CHANGE: f64 = 0.1;
+
+/// Least evidence for such a change, beyond the cost of having looked for it everywhere: a factor of 4.
+const LEAST_EXCESS: f64 = 3.0;
+
+impl Fitted {
+    /// A mechanism that fits and does not predict is none: the one of least use goes, until all that are left predict.
+    pub(super) fn drop_what_does_not_predict(&mut self, problem: &impl Problem, baseline: &Fitted) {
+        while !self.included.is_empty() {
+            let with = self.held_out();
+            let advantage_over =
+                |other: &Fitted| holdout::advantage(&self.evidence, &self.noises, &other.held_out(), &with);
+            if advantage_over(baseline) < problem.least_advantage() {
+                *self = baseline.clone();
+                return;
+            }
+            let useless = (0..self.included.len())
+                .map(|place| self.without(problem, baseline, place))
+                .map(|other| (advantage_over(&other), other))
+                .min_by(|a, b| a.0.total_cmp(&b.0))
+                .filter(|(advantage, _)| *advantage < problem.least_advantage());
+            match useless {
+                Some((_, other)) => *self = other,
+                None => return,
+            }
+        }
+    }
+
+    /// What chance could have brought, being one of so many that were tried, goes as well: the least likely last.
+    pub(super) fn drop_what_chance_explains(&mut self, problem: &impl Problem, baseline: &Fitted) {
+        let candidates = problem.candidates();
+        let n_names = names(candidates).len() as f64;
+        while !self.included.is_empty() {
+            let lap = Lap::new(candidates, self);
+            let race = lap.race();
+            let all = race.gain(&self.included);
+            let p_value = |place: usize| {
+                let mut fewer = self.included.clone();
+                let df = lap.runners[fewer.remove(place)].columns.len();
+                n_names * chance(all - race.gain(&fewer), df)
+            };
+            let worst = (0..self.included.len())
+                .map(|place| (p_value(place), place))
+                .max_by(|a, b| a.0.total_cmp(&b.0))
+                .filter(|(p_value, _)| *p_value > problem.most_chance());
+            match worst {
+                Some((_, place)) => *self = self.without(problem, baseline, place),
+                None => return,
+            }
+        }
+    }
+
+    /// A mechanism that needs another size in another regime is another one: it goes, and what its size goes with is
+    /// returned.
+    pub(super) fn drop_what_needs_other_sizes(&mut self, problem: &impl Problem, baseline: &Fitted) -> Option<String> {
+        let mut refuted = None;
+        while problem.has_regimes() && !self.included.is_empty() {
+            let included: Vec<&DMatrix<f64>> =
+                self.included.iter().map(|member| &self.evidence.candidates[*member]).collect();
+            let found = regimes::misfits(&self.evidence, &self.noises, &included);
+            let differs = |misfit: &regimes::Misfit| {
+                let member = self.included[misfit.place];
+                let size = self.point.candidates[member][0] - problem.candidates()[member].neutral[0];
+                let mut others = self.included.clone();
+                others.remove(misfit.place);
+                let lap = Lap::new(problem.candidates(), self);
+                let race = lap.race();
+                let worth = race.criterion(&others) - race.criterion(&self.included);
+                misfit.excess > LEAST_EXCESS.max(problem.part_unexplained() * worth)
+                    && misfit.change.abs() > LEAST_CHANGE * size.abs()
+            };
+            let Some(worst) = found.into_iter().find(differs) else {
+                break;
+            };
+            *self = self.without(problem, baseline, worst.place);
+            refuted.get_or_insert(worst.with);
+            // Something unknown is there, and may bring along a bit of many a mechanism: the others need more evidence of
+            // their own than it has.
+            self.drop_what_is_weak(problem, baseline, MARGIN.max(worst.excess));
+        }
+        refuted
+    }
+
+    /// Only what is worth more than so much of the criterion stays.
+    pub(super) fn drop_what_is_weak(&mut self, problem: &impl Problem, baseline: &Fitted, needed: f64) {
+        while !self.included.is_empty() {
+            let lap = Lap::new(problem.candidates(), self);
+            let race = lap.race();
+            let here = race.criterion(&self.included);
+            let worth = |place: usize| {
+                let mut fewer = self.included.clone();
+                fewer.remove(place);
+                race.criterion(&fewer) - here
+            };
+            let weakest = (0..self.included.len()).min_by(|a, b| worth(*a).total_cmp(&worth(*b)));
+            let Some(place) = weakest.filter(|place| worth(*place) < needed) else {
+                return;
+            };
+            *self = self.without(problem, baseline, place);
+        }
+    }
+
+    /// The fit of the same set less one member.
+    pub(super) fn without(&self, problem: &impl Problem, baseline: &Fitted, place: usize) -> Fitted {
+        let mut fewer = self.included.clone();
+        let gone = fewer.remove(place);
+        if fewer.is_empty() {
+            return baseline.clone();
+        }
+        let mut point = self.point.clone();
+        point.candidates[gone].clone_from(&problem.candidates()[gone].neutral);
+        let mut other = Fitted::new(problem, point, fewer);
+        other.settle(problem);
+        other
+    }
+}

@@ -1,0 +1,258 @@
+//! What is said of a fit: causes with their stand-ins, what was rejected and why, where the baseline misses the data.
+
+use nalgebra::DVector;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use super::engine::{MARGIN, Outcome, gains};
+use super::evidence::{Candidate, Headline, Problem};
+use super::findings::{Cause, Diagnosis, Rejected, Unexplained, Verdict, Wrong};
+use super::fitted::{Fitted, expected_rms};
+use super::holdout;
+use super::lap::Lap;
+use super::search::Race;
+use crate::estimate::Estimate;
+
+/// Share of a mechanism's trace beside the baseline's parameters below which it hardly shows.
+const HARDLY_SHOWN: f64 = 0.1;
+
+/// Probability below which a misfit is called one.
+const SIGNIFICANT: f64 = 0.01;
+
+pub(super) fn report(problem: &impl Problem, baseline: &Fitted, extended: &Fitted, curve: Option<String>) -> Outcome {
+    let candidates = problem.candidates();
+    let before = baseline.held_out();
+    let after = if extended.included.is_empty() { before.clone() } else { extended.held_out() };
+    let gains = gains(&baseline.evidence, &before, &after);
+
+    let lap = Lap::new(candidates, extended);
+    let race = lap.race();
+    let n_names = names(candidates).len() as f64;
+    let mut named: Vec<Named> =
+        (0..extended.included.len()).map(|place| cause(problem, extended, &lap, &race, place, n_names)).collect();
+    named.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let causes: Vec<Cause> = named.iter().map(|named| named.cause.clone()).collect();
+
+    let depends_on: Vec<String> = curve.into_iter().collect();
+    let rows = baseline.evidence.quantities[0].rows.clone();
+    let unexplained = (!depends_on.is_empty())
+        .then(|| Unexplained { rms: holdout::rms(&extended.evidence.residual, rows), depends_on });
+    let verdict = match (causes.is_empty(), unexplained.is_some()) {
+        (true, false) => Verdict::None,
+        (true, true) => Verdict::Unexplained,
+        (false, true) => Verdict::PartlyExplained,
+        (false, false) => Verdict::Explained,
+    };
+    let diagnosis = Diagnosis {
+        schema: "glidepolar.diagnosis/1",
+        verdict,
+        consistency: Vec::new(),
+        warnings: Vec::new(),
+        wrong: wrong(candidates, baseline),
+        rejected: rejected(candidates, extended, &lap, &race, &causes),
+        causes,
+        unexplained,
+        gain: gains[headline(problem, baseline, &before, &after)].clone(),
+        gains,
+        extended: None,
+    };
+    Outcome {
+        diagnosis,
+        before: baseline.stage(before),
+        after: extended.stage(after),
+        fitted: extended.included.clone(),
+        named: named.iter().map(|named| named.candidate).collect(),
+        gains: named.iter().map(|named| named.gain).collect(),
+        without: named.into_iter().map(|named| named.without).collect(),
+    }
+}
+
+/// The quantity of which a gain is told.
+pub(super) fn headline(problem: &impl Problem, fitted: &Fitted, before: &DVector<f64>, after: &DVector<f64>) -> usize {
+    if problem.headline() == Headline::First {
+        return 0;
+    }
+    let evidence = &fitted.evidence;
+    let fall = |quantity: usize| -> f64 {
+        let sd = |row: usize| fitted.noises[quantity].sd(evidence.stated_sd[row]);
+        let rows = evidence.quantities[quantity].rows.clone();
+        rows.map(|row| (before[row].powi(2) - after[row].powi(2)) / sd(row).powi(2)).sum()
+    };
+    (0..evidence.quantities.len()).max_by(|a, b| fall(*a).total_cmp(&fall(*b))).unwrap_or(0)
+}
+
+/// A cause with the figures that it rests on.
+pub(super) struct Named {
+    pub(super) cause: Cause,
+    pub(super) candidate: usize,
+    pub(super) gain: f64,
+    pub(super) without: DVector<f64>,
+}
+
+pub(super) fn cause(
+    problem: &impl Problem,
+    extended: &Fitted,
+    lap: &Lap<'_>,
+    race: &Race<'_>,
+    place: usize,
+    n_names: f64,
+) -> Named {
+    let candidates = problem.candidates();
+    let member = extended.included[place];
+    let candidate = &candidates[member];
+    let all = race.columns(&extended.included);
+    let fit = lap.score.fit(&all);
+    let others: Vec<usize> = extended.included.iter().copied().filter(|other| *other != member).collect();
+    let gain = fit.gain - if others.is_empty() { 0.0 } else { lap.score.fit(&race.columns(&others)).gain };
+    let df = lap.runners[member].columns.len();
+    let first = all.iter().position(|column| Some(column) == lap.runners[member].columns.first()).unwrap_or(0);
+    let mut parameters: std::collections::BTreeMap<String, Estimate> = candidate
+        .parameters
+        .iter()
+        .enumerate()
+        .map(|(i, (name, unit))| {
+            let se = fit.covariance[(first + i, first + i)].max(0.0).sqrt();
+            ((*name).to_owned(), Estimate::normal(extended.point.candidates[member][i], se, unit))
+        })
+        .collect();
+    for (name, value, unit) in &candidate.fixed {
+        parameters.insert((*name).to_owned(), Estimate::normal(*value, 0.0, unit));
+    }
+
+    let mut stand_ins: Vec<String> = Vec::new();
+    for other in race.stand_ins(&extended.included, place, MARGIN) {
+        let name = candidates[other].name;
+        if name != candidate.name && !stand_ins.iter().any(|known| known == name) {
+            stand_ins.push(name.to_owned());
+        }
+    }
+
+    let mut without = extended.clone();
+    without.included = others;
+    let after_baseline = extended.evidence.baseline.ncols()
+        + extended.included[..place].iter().map(|i| candidates[*i].usual.len()).sum::<usize>();
+    without.evidence.prior.drain(after_baseline..after_baseline + candidate.usual.len());
+    without.evidence.residual += &extended.evidence.candidates[member]
+        * DVector::from_iterator(
+            df,
+            extended.point.candidates[member].iter().zip(&candidate.neutral).map(|(v, n)| v - n),
+        );
+    let (before, after) = (without.held_out(), extended.held_out());
+    let quantity = &extended.evidence.quantities[headline(problem, extended, &before, &after)];
+    let cause = Cause {
+        cause: candidate.name.to_owned(),
+        parameters,
+        p_value: (n_names * chance(gain, df)).min(1.0),
+        delta_bic: gain - df as f64 * lap.score.effective_rows.ln(),
+        quantity: quantity.name.to_owned(),
+        holdout_rms_before: holdout::rms(&before, quantity.rows.clone()),
+        holdout_rms_after: holdout::rms(&after, quantity.rows.clone()),
+        indistinguishable_from: stand_ins,
+    };
+    Named { cause, candidate: member, gain, without: before }
+}
+
+pub(super) fn rejected(
+    candidates: &[Candidate],
+    extended: &Fitted,
+    lap: &Lap<'_>,
+    race: &Race<'_>,
+    causes: &[Cause],
+) -> Vec<Rejected> {
+    let here = if extended.included.is_empty() { 0.0 } else { lap.score.fit(&race.columns(&extended.included)).gain };
+    names(candidates)
+        .into_iter()
+        .filter(|name| !causes.iter().any(|cause| cause.cause == *name))
+        .map(|name| {
+            let versions = (0..candidates.len()).filter(|i| candidates[*i].name == name);
+            let best = versions
+                .filter(|i| lap.runners[*i].columns.iter().any(|column| lap.score.is_seen(*column)))
+                .map(|i| {
+                    let mut set = extended.included.clone();
+                    set.push(i);
+                    let gain = lap.score.fit(&race.columns(&set)).gain - here;
+                    (chance(gain, lap.runners[i].columns.len()), i)
+                })
+                .min_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((p_value, index)) = best else {
+                return Rejected {
+                    cause: name.to_owned(),
+                    p_value: None,
+                    holdout_rms_after: None,
+                    why: "these data cannot show it: the baseline's own parameters absorb it".to_owned(),
+                };
+            };
+            let mut with = extended.clone();
+            with.included.push(index);
+            with.evidence.prior.extend(candidates[index].usual.iter().map(|usual| (0.0, *usual)));
+            let rows = extended.evidence.quantities[0].rows.clone();
+            let stands_in: Vec<&str> = causes
+                .iter()
+                .filter(|cause| cause.indistinguishable_from.iter().any(|other| other == name))
+                .map(|cause| cause.cause.as_str())
+                .collect();
+            let shown = lap.runners[index].columns.first().map_or(0.0, |column| lap.score.seen(*column));
+            let mut why = if !stands_in.is_empty() {
+                format!("cannot be told from {} in these data", stands_in.join(", "))
+            } else if p_value >= SIGNIFICANT {
+                format!("explains no more than chance would beside what is named (p = {p_value:.2})")
+            } else {
+                format!("explains a part (p = {p_value:.1e}), but does not earn a name: it predicts no better, or needs another size elsewhere")
+            };
+            if shown < HARDLY_SHOWN {
+                why += &format!("; beside the baseline's own parameters {:.1} % of its trace shows", 100.0 * shown);
+            }
+            Rejected {
+                cause: name.to_owned(),
+                p_value: Some(p_value),
+                holdout_rms_after: Some(holdout::rms(&with.held_out(), rows)),
+                why,
+            }
+        })
+        .collect()
+}
+
+/// Where the baseline alone misses the data: along which covariate, in which quantity.
+pub(super) fn wrong(candidates: &[Candidate], baseline: &Fitted) -> Vec<Wrong> {
+    let lap = Lap::new(candidates, baseline);
+    let evidence = &baseline.evidence;
+    let tests = lap.curves.len().max(1) as f64;
+    let mut found: Vec<Wrong> = Vec::new();
+    for curve in &lap.curves {
+        // What quantities share is told of them one by one.
+        let Some(quantity_index) = curve.quantity else { continue };
+        let columns = &lap.runners[curve.runner].columns;
+        let p_value = (tests * chance(lap.score.fit(columns).gain, columns.len())).min(1.0);
+        if p_value > SIGNIFICANT {
+            continue;
+        }
+        let quantity = &evidence.quantities[quantity_index];
+        match found.iter_mut().find(|known| known.regime == curve.covariate && known.quantity == quantity.name) {
+            Some(known) => known.p_value = known.p_value.min(p_value),
+            None => found.push(Wrong {
+                quantity: quantity.name.to_owned(),
+                regime: curve.covariate.to_owned(),
+                rms: holdout::rms(&evidence.residual, quantity.rows.clone()),
+                expected_rms: expected_rms(evidence, &baseline.noises, quantity_index),
+                p_value,
+            }),
+        }
+    }
+    found.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
+    found
+}
+
+/// The names of the candidates, each once.
+pub(super) fn names(candidates: &[Candidate]) -> Vec<&'static str> {
+    let mut names: Vec<&'static str> = Vec::new();
+    for candidate in candidates {
+        if !names.contains(&candidate.name) {
+            names.push(candidate.name);
+        }
+    }
+    names
+}
+
+/// Probability that chance alone explains this much.
+pub(super) fn chance(gain: f64, df: usize) -> f64 {
+    ChiSquared::new(df as f64).map_or(1.0, |distribution| distribution.sf(gain.max(0.0)))
+}
