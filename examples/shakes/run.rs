@@ -102,21 +102,7 @@ pub fn steady(p: &Parameters<f64>, angle_deg: f64) -> (State<f64>, Inputs<f64>) 
         moving_mass_command_m: glide.moving_mass_m,
         ..Inputs::still_water(p.reference_density_kg_m3, p.reference_temperature_C)
     };
-    let state = State {
-        x_m: 0.0,
-        depth_m: 1000.0,
-        pitch_rad: glide.pitch_rad,
-        pitch_rate_rad_s: 0.0,
-        v1_m_s: glide.v1_m_s,
-        v3_m_s: glide.v3_m_s,
-        moving_mass_1_m: glide.moving_mass_m,
-        moving_mass_3_m: p.moving_mass_height_m,
-        momentum_1_kg_m_s: p.moving_mass_kg * glide.v1_m_s,
-        momentum_3_kg_m_s: p.moving_mass_kg * glide.v3_m_s,
-        ballast_mass_kg: glide.ballast_mass_kg,
-        energy_J: 0.0,
-    };
-    (state, inputs)
+    (glide.state(p, 1000.0), inputs)
 }
 
 /// How the moving mass is kept.

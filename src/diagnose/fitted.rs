@@ -144,11 +144,7 @@ impl Fitted {
         let settled = trials.into_iter().filter(|(left, _)| *left <= enough).map(|(_, mut trial)| {
             trial.noises = noises(problem, &trial.evidence, &trial.included);
             trial.settle(problem);
-            let left = trial.held_out();
-            let of = |quantity: &super::evidence::Quantity| {
-                quantity.rows.len() as f64 * holdout::rms(&left, quantity.rows.clone()).ln()
-            };
-            (trial.evidence.quantities.iter().map(of).sum::<f64>(), trial)
+            (trial.held_out_misfit(), trial)
         });
         let settled: Vec<(f64, Fitted)> = settled.collect();
         let least = settled.iter().map(|(left, _)| *left).min_by(f64::total_cmp)?;
@@ -156,16 +152,20 @@ impl Fitted {
         settled.into_iter().find(|(left, _)| *left < least + SAME).map(|(_, trial)| trial)
     }
 
+    /// Less the logarithm of the likelihood of data that were held out, up to a constant.
+    fn held_out_misfit(&self) -> f64 {
+        let left = self.held_out();
+        let of = |quantity: &super::evidence::Quantity| {
+            quantity.rows.len() as f64 * holdout::rms(&left, quantity.rows.clone()).ln()
+        };
+        self.evidence.quantities.iter().map(of).sum()
+    }
+
     /// Whether it is no larger than another set and leaves no more of the data that were held out.
     pub(super) fn predicts_as_well_as(&self, other: &Fitted) -> bool {
-        let left = |fitted: &Fitted| {
-            let held_out = fitted.held_out();
-            let of = |quantity: &super::evidence::Quantity| {
-                quantity.rows.len() as f64 * holdout::rms(&held_out, quantity.rows.clone()).ln()
-            };
-            fitted.evidence.quantities.iter().map(of).sum::<f64>()
-        };
-        self.included != other.included && self.included.len() >= other.included.len() && left(self) <= left(other)
+        self.included != other.included
+            && self.included.len() >= other.included.len()
+            && self.held_out_misfit() <= other.held_out_misfit()
     }
 
     /// Whether every included parameter lies where physics allows it.

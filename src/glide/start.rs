@@ -41,6 +41,26 @@ impl Start {
     }
 }
 
+impl SteadyGlide<f64> {
+    /// The state of a glider in this glide at a depth \[m\], its moving mass at rest in the hull.
+    pub fn state(&self, parameters: &Parameters<f64>, depth_m: f64) -> State<f64> {
+        State {
+            x_m: 0.0,
+            depth_m,
+            pitch_rad: self.pitch_rad,
+            pitch_rate_rad_s: 0.0,
+            v1_m_s: self.v1_m_s,
+            v3_m_s: self.v3_m_s,
+            moving_mass_1_m: self.moving_mass_m,
+            moving_mass_3_m: parameters.moving_mass_height_m,
+            momentum_1_kg_m_s: parameters.moving_mass_kg * self.v1_m_s,
+            momentum_3_kg_m_s: parameters.moving_mass_kg * self.v3_m_s,
+            ballast_mass_kg: self.ballast_mass_kg,
+            energy_J: 0.0,
+        }
+    }
+}
+
 /// The start of this glider: at 10 m depth, in the steady glide down at 25 deg and 0.30 m/s with the commands that hold
 /// it; level and at rest where no such glide exists.
 pub fn start(parameters: &Parameters<f64>) -> Start {
@@ -70,13 +90,7 @@ pub fn start_in(parameters: &Parameters<f64>, water: impl Fn(f64) -> WaterAt<f64
     if let Some(glide) = glide_down(p, &inputs) {
         inputs.ballast_command_m3 = glide.ballast_m3;
         inputs.moving_mass_command_m = glide.moving_mass_m;
-        state.pitch_rad = glide.pitch_rad;
-        state.v1_m_s = glide.v1_m_s;
-        state.v3_m_s = glide.v3_m_s;
-        state.moving_mass_1_m = glide.moving_mass_m;
-        state.momentum_1_kg_m_s = p.moving_mass_kg * glide.v1_m_s;
-        state.momentum_3_kg_m_s = p.moving_mass_kg * glide.v3_m_s;
-        state.ballast_mass_kg = glide.ballast_mass_kg;
+        state = glide.state(p, DEPTH_M);
     }
     Start { state, inputs }
 }

@@ -11,6 +11,7 @@ use super::gram::Gram;
 use super::model::{Prediction, predict};
 use crate::dynamics::Parameters;
 use crate::glide::Glider;
+use crate::log::Observation;
 
 /// By how much one sample of each quantity scatters, the correlation of neighbours counted in: a residual divided by
 /// this weighs as much as an independent one of unit variance.
@@ -36,12 +37,12 @@ pub struct Scatter {
 }
 
 impl Scatter {
-    pub(super) fn close_leg(&mut self, leg_sum: &mut f64) {
+    fn close_leg(&mut self, leg_sum: &mut f64) {
         self.sum_of_leg_squares += *leg_sum * *leg_sum;
         *leg_sum = 0.0;
     }
 
-    pub(super) fn add(&mut self, residual: f64) {
+    fn add(&mut self, residual: f64) {
         self.n += 1;
         self.sum += residual;
         self.sum_of_squares += residual * residual;
@@ -155,44 +156,97 @@ fn dive_rows<const N: usize>(
     gram: &mut Gram,
     every: usize,
 ) -> Tally {
-    gram.clear();
-    let mut tally = Tally::default();
-    let mut row = [0.0; MOST_FREE + 1];
-    let mut leg = u32::MAX;
-    let (mut sink_sum, mut speed_sum) = (0.0, 0.0);
+    let mut rows = Rows::new(gram, n, weights);
     for (observed, guess, root_weight) in dive.every(every) {
-        if observed.leg != leg {
-            leg = observed.leg;
-            tally.sink.close_leg(&mut sink_sum);
-            tally.speed.close_leg(&mut speed_sum);
-        }
         let predicted = predict(glider, observed, *guess);
         *guess = predicted.map(|p: Prediction<_>| p.guess);
-        if predicted.is_none() {
-            tally.unflyable += 1;
-        }
-        let mut put = |observed: f64, predicted: Option<DualSVec64<N>>, weight: f64| {
-            let residual = observed - predicted.map_or(0.0, |p| p.re);
-            row[..n].fill(0.0);
-            if let Some(slopes) = predicted.and_then(|p| p.eps.0) {
-                for (cell, slope) in row[..n].iter_mut().zip(slopes.iter()) {
-                    *cell = -slope * root_weight / weight;
-                }
-            }
-            row[n] = residual * root_weight / weight;
-            gram.add_row(&row[..=n]);
-            residual
-        };
-        let residual = put(observed.sink_m_s, predicted.map(|p| p.sink_m_s), weights.sink_m_s);
-        tally.sink.add(residual);
-        sink_sum += residual;
-        if observed.speed_m_s.is_finite() && weights.speed_m_s.is_finite() {
-            let residual = put(observed.speed_m_s, predicted.map(|p| p.speed_m_s), weights.speed_m_s);
-            tally.speed.add(residual);
-            speed_sum += residual;
+        rows.glide(observed, predicted.map(|p| (p.sink_m_s, p.speed_m_s)), root_weight);
+    }
+    rows.close()
+}
+
+/// Residuals and their slopes on their way into the matrix of one dive, tallied leg by leg.
+pub(super) struct Rows<'g> {
+    gram: &'g mut Gram,
+    n: usize,
+    weights: Weights,
+    row: [f64; MOST_FREE + 1],
+    tally: Tally,
+    leg: u32,
+    sink_sum: f64,
+    speed_sum: f64,
+}
+
+impl<'g> Rows<'g> {
+    /// Into an emptied matrix of `n` parameters.
+    pub(super) fn new(gram: &'g mut Gram, n: usize, weights: Weights) -> Self {
+        gram.clear();
+        let row = [0.0; MOST_FREE + 1];
+        Rows { gram, n, weights, row, tally: Tally::default(), leg: u32::MAX, sink_sum: 0.0, speed_sum: 0.0 }
+    }
+
+    /// A sample's downward velocity, and its speed where it was measured and counts; where nothing is predicted the glider
+    /// is taken to rest.
+    pub(super) fn glide<const N: usize>(
+        &mut self,
+        observed: &Observation,
+        predicted: Option<(DualSVec64<N>, DualSVec64<N>)>,
+        root_weight: f64,
+    ) {
+        self.first(observed.leg, observed.sink_m_s, predicted.map(|p| p.0), root_weight);
+        if observed.speed_m_s.is_finite() && self.weights.speed_m_s.is_finite() {
+            let residual = self.put(observed.speed_m_s, predicted.map(|p| p.1), root_weight, self.weights.speed_m_s);
+            self.tally.speed.add(residual);
+            self.speed_sum += residual;
         }
     }
-    tally.sink.close_leg(&mut sink_sum);
-    tally.speed.close_leg(&mut speed_sum);
-    tally
+
+    /// A sample's first quantity alone.
+    pub(super) fn first<const N: usize>(
+        &mut self,
+        leg: u32,
+        observed: f64,
+        predicted: Option<DualSVec64<N>>,
+        root_weight: f64,
+    ) {
+        if leg != self.leg {
+            self.leg = leg;
+            self.close_leg();
+        }
+        self.tally.unflyable += usize::from(predicted.is_none());
+        let residual = self.put(observed, predicted, root_weight, self.weights.sink_m_s);
+        self.tally.sink.add(residual);
+        self.sink_sum += residual;
+    }
+
+    /// What came out.
+    pub(super) fn close(mut self) -> Tally {
+        self.close_leg();
+        self.tally
+    }
+
+    fn put<const N: usize>(
+        &mut self,
+        observed: f64,
+        predicted: Option<DualSVec64<N>>,
+        root_weight: f64,
+        weight: f64,
+    ) -> f64 {
+        let residual = observed - predicted.map_or(0.0, |p| p.re);
+        let row = &mut self.row[..=self.n];
+        row.fill(0.0);
+        if let Some(slopes) = predicted.and_then(|p| p.eps.0) {
+            for (cell, slope) in row[..self.n].iter_mut().zip(slopes.iter()) {
+                *cell = -slope * root_weight / weight;
+            }
+        }
+        row[self.n] = residual * root_weight / weight;
+        self.gram.add_row(row);
+        residual
+    }
+
+    fn close_leg(&mut self) {
+        self.tally.sink.close_leg(&mut self.sink_sum);
+        self.tally.speed.close_leg(&mut self.speed_sum);
+    }
 }

@@ -20,7 +20,7 @@ use serde::Serialize;
 
 use super::blocks::Blocks;
 use super::data::Dive;
-use super::evaluate::{MOST_FREE, Scatter, Tally, Weights, with_derivatives};
+use super::evaluate::{Rows, Scatter, Tally, Weights, with_derivatives};
 use super::gram::Gram;
 use super::identifiability::{Pin, thinned};
 use super::joint::{Fit, IdentifyError, Question, refine};
@@ -361,34 +361,13 @@ fn rows(
     gram: &mut Gram,
     every: usize,
 ) -> Tally {
-    gram.clear();
     let with_slope = lifted.map(|value| Dual64::from(value.re));
-    let mut tally = Tally::default();
-    let mut row = [0.0; MOST_FREE + 1];
-    let (mut leg, mut leg_sum) = (u32::MAX, 0.0);
+    let mut rows = Rows::new(gram, n, weights);
     for (observed, _, root_weight) in dive.every(every) {
-        if observed.leg != leg {
-            leg = observed.leg;
-            tally.sink.close_leg(&mut leg_sum);
-        }
         let near = true_pitch_rad(lifted, observed.pitch_rad).re;
         // Where no pitch balances, level flight is what is predicted: nothing is gained by being unable to fly.
         let predicted = predicted_pitch_rad(lifted, &with_slope, observed, near);
-        if predicted.is_none() {
-            tally.unflyable += 1;
-        }
-        let residual = observed.pitch_rad - predicted.map_or(0.0, |p: DualSVec64<4>| p.re);
-        row[..n].fill(0.0);
-        if let Some(slopes) = predicted.and_then(|p| p.eps.0) {
-            for (cell, slope) in row[..n].iter_mut().zip(slopes.iter()) {
-                *cell = -slope * root_weight / weights.sink_m_s;
-            }
-        }
-        row[n] = residual * root_weight / weights.sink_m_s;
-        gram.add_row(&row[..=n]);
-        tally.sink.add(residual);
-        leg_sum += residual;
+        rows.first(observed.leg, observed.pitch_rad, predicted, root_weight);
     }
-    tally.sink.close_leg(&mut leg_sum);
-    tally
+    rows.close()
 }

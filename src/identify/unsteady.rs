@@ -19,7 +19,7 @@ use rayon::prelude::*;
 
 use super::blocks::Blocks;
 use super::data::{ranges, root_weights};
-use super::evaluate::{MOST_FREE, Scatter, Tally, Weights, with_derivatives};
+use super::evaluate::{MOST_FREE, Rows, Tally, Weights, with_derivatives};
 use super::gram::Gram;
 use super::model::{or_zero, sink_read_m_s, surroundings, true_pitch_rad};
 use super::residuals::Residual;
@@ -199,51 +199,12 @@ fn rows<const N: usize>(
     passage: &Passage,
     gram: &mut Gram,
 ) -> Tally {
-    gram.clear();
     let flight = fly(flyer, passage);
-    let mut tally = Tally::default();
-    let mut row = [0.0; MOST_FREE + 1];
-    let (mut sink, mut speed) = (Scatter::default(), Scatter::default());
-    let (mut leg, mut sink_sum, mut speed_sum) = (u32::MAX, 0.0, 0.0);
-    for (i, observed) in passage.observations.iter().enumerate() {
-        if !passage.counts[i] {
-            continue;
-        }
-        if observed.leg != leg {
-            leg = observed.leg;
-            sink.close_leg(&mut sink_sum);
-            speed.close_leg(&mut speed_sum);
-        }
-        let predicted = flight.at(passage, &flyer.lifted, i);
-        if predicted.is_none() {
-            tally.unflyable += 1;
-        }
-        let root_weight = passage.root_weights[i];
-        let mut put = |observed: f64, predicted: Option<DualSVec64<N>>, weight: f64| {
-            let residual = observed - predicted.map_or(0.0, |p| p.re);
-            row[..n].fill(0.0);
-            if let Some(slopes) = predicted.and_then(|p| p.eps.0) {
-                for (cell, slope) in row[..n].iter_mut().zip(slopes.iter()) {
-                    *cell = -slope * root_weight / weight;
-                }
-            }
-            row[n] = residual * root_weight / weight;
-            gram.add_row(&row[..=n]);
-            residual
-        };
-        let residual = put(observed.sink_m_s, predicted.map(|p| p.0), weights.sink_m_s);
-        sink.add(residual);
-        sink_sum += residual;
-        if observed.speed_m_s.is_finite() && weights.speed_m_s.is_finite() {
-            let residual = put(observed.speed_m_s, predicted.map(|p| p.1), weights.speed_m_s);
-            speed.add(residual);
-            speed_sum += residual;
-        }
+    let mut rows = Rows::new(gram, n, weights);
+    for (i, observed) in passage.observations.iter().enumerate().filter(|(i, _)| passage.counts[*i]) {
+        rows.glide(observed, flight.at(passage, &flyer.lifted, i), passage.root_weights[i]);
     }
-    sink.close_leg(&mut sink_sum);
-    speed.close_leg(&mut speed_sum);
-    (tally.sink, tally.speed) = (sink, speed);
-    tally
+    rows.close()
 }
 
 /// The parameters in every kind of number that the flight needs.
