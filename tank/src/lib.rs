@@ -25,6 +25,7 @@ mod reduce;
 pub mod regression;
 pub mod results;
 pub mod series;
+pub mod shared;
 pub mod statics;
 pub mod sweep;
 mod table;

@@ -153,7 +153,7 @@ impl<'a> Reduction<'a> {
             if runs.is_empty() {
                 self.warnings.push("no tare runs: the strut's force is still in all coefficients".to_owned());
             }
-            Tare::of(&runs, &zeros.errors(), zeros.dof)
+            Tare::of(&runs, zeros.dof)
         };
         steady.is_tared = tare.is_some();
         let common = Common { balance, zeros: &zeros, tare: tare.as_ref() };

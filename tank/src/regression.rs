@@ -20,34 +20,13 @@ pub struct Problem {
     pub shared: Vec<Shared>,
 }
 
-/// An error that several observations share: `observed += influence * error`.
+/// Independent errors of one standard error each that several observations share: `observed += influence * error`.
 #[derive(Debug, Clone)]
 pub struct Shared {
     /// Observations by errors.
     pub influence: DMatrix<f64>,
-    /// Covariance of the errors.
-    pub covariance: DMatrix<f64>,
-    /// Degrees of freedom with which the covariance is known; infinite where it is given.
+    /// Degrees of freedom with which their size is known; infinite where it is given.
     pub dof: f64,
-}
-
-impl Shared {
-    /// Without the errors that no observation feels: a long campaign has hundreds of zeros, and each fit feels a few.
-    pub fn felt(self) -> Self {
-        let felt = felt([&self.influence]);
-        Shared {
-            influence: self.influence.select_columns(&felt),
-            covariance: self.covariance.select_rows(&felt).select_columns(&felt),
-            dof: self.dof,
-        }
-    }
-}
-
-/// Which errors any observation feels in any of some influences.
-pub fn felt<'a>(influences: impl IntoIterator<Item = &'a DMatrix<f64>> + Clone) -> Vec<usize> {
-    let errors = influences.clone().into_iter().map(DMatrix::ncols).max().unwrap_or(0);
-    let is_felt = |j: &usize| influences.clone().into_iter().any(|i| i.column(*j).iter().any(|value| *value != 0.0));
-    (0..errors).filter(is_felt).collect()
 }
 
 /// How the scatter between observations is judged.
@@ -113,7 +92,7 @@ impl Problem {
         let mut by_source: Vec<(DMatrix<f64>, f64)> = vec![(own_covariance.clone(), dof as f64)];
         for shared in &self.shared {
             let influence = &gain * &shared.influence;
-            let part = &influence * &shared.covariance * influence.transpose();
+            let part = &influence * influence.transpose();
             covariance += &part;
             by_source.push((part, shared.dof));
         }
@@ -255,11 +234,7 @@ mod tests {
     fn a_shared_offset_is_not_averaged_away() {
         let mut problem = line(&[1.0, 3.0, 2.0, 5.0, 4.0]);
         let alone = problem.solve(Scatter::Equal).unwrap();
-        problem.shared.push(Shared {
-            influence: DMatrix::from_element(5, 1, 1.0),
-            covariance: DMatrix::from_element(1, 1, 0.25),
-            dof: f64::INFINITY,
-        });
+        problem.shared.push(Shared { influence: DMatrix::from_element(5, 1, 0.5), dof: f64::INFINITY });
         let fit = problem.solve(Scatter::Equal).unwrap();
         // The offset takes all of it, the slope nothing.
         assert!((fit.covariance[(0, 0)] - alone.covariance[(0, 0)] - 0.25).abs() < 1e-12);

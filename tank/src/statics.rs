@@ -8,6 +8,7 @@ use crate::campaign::{Balance, Kind, Run};
 use crate::hull::Hull;
 use crate::motion::Motion;
 use crate::readings::{Readings, Steady};
+use crate::shared::{Influence, SharedKind};
 use crate::sweep::{Point, SharedErrors, Sweep};
 use crate::tare::{Tare, TareRun};
 use crate::zeros::{ZeroOfRun, Zeros};
@@ -104,111 +105,6 @@ impl Common<'_> {
             covariance,
         })
     }
-
-    /// The errors that a campaign's runs share, without their influence yet: the tare channel by channel, the zeros, the
-    /// calibration.
-    pub fn shared(&self) -> Vec<SharedKind> {
-        let mut kinds = Vec::new();
-        if self.tare.is_some() {
-            kinds.extend((0..3).map(SharedKind::Tare));
-        }
-        if !self.zeros.zeros.is_empty() {
-            kinds.push(SharedKind::Zeros);
-        }
-        if self.balance.interaction_uncertainty.is_some() {
-            kinds.push(SharedKind::Interaction);
-        }
-        if self.balance.uncertainty.is_some() {
-            kinds.push(SharedKind::Calibration);
-        }
-        kinds
-    }
-
-    /// Influence of one shared error on the force of a steady run: AF, SF, YM by errors.
-    pub fn influence(&self, kind: SharedKind, run: &SteadyRun) -> DMatrix<f64> {
-        match (kind, self.tare) {
-            (SharedKind::Tare(channel), Some(tare)) => {
-                let gradient = tare.gradient(channel, &run.motion, run.run.water.density_kg_m3);
-                let mut influence = DMatrix::zeros(3, gradient.len());
-                influence.row_mut(channel).copy_from(&-gradient.transpose());
-                influence
-            }
-            (SharedKind::Zeros, _) => {
-                let mut influence = DMatrix::zeros(3, 3 * self.zeros.zeros.len());
-                for (zero, weight) in &run.zero.parts {
-                    influence.fixed_view_mut::<3, 3>(0, 3 * zero).copy_from(&(-*weight * self.balance.interaction));
-                }
-                influence
-            }
-            // Run and tare went through the same matrix.
-            (SharedKind::Interaction, _) => self.interaction_influence(run.steps.force - run.steps.tare),
-            // A calibration may be off in proportion to the load: alike on one side, opposite on the other.
-            (SharedKind::Calibration, _) => {
-                let side = run.steps.water()[1].signum();
-                DMatrix::from_diagonal(&nalgebra::DVector::from_vec(vec![1.0, side, side]))
-            }
-            (SharedKind::Tare(_), None) => DMatrix::zeros(3, 0),
-        }
-    }
-
-    /// Change of a force that came through the interaction matrix with the matrix's elements, row after row.
-    pub fn interaction_influence(&self, force: Vector3<f64>) -> DMatrix<f64> {
-        let reading = self.balance.interaction.try_inverse().unwrap_or_else(Matrix3::identity) * force;
-        let mut influence = DMatrix::zeros(3, 9);
-        for channel in 0..3 {
-            influence.fixed_view_mut::<1, 3>(channel, 3 * channel).copy_from(&reading.transpose());
-        }
-        influence
-    }
-
-    /// Covariance of one shared error and its degrees of freedom.
-    pub fn covariance(&self, kind: SharedKind) -> (DMatrix<f64>, f64) {
-        match (kind, self.tare) {
-            (SharedKind::Tare(channel), Some(tare)) => {
-                let (covariance, dof) = tare.covariance(channel);
-                (covariance.clone(), dof)
-            }
-            (SharedKind::Zeros, _) => (self.zeros.errors(), self.zeros.dof),
-            (SharedKind::Interaction, _) => {
-                let u = self.balance.interaction_uncertainty.unwrap_or_default();
-                let variances = nalgebra::DVector::from_fn(9, |i, _| u[(i / 3, i % 3)].powi(2));
-                (DMatrix::from_diagonal(&variances), f64::INFINITY)
-            }
-            (SharedKind::Calibration, _) => {
-                let u = self.balance.uncertainty.unwrap_or_default();
-                let variances = nalgebra::DVector::from_iterator(3, u.iter().map(|u| u * u));
-                (DMatrix::from_diagonal(&variances), f64::INFINITY)
-            }
-            (SharedKind::Tare(_), None) => (DMatrix::zeros(0, 0), 1.0),
-        }
-    }
-}
-
-/// An error that runs share.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SharedKind {
-    /// The strut's force in one channel.
-    Tare(usize),
-    /// The zero runs.
-    Zeros,
-    /// The elements of the interaction matrix.
-    Interaction,
-    /// The calibration of the balance.
-    Calibration,
-}
-
-impl SharedKind {
-    /// What it is called.
-    pub fn name(self) -> &'static str {
-        match self {
-            SharedKind::Tare(0) => "tare AF",
-            SharedKind::Tare(1) => "tare SF",
-            SharedKind::Tare(_) => "tare YM",
-            SharedKind::Zeros => "zeros",
-            SharedKind::Interaction => "interaction",
-            SharedKind::Calibration => "calibration",
-        }
-    }
 }
 
 impl SteadyRun<'_> {
@@ -250,15 +146,17 @@ pub fn sweep(common: &Common, runs: &[SteadyRun], hull: &Hull) -> Sweep {
         }
     }
     let shared = common.shared().into_iter().map(|kind| {
-        let (covariance, dof) = common.covariance(kind);
-        let mut influence = [0, 1, 2].map(|_| DMatrix::zeros(runs.len(), covariance.nrows()));
-        for (i, (run, map)) in runs.iter().zip(&maps).enumerate() {
-            let on_coefficients = map * common.influence(kind, run);
-            for (k, influence) in influence.iter_mut().enumerate() {
-                influence.row_mut(i).copy_from(&on_coefficients.row(k));
-            }
+        let each: Vec<Influence> = runs
+            .iter()
+            .zip(&maps)
+            .map(|(run, map)| common.influence(kind, run).through(&DMatrix::from_column_slice(3, 3, map.as_slice())))
+            .collect();
+        SharedErrors {
+            name: kind.name(),
+            is_common: true,
+            influence: [0, 1, 2].map(|coefficient| Influence::stacked(each.iter(), coefficient)),
+            dof: common.shared_dof(kind),
         }
-        SharedErrors { name: kind.name(), is_common: true, influence, covariance, dof }
     });
     let mut shared: Vec<SharedErrors> = shared.collect();
     let [mc, cb] = hull.centre_uncertainties_m;
@@ -268,16 +166,12 @@ pub fn sweep(common: &Common, runs: &[SteadyRun], hull: &Hull) -> Sweep {
 
 /// An error of the distance from moment centre to centre of buoyancy moves the moment by as much times the side force.
 fn lever_errors(runs: &[SteadyRun], maps: &[Matrix3<f64>], uncertainty_m: f64) -> SharedErrors {
-    let mut influence = [0, 1, 2].map(|_| DMatrix::zeros(runs.len(), 1));
-    for (i, (run, map)) in runs.iter().zip(maps).enumerate() {
-        let on_coefficients = map * Vector3::new(0.0, 0.0, run.steps.water()[1]);
-        (0..3).for_each(|k| influence[k][(i, 0)] = on_coefficients[k]);
-    }
+    let of = |run: &SteadyRun, map: &Matrix3<f64>| map * Vector3::new(0.0, 0.0, uncertainty_m * run.steps.water()[1]);
+    let each: Vec<Vector3<f64>> = runs.iter().zip(maps).map(|(run, map)| of(run, map)).collect();
     SharedErrors {
         name: "lever",
         is_common: false,
-        influence,
-        covariance: DMatrix::from_element(1, 1, uncertainty_m.powi(2)),
+        influence: [0, 1, 2].map(|k| Influence::of_all(DMatrix::from_fn(runs.len(), 1, |i, _| each[i][k]))),
         dof: f64::INFINITY,
     }
 }

@@ -1,8 +1,7 @@
 //! A hull's steady drift points: what the fits start from, wherever the points came from.
 
-use nalgebra::DMatrix;
-
-use crate::regression::{self, Shared};
+use crate::regression::Shared;
+use crate::shared::Influence;
 
 /// The three coefficients, in the order in which everything here keeps them.
 pub const NAMES: [&str; 3] = ["CL", "CD", "CM"];
@@ -52,11 +51,9 @@ pub struct SharedErrors {
     pub name: &'static str,
     /// Whether other hulls of the campaign share it, too.
     pub is_common: bool,
-    /// For CL, CD and CM: points by errors.
-    pub influence: [DMatrix<f64>; 3],
-    /// Covariance of the errors.
-    pub covariance: DMatrix<f64>,
-    /// Degrees of freedom of that covariance.
+    /// On CL, CD and CM of every point.
+    pub influence: [Influence; 3],
+    /// Degrees of freedom with which its size is known.
     pub dof: f64,
 }
 
@@ -82,17 +79,10 @@ impl Sweep {
 
     /// The shared errors as some of the points feel them in one coefficient, without those that none of them feels.
     pub fn shared_for(&self, rows: &[usize], coefficient: usize) -> Vec<Shared> {
-        self.shared
-            .iter()
-            .map(|shared| {
-                let influence = shared.influence[coefficient].select_rows(rows.iter());
-                let felt = regression::felt([&influence]);
-                Shared {
-                    influence: influence.select_columns(&felt),
-                    covariance: shared.covariance.select_columns(&felt).select_rows(&felt),
-                    dof: shared.dof,
-                }
-            })
-            .collect()
+        let of = |shared: &SharedErrors| Shared {
+            influence: shared.influence[coefficient].of_rows(rows).on,
+            dof: shared.dof,
+        };
+        self.shared.iter().map(of).collect()
     }
 }

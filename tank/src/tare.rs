@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use crate::motion::Motion;
 use crate::regression::{Fit, Problem, Scatter, Shared};
+use crate::shared::{self, Influence};
 use crate::statics::{OWN_DOF, share_variances};
 
 /// The strut's force.
@@ -26,6 +27,8 @@ struct Channel {
     fit: Fit,
     /// What a change of force in each run does to the terms.
     response: DMatrix<f64>,
+    /// Of the covariance of the terms.
+    root: DMatrix<f64>,
 }
 
 type Term = fn(Argument) -> f64;
@@ -52,8 +55,8 @@ pub struct TareRun {
     pub force: Vector3<f64>,
     /// Their variances.
     pub variance: Vector3<f64>,
-    /// Influence of every zero's errors on the force: channels by errors.
-    pub zero_influence: DMatrix<f64>,
+    /// Of the zeros on the force.
+    pub zero_influence: Influence,
 }
 
 /// Angles and speeds closer than this are one.
@@ -62,18 +65,19 @@ const SAME_SPEED: f64 = 0.05;
 
 impl Tare {
     /// Fits the tare runs; none if they are too few.
-    pub fn of(runs: &[TareRun], zero_errors: &DMatrix<f64>, zero_dof: f64) -> Option<Tare> {
+    pub fn of(runs: &[TareRun], zero_dof: f64) -> Option<Tare> {
         let angles = distinct(runs.iter().map(|run| run.yaw_rad.to_degrees()), |a, b| (a - b).abs() < SAME_DEG);
         let speeds = distinct(runs.iter().map(|run| run.speed_m_s), |a, b| (a / b - 1.0).abs() < SAME_SPEED);
         let reference_speed_m_s = crate::series::median(&runs.iter().map(|run| run.speed_m_s).collect::<Vec<_>>());
         let channel = |index: usize| {
             let terms = terms(index, angles, speeds, runs.len());
-            let fit = fit(index, &terms, runs, reference_speed_m_s, zero_errors, zero_dof)?;
+            let fit = fit(index, &terms, runs, reference_speed_m_s, zero_dof)?;
             let mut response = fit.gain.clone();
             for (mut column, run) in response.column_iter_mut().zip(runs) {
                 column /= run.dynamic_pressure_Pa;
             }
-            Some(Channel { terms, fit, response })
+            let root = shared::root(&fit.covariance);
+            Some(Channel { terms, fit, response, root })
         };
         let channels = [channel(0)?, channel(1)?, channel(2)?];
         let largest_deg = runs.iter().map(|run| run.yaw_rad.abs().to_degrees()).fold(0.0, f64::max);
@@ -105,10 +109,19 @@ impl Tare {
         &self.channels[channel].response
     }
 
-    /// Covariance of the parameters of one channel and its degrees of freedom.
-    pub fn covariance(&self, channel: usize) -> (&DMatrix<f64>, f64) {
-        let fit = &self.channels[channel].fit;
-        (&fit.covariance, fit.dof as f64)
+    /// What one standard error of each independent part of a channel's errors does to its parameters: parameters by parts.
+    pub fn root(&self, channel: usize) -> &DMatrix<f64> {
+        &self.channels[channel].root
+    }
+
+    /// Degrees of freedom of a channel's errors.
+    pub fn dof(&self, channel: usize) -> f64 {
+        self.channels[channel].fit.dof as f64
+    }
+
+    /// Parameters of a channel.
+    pub fn terms(&self, channel: usize) -> usize {
+        self.channels[channel].terms.len()
     }
 }
 
@@ -127,20 +140,15 @@ fn terms(channel: usize, angles: usize, speeds: usize, runs: usize) -> Vec<Term>
     terms
 }
 
-fn fit(
-    channel: usize,
-    terms: &[Term],
-    runs: &[TareRun],
-    reference_speed_m_s: f64,
-    zero_errors: &DMatrix<f64>,
-    zero_dof: f64,
-) -> Option<Fit> {
+fn fit(channel: usize, terms: &[Term], runs: &[TareRun], reference_speed_m_s: f64, zero_dof: f64) -> Option<Fit> {
     let n = runs.len();
     let argument =
         |run: &TareRun| Argument { sine: run.yaw_rad.sin(), log_speed: (run.speed_m_s / reference_speed_m_s).ln() };
     let per_pressure = |value: f64, run: &TareRun| value / run.dynamic_pressure_Pa;
-    let zeros =
-        DMatrix::from_fn(n, zero_errors.nrows(), |i, j| per_pressure(runs[i].zero_influence[(channel, j)], &runs[i]));
+    let mut zeros = Influence::stacked(runs.iter().map(|run| &run.zero_influence), channel).on;
+    for (mut row, run) in zeros.row_iter_mut().zip(runs) {
+        row /= run.dynamic_pressure_Pa;
+    }
     let problem = Problem {
         design: DMatrix::from_fn(n, terms.len(), |i, j| terms[j](argument(&runs[i]))),
         observed: DVector::from_iterator(n, runs.iter().map(|run| per_pressure(run.force[channel], run))),
@@ -149,7 +157,7 @@ fn fit(
             &runs.iter().map(|run| run.nominal_speed_m_s).collect::<Vec<_>>(),
             OWN_DOF,
         )),
-        shared: vec![Shared { influence: zeros, covariance: zero_errors.clone(), dof: zero_dof }.felt()],
+        shared: vec![Shared { influence: zeros, dof: zero_dof }],
     };
     problem.solve(Scatter::BetweenRuns)
 }

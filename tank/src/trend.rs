@@ -69,20 +69,19 @@ fn line(hulls: &[(f64, &Sweep, &SweepFit)], unit: &str, fit: usize, parameter: u
 fn covariance(hulls: &[(f64, &Sweep, &SweepFit)], fit: usize, parameter: usize) -> DMatrix<f64> {
     let n = hulls.len();
     let mut total = DMatrix::zeros(n, n);
-    let gains: Vec<_> = hulls.iter().map(|(_, _, f)| f.fits[fit].gain.row(parameter)).collect();
+    let gains: Vec<DVector<f64>> = hulls.iter().map(|(_, _, f)| f.fits[fit].gain.row(parameter).transpose()).collect();
+    let sweeps: Vec<&Sweep> = hulls.iter().map(|(_, sweep, _)| *sweep).collect();
     for i in 0..n {
         total[(i, i)] = hulls[i].2.fits[fit].own_covariance[(parameter, parameter)];
     }
     // Those that the campaign's hulls share stand first, in the same order for every hull.
-    let influence = |i: usize, k: usize| {
-        let (_, sweep, f) = hulls[i];
-        gains[i] * sweep.shared[k].influence[fit].select_rows(f.rows.iter())
-    };
+    let felt =
+        |i: usize, k: usize| Some((sweeps[i].shared.get(k)?.influence[fit].of_rows(&hulls[i].2.rows), &gains[i]));
     for i in 0..n {
-        for (k, shared) in hulls[i].1.shared.iter().enumerate() {
-            let on_first = influence(i, k) * &shared.covariance;
-            for j in (0..n).filter(|j| *j == i || shared.is_common && k < hulls[*j].1.shared.len()) {
-                total[(i, j)] += (&on_first * influence(j, k).transpose())[(0, 0)];
+        for (k, shared) in sweeps[i].shared.iter().enumerate() {
+            for j in (0..n).filter(|j| *j == i || shared.is_common) {
+                let Some(((one, gain), (other, other_gain))) = felt(i, k).zip(felt(j, k)) else { continue };
+                total[(i, j)] += one.covariance(gain, &other, other_gain);
             }
         }
     }

@@ -5,14 +5,15 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 use crate::campaign::{Kind, Run};
 use crate::readings::{Readings, Useful};
 use crate::series::Mean3;
+use crate::shared;
 
 /// All zeros of a campaign.
 #[derive(Debug, Clone, Default)]
 pub struct Zeros {
     /// In the order in which they were taken.
     pub zeros: Vec<Zero>,
-    /// Covariance of one zero's means, pooled over all of them.
-    pub covariance: Matrix3<f64>,
+    /// Root of the covariance of one zero's means, pooled over all of them: three independent errors of every zero.
+    pub root: Matrix3<f64>,
     /// Degrees of freedom of that covariance.
     pub dof: f64,
     /// Whether time, rather than the order of the runs, was interpolated in.
@@ -63,7 +64,9 @@ impl Zeros {
         let dof = taken.iter().map(|(_, rest)| rest.dof).sum::<f64>().max(1.0);
         let mut zeros: Vec<Zero> = taken.into_iter().map(|(zero, _)| zero).collect();
         zeros.sort_by(|a, b| a.when.total_cmp(&b.when));
-        Zeros { zeros, covariance, dof, in_time }
+        let covariance = DMatrix::from_column_slice(3, 3, covariance.as_slice());
+        let root = Matrix3::from_column_slice(shared::root(&covariance).as_slice());
+        Zeros { zeros, root, dof, in_time }
     }
 
     /// The zero at a run, `after_s` after its begin. Zeros with the same hull go before others, since a model's own weight
@@ -88,16 +91,6 @@ impl Zeros {
         };
         let reading = parts.iter().map(|(i, weight)| self.zeros[*i].reading * *weight).sum();
         Some(ZeroOfRun { reading, parts, own_covariance: Matrix3::zeros() })
-    }
-
-    /// Covariance of all zeros' errors, three after three.
-    pub fn errors(&self) -> DMatrix<f64> {
-        let n = self.zeros.len();
-        let mut covariance = DMatrix::zeros(3 * n, 3 * n);
-        for i in 0..n {
-            covariance.fixed_view_mut::<3, 3>(3 * i, 3 * i).copy_from(&self.covariance);
-        }
-        covariance
     }
 
     /// Largest change of a channel between successive zeros of the same hull.

@@ -216,8 +216,7 @@ fn centre_errors(
             let left = |o: &Observation| o.force[coefficient] - model.value(&fits[coefficient], o);
             let change = |i: usize| moved.get(i).map_or(0.0, |after| (left(after) - left(&observations[i])) / MOVED_M);
             Shared {
-                influence: DMatrix::from_fn(observations.len(), 1, |i, _| change(i)),
-                covariance: DMatrix::from_element(1, 1, uncertainty.powi(2)),
+                influence: DMatrix::from_fn(observations.len(), 1, |i, _| uncertainty * change(i)),
                 dof: f64::INFINITY,
             }
         }));

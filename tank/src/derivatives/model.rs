@@ -7,6 +7,7 @@ use super::Form;
 use super::observations::Observation;
 use crate::campaign::Kind;
 use crate::regression::{Fit, Problem, Scatter, Shared};
+use crate::shared::Influence;
 use crate::statics::Common;
 
 /// Amplitudes must differ by this factor to tell a nonlinear term.
@@ -95,9 +96,8 @@ pub(super) fn problem(common: &Common, model: &Model, observations: &[&Observati
     let n = observations.len();
     let kinds = common.shared();
     let shared = kinds.iter().enumerate().map(|(k, kind)| {
-        let (covariance, dof) = common.covariance(*kind);
-        let influence = DMatrix::from_fn(n, covariance.nrows(), |i, j| observations[i].shared[k][coefficient][j]);
-        Shared { influence, covariance, dof }.felt()
+        let each = observations.iter().map(|observation| &observation.shared[k]);
+        Shared { influence: Influence::stacked(each, coefficient).on, dof: common.shared_dof(*kind) }
     });
     Problem {
         design: DMatrix::from_fn(n, columns.len(), |i, j| observations[i].regressors[columns[j]]),

@@ -1,7 +1,7 @@
 //! What oscillations and turns say, as numbers for the regression: harmonic terms of force and moment about the centre of
 //! buoyancy in primes, the regressors that the measured motion makes, noise, and the influence of errors that runs share.
 
-use nalgebra::{DVector, Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::noise::Spectrum;
 use super::{BetweenRuns, SteadySlopes};
@@ -9,7 +9,8 @@ use crate::campaign::{Kind, Run};
 use crate::harmonics::{HARMONICS, Harmonics, Series, TERMS};
 use crate::hull::Hull;
 use crate::motion::Motion;
-use crate::statics::{Common, SharedKind, SteadyRun};
+use crate::shared::{Influence, SharedKind};
+use crate::statics::{Common, SteadyRun};
 
 /// Phases at which one cycle is worked out.
 const PHASES: usize = 96;
@@ -31,8 +32,8 @@ pub(super) struct Observation {
     /// Y', N'.
     pub force: [f64; 2],
     pub variance: [f64; 2],
-    /// Influence of each shared error on Y' and N'.
-    pub shared: Vec<[DVector<f64>; 2]>,
+    /// Of each shared error on Y' and N'.
+    pub shared: Vec<Influence>,
     /// Reduced frequency.
     pub frequency: f64,
 }
@@ -76,6 +77,7 @@ fn oscillation(common: &Common, hull: &Hull, index: usize, run: &Run, harmonics:
     let speed = harmonics.speed_m_s;
     let cycle = Cycle::of(common, hull, run, harmonics);
     let to_primes = to_primes(density, hull, speed);
+    let map = stacked(&to_primes);
     let kinds = common.shared();
     COMPARED
         .iter()
@@ -88,22 +90,14 @@ fn oscillation(common: &Common, hull: &Hull, index: usize, run: &Run, harmonics:
                 .map(|kind| match kind {
                     SharedKind::Tare(channel) => {
                         let series = &cycle.strut_gradients[*channel];
-                        let on_force = DVector::from_iterator(series.len(), series.iter().map(|s| -s[term]));
-                        to_primes.map(|row| &on_force * row[*channel])
+                        let of_terms = DVector::from_iterator(series.len(), series.iter().map(|s| -s[term]));
+                        common.tare_influence(*channel, &of_terms).through(&map.columns(*channel, 1).into_owned())
                     }
-                    SharedKind::Interaction => {
-                        let influence = common.interaction_influence(force - strut);
-                        to_primes.map(|row| (row.transpose() * &influence).transpose())
-                    }
+                    SharedKind::Interaction => common.interaction_influence(force - strut).through(&map),
                     // Alike on one side and opposite on the other: a square wave in step with the load.
-                    SharedKind::Calibration => {
-                        to_primes.map(|row| DVector::from_fn(3, |channel, _| row[channel] * cycle.side[channel][term]))
-                    }
+                    SharedKind::Calibration => common.calibration_influence(at(&cycle.side)).through(&map),
                     // The zero is constant over a run: it stands in the mean only.
-                    SharedKind::Zeros => {
-                        let size = common.covariance(*kind).0.nrows();
-                        [DVector::zeros(size), DVector::zeros(size)]
-                    }
+                    SharedKind::Zeros => Influence::none(2),
                 })
                 .collect();
             Observation {
@@ -145,8 +139,7 @@ impl Cycle {
             inertia: [zero; 3],
             side: [zero; 3],
             regressors: [zero; 8],
-            strut_gradients: [0, 1, 2]
-                .map(|channel| vec![zero; common.tare.map_or(0, |tare| tare.covariance(channel).0.nrows())]),
+            strut_gradients: [0, 1, 2].map(|channel| vec![zero; common.tare.map_or(0, |tare| tare.terms(channel))]),
         };
         for term in 0..TERMS {
             let raw = Vector3::from_fn(|channel, _| harmonics.readings[channel][term]);
@@ -187,15 +180,8 @@ pub(super) fn turn(
     let speed = turn.motion.speed();
     let rows = to_primes(turn.run.water.density_kg_m3, hull, speed);
     let force = turn.steps.force - turn.steps.tare + turn.motion.inertia(hull);
-    let shared = common
-        .shared()
-        .into_iter()
-        .map(|kind| {
-            let influence = common.influence(kind, turn);
-            rows.map(|row| (row.transpose() * &influence).transpose())
-        })
-        .map(|pair| pair.map(|column| DVector::from_column_slice(column.as_slice())))
-        .collect();
+    let shared =
+        common.shared().into_iter().map(|kind| common.influence(kind, turn).through(&stacked(&rows))).collect();
     let own = rows.map(|row| (row.transpose() * turn.covariance * row)[(0, 0)]);
     Observation {
         run: index,
@@ -213,10 +199,6 @@ pub(super) fn turn(
 pub(super) fn steady(common: &Common, index: usize, slopes: &SteadySlopes) -> Observation {
     let mut regressors = [0.0; 8];
     regressors[0] = 1.0;
-    let none = |kind: SharedKind| {
-        let size = common.covariance(kind).0.nrows();
-        [DVector::zeros(size), DVector::zeros(size)]
-    };
     Observation {
         run: index,
         kind: Kind::Static,
@@ -224,7 +206,7 @@ pub(super) fn steady(common: &Common, index: usize, slopes: &SteadySlopes) -> Ob
         regressors,
         force: [slopes[0].value, slopes[1].value],
         variance: [slopes[0].se.powi(2), slopes[1].se.powi(2)],
-        shared: common.shared().into_iter().map(none).collect(),
+        shared: common.shared().iter().map(|_| Influence::none(2)).collect(),
         frequency: 0.0,
     }
 }
@@ -234,6 +216,11 @@ fn to_primes(density: f64, hull: &Hull, speed: f64) -> [Vector3<f64>; 2] {
     let (length, lever) = (hull.geometry.loa_m, hull.cb_aft_of_mc_m());
     let side = 1.0 / (0.5 * density * length * length * speed * speed);
     [Vector3::new(0.0, side, 0.0), Vector3::new(0.0, lever * side / length, side / length)]
+}
+
+/// The rows as a matrix.
+fn stacked(rows: &[Vector3<f64>; 2]) -> DMatrix<f64> {
+    DMatrix::from_fn(2, 3, |i, j| rows[i][j])
 }
 
 fn regressors_of(motion: &Motion, speed: f64, length: f64) -> [f64; 8] {

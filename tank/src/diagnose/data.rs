@@ -4,7 +4,8 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix3xX};
 
 use crate::hull::Hull;
-use crate::statics::{Common, SharedKind, SteadyRun};
+use crate::shared::SharedKind;
+use crate::statics::{Common, SteadyRun};
 use crate::sweep::{Point, Sweep};
 use crate::tare::Tare;
 use crate::water::Water;
@@ -88,10 +89,11 @@ impl Data {
         for (run, point) in runs.iter().zip(&sweep.points) {
             let map = run.to_coefficients(hull);
             let density = run.run.water.density_kg_m3;
-            let errors = common.shared().into_iter().filter(|kind| matches!(kind, SharedKind::Tare(_))).map(|kind| {
-                let root = root(&common.covariance(kind).0);
-                map * common.influence(kind, run) * root
-            });
+            let errors = common
+                .shared()
+                .into_iter()
+                .filter(|kind| matches!(kind, SharedKind::Tare(_)))
+                .map(|kind| map * common.influence(kind, run).on);
             let tare_weights = [0, 1, 2].map(|channel| match common.tare {
                 Some(tare) => tare.weights(channel, &run.motion, density),
                 None => DVector::zeros(0),
@@ -124,12 +126,6 @@ impl Tare {
     fn weights(&self, channel: usize, motion: &crate::motion::Motion, density_kg_m3: f64) -> DVector<f64> {
         self.response(channel).tr_mul(&self.gradient(channel, motion, density_kg_m3))
     }
-}
-
-fn root(covariance: &DMatrix<f64>) -> DMatrix<f64> {
-    let eigen = covariance.clone().symmetric_eigen();
-    let roots = eigen.eigenvalues.map(|value| value.max(0.0).sqrt());
-    eigen.eigenvectors * DMatrix::from_diagonal(&roots)
 }
 
 fn beside(parts: Vec<Matrix3xX<f64>>) -> DMatrix<f64> {

@@ -1,0 +1,193 @@
+//! Errors that runs share: those of the tare, the zeros, the interaction matrix, the calibration. Each kind is taken apart
+//! into independent parts of one standard error each, and a run carries only the parts that it feels: a long campaign has
+//! thousands of zeros, and every run rests on two of them.
+
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+
+use crate::statics::{Common, SteadyRun};
+
+/// What one standard error of each part does to some numbers.
+#[derive(Debug, Clone)]
+pub struct Influence {
+    /// Which parts of the kind are felt, in rising order.
+    pub parts: Vec<usize>,
+    /// Numbers by parts.
+    pub on: DMatrix<f64>,
+}
+
+/// An error that runs share.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SharedKind {
+    /// The strut's force in one channel.
+    Tare(usize),
+    /// The zero runs.
+    Zeros,
+    /// The elements of the interaction matrix.
+    Interaction,
+    /// The calibration of the balance.
+    Calibration,
+}
+
+impl SharedKind {
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            SharedKind::Tare(0) => "tare AF",
+            SharedKind::Tare(1) => "tare SF",
+            SharedKind::Tare(_) => "tare YM",
+            SharedKind::Zeros => "zeros",
+            SharedKind::Interaction => "interaction",
+            SharedKind::Calibration => "calibration",
+        }
+    }
+}
+
+impl Common<'_> {
+    /// The errors that a campaign's runs share: the tare channel by channel, the zeros, the calibration.
+    pub fn shared(&self) -> Vec<SharedKind> {
+        let mut kinds = Vec::new();
+        if self.tare.is_some() {
+            kinds.extend((0..3).map(SharedKind::Tare));
+        }
+        if !self.zeros.zeros.is_empty() {
+            kinds.push(SharedKind::Zeros);
+        }
+        if self.balance.interaction_uncertainty.is_some() {
+            kinds.push(SharedKind::Interaction);
+        }
+        if self.balance.uncertainty.is_some() {
+            kinds.push(SharedKind::Calibration);
+        }
+        kinds
+    }
+
+    /// Degrees of freedom with which the size of an error is known.
+    pub fn shared_dof(&self, kind: SharedKind) -> f64 {
+        match (kind, self.tare) {
+            (SharedKind::Tare(channel), Some(tare)) => tare.dof(channel),
+            (SharedKind::Zeros, _) => self.zeros.dof,
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// Influence of one kind of error on the force of a steady run: AF, SF, YM.
+    pub fn influence(&self, kind: SharedKind, run: &SteadyRun) -> Influence {
+        match (kind, self.tare) {
+            (SharedKind::Tare(channel), Some(tare)) => {
+                let of_terms = tare.gradient(channel, &run.motion, run.run.water.density_kg_m3);
+                self.tare_influence(channel, &-of_terms).on_channel(channel)
+            }
+            (SharedKind::Zeros, _) => self.zero_influence(run),
+            // Run and tare went through the same matrix.
+            (SharedKind::Interaction, _) => self.interaction_influence(run.steps.force - run.steps.tare),
+            // A calibration may be off in proportion to the load: alike on one side, opposite on the other.
+            (SharedKind::Calibration, _) => {
+                let side = run.steps.water()[1].signum();
+                self.calibration_influence(Vector3::new(1.0, side, side))
+            }
+            (SharedKind::Tare(_), None) => Influence::none(3),
+        }
+    }
+
+    /// Of the tare of one channel on a number that changes so with the terms of the tare.
+    pub fn tare_influence(&self, channel: usize, of_terms: &DVector<f64>) -> Influence {
+        match self.tare {
+            Some(tare) => {
+                let parts = tare.root(channel).tr_mul(of_terms);
+                Influence::of_all(DMatrix::from_row_slice(1, parts.len(), parts.as_slice()))
+            }
+            None => Influence::none(1),
+        }
+    }
+
+    /// Of the elements of the interaction matrix on a force that came through it.
+    pub fn interaction_influence(&self, force: Vector3<f64>) -> Influence {
+        let reading = self.balance.interaction.try_inverse().unwrap_or_else(Matrix3::identity) * force;
+        let uncertainty = self.balance.interaction_uncertainty.unwrap_or_default();
+        let of = |channel: usize, part: usize| match part / 3 == channel {
+            true => uncertainty[(channel, part % 3)] * reading[part % 3],
+            false => 0.0,
+        };
+        Influence::of_all(DMatrix::from_fn(3, 9, of))
+    }
+
+    /// Of the calibration on a force of this direction in each channel.
+    pub fn calibration_influence(&self, side: Vector3<f64>) -> Influence {
+        let uncertainty = Vector3::from(self.balance.uncertainty.unwrap_or_default());
+        Influence::of_all(DMatrix::from_diagonal(&DVector::from_column_slice(
+            side.component_mul(&uncertainty).as_slice(),
+        )))
+    }
+
+    fn zero_influence(&self, run: &SteadyRun) -> Influence {
+        let root = self.balance.interaction * self.zeros.root;
+        let mut parts = run.zero.parts.clone();
+        parts.sort_by_key(|(zero, _)| *zero);
+        let mut on = DMatrix::zeros(3, 3 * parts.len());
+        for (place, (_, weight)) in parts.iter().enumerate() {
+            on.fixed_view_mut::<3, 3>(0, 3 * place).copy_from(&(-*weight * root));
+        }
+        Influence { parts: parts.iter().flat_map(|(zero, _)| (0..3).map(move |k| 3 * zero + k)).collect(), on }
+    }
+}
+
+impl Influence {
+    /// On numbers that feel nothing.
+    pub fn none(numbers: usize) -> Self {
+        Influence { parts: Vec::new(), on: DMatrix::zeros(numbers, 0) }
+    }
+
+    /// On numbers that may feel every part.
+    pub fn of_all(on: DMatrix<f64>) -> Self {
+        Influence { parts: (0..on.ncols()).collect(), on }
+    }
+
+    /// On numbers made of these by a linear map.
+    pub fn through(self, map: &DMatrix<f64>) -> Self {
+        Influence { parts: self.parts, on: map * self.on }
+    }
+
+    /// Of one number as one of AF, SF, YM, the other two feeling nothing.
+    fn on_channel(self, channel: usize) -> Self {
+        let mut on = DMatrix::zeros(3, self.on.ncols());
+        on.row_mut(channel).copy_from(&self.on.row(0));
+        Influence { parts: self.parts, on }
+    }
+
+    /// On one number of each of many, one below the other.
+    pub fn stacked<'a>(of: impl Iterator<Item = &'a Influence> + Clone, number: usize) -> Self {
+        let mut parts: Vec<usize> = of.clone().flat_map(|one| one.parts.iter().copied()).collect();
+        parts.sort_unstable();
+        parts.dedup();
+        let mut on = DMatrix::zeros(of.clone().count(), parts.len());
+        for (row, one) in of.enumerate() {
+            for (column, part) in one.parts.iter().enumerate() {
+                let place = parts.partition_point(|known| known < part);
+                on[(row, place)] = one.on[(number, column)];
+            }
+        }
+        Influence { parts, on }
+    }
+
+    /// On some of the numbers, and of the parts those that these feel.
+    pub fn of_rows(&self, rows: &[usize]) -> Self {
+        let on = self.on.select_rows(rows);
+        let felt: Vec<usize> = (0..on.ncols()).filter(|j| on.column(*j).iter().any(|value| *value != 0.0)).collect();
+        Influence { parts: felt.iter().map(|j| self.parts[*j]).collect(), on: on.select_columns(&felt) }
+    }
+
+    /// Covariance that it makes between a number and another that feels the same kind of error, each given as a weighted
+    /// sum of the numbers here.
+    pub fn covariance(&self, weights: &DVector<f64>, other: &Influence, other_weights: &DVector<f64>) -> f64 {
+        let (one, two) = (self.on.tr_mul(weights), other.on.tr_mul(other_weights));
+        let place = |part: &usize| other.parts.binary_search(part).ok();
+        self.parts.iter().zip(one.iter()).filter_map(|(part, value)| Some(value * two[place(part)?])).sum()
+    }
+}
+
+/// A matrix whose product with its own transpose is this covariance.
+pub fn root(covariance: &DMatrix<f64>) -> DMatrix<f64> {
+    let eigen = covariance.clone().symmetric_eigen();
+    let roots = eigen.eigenvalues.map(|value| value.max(0.0).sqrt());
+    eigen.eigenvectors * DMatrix::from_diagonal(&roots)
+}
