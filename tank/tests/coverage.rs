@@ -3,7 +3,7 @@
 //!
 //! The full check takes some minutes:
 //! `cargo test --release -p glidepolar-tank --test coverage -- --ignored --nocapture`
-//! (`COVERAGE_SEEDS` sets the number of campaigns, 200 by default).
+//! (`COVERAGE_SEEDS` sets the number of campaigns, 200 by default, `COVERAGE_FIRST` the first one's seed).
 
 mod support;
 
@@ -49,8 +49,9 @@ fn median_error(misses: &[Miss]) -> f64 {
 #[test]
 #[ignore = "200 campaigns, some minutes"]
 fn intervals_hold_their_promise() {
-    let seeds = std::env::var("COVERAGE_SEEDS").ok().and_then(|n| n.parse().ok()).unwrap_or(200);
-    let (all, warned) = collect(1..seeds + 1, &[]);
+    let number = |name: &str, usual: u64| std::env::var(name).ok().and_then(|n| n.parse().ok()).unwrap_or(usual);
+    let (first, seeds) = (number("COVERAGE_FIRST", 1), number("COVERAGE_SEEDS", 200));
+    let (all, warned) = collect(first..first + seeds, &[]);
     println!("{seeds} campaigns, {warned} with warnings");
     let mut failed = Vec::new();
     for (name, misses) in &all {
