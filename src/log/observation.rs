@@ -55,4 +55,28 @@ impl Observation {
     pub fn descends(&self) -> bool {
         self.pitch_rad < 0.0
     }
+
+    /// What `of` makes of each measured quantity, on this one's leg and dive.
+    pub fn with(&self, of: impl Fn(fn(&Observation) -> f64) -> f64) -> Observation {
+        Observation {
+            time_s: of(|o| o.time_s),
+            pressure_dbar: of(|o| o.pressure_dbar),
+            pressure_rate_dbar_s: of(|o| o.pressure_rate_dbar_s),
+            temperature_C: of(|o| o.temperature_C),
+            density_kg_m3: of(|o| o.density_kg_m3),
+            teos10_density_kg_m3: of(|o| o.teos10_density_kg_m3),
+            teos10_surface_density_kg_m3: of(|o| o.teos10_surface_density_kg_m3),
+            pitch_rad: of(|o| o.pitch_rad),
+            roll_rad: of(|o| o.roll_rad),
+            rudder_rad: of(|o| o.rudder_rad),
+            heading_rad: of(|o| o.heading_rad),
+            ballast_m3: of(|o| o.ballast_m3),
+            battery_forward_m: of(|o| o.battery_forward_m),
+            sink_m_s: of(|o| o.sink_m_s),
+            sink_se_m_s: of(|o| o.sink_se_m_s),
+            sink_rate_m_s2: of(|o| o.sink_rate_m_s2),
+            speed_m_s: of(|o| o.speed_m_s),
+            ..*self
+        }
+    }
 }

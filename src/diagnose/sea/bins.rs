@@ -83,20 +83,11 @@ fn mean(samples: &[&Observation]) -> Bin {
     let (sin, cos) = (of(|o| o.heading_rad.sin()), of(|o| o.heading_rad.cos()));
     Bin {
         mean: Observation {
-            time_s: of(|o| o.time_s),
-            pressure_dbar: of(|o| o.pressure_dbar),
-            pressure_rate_dbar_s: of(|o| o.pressure_rate_dbar_s),
-            temperature_C: of(|o| o.temperature_C),
-            density_kg_m3: of(|o| o.density_kg_m3),
-            pitch_rad: of(|o| o.pitch_rad),
             roll_rad: of(|o| o.roll_rad * o.roll_rad).sqrt(),
             rudder_rad: of(|o| o.rudder_rad * o.rudder_rad).sqrt(),
             heading_rad: sin.atan2(cos),
-            ballast_m3: of(|o| o.ballast_m3),
-            sink_m_s: of(|o| o.sink_m_s),
-            sink_rate_m_s2: of(|o| o.sink_rate_m_s2),
             speed_m_s,
-            ..*samples[0]
+            ..samples[0].with(of)
         },
         sink_sd_m_s: (square_se / n).sqrt().max(1e-4),
         speed_sd_m_s: (scatter.sqrt() / n_speeds.sqrt()).max(LEAST_SPEED_SD_M_S / n_speeds.sqrt()),
