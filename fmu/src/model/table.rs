@@ -77,13 +77,13 @@ pub enum Kind {
 pub enum Slot {
     /// Time.
     Time,
-    /// An input, by its place in [`INPUTS`].
+    /// An input, by its place in the table of inputs.
     Input(usize),
     /// A continuous state.
     State(usize),
     /// The time derivative of a continuous state.
     Derivative(usize),
-    /// An output, by its place in [`OUTPUTS`].
+    /// An output, by its place in the table of outputs.
     Output(usize),
     /// An event indicator.
     Indicator(usize),

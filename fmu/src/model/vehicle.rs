@@ -1,7 +1,7 @@
 //! What an instance starts from: the vehicle that travels with it, or the default one.
 
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glidepolar::dynamics::{Actuation, Parameters};
 use glidepolar::glide::{start, start_in};
@@ -23,10 +23,14 @@ pub struct Vehicle {
 }
 
 impl Default for Vehicle {
-    /// The built-in SLOCUM-like vehicle.
+    /// The built-in SLOCUM-like vehicle. Its text is read once in a process: systems of many instances are common.
     fn default() -> Self {
-        let text = builtin::text(DEFAULT_VEHICLE).expect("the default vehicle is built in");
-        Vehicle::parse(text, DEFAULT_VEHICLE).expect("a built-in vehicle is complete")
+        static BUILT_IN: OnceLock<Vehicle> = OnceLock::new();
+        let read = || {
+            let text = builtin::text(DEFAULT_VEHICLE).expect("the default vehicle is built in");
+            Vehicle::parse(text, DEFAULT_VEHICLE).expect("a built-in vehicle is complete")
+        };
+        BUILT_IN.get_or_init(read).clone()
     }
 }
 
