@@ -9,6 +9,7 @@ mod demo;
 mod fetch_data;
 mod figures;
 mod fmu;
+mod fuzz;
 mod importers;
 mod licences;
 mod pack;
@@ -64,6 +65,8 @@ enum Chore {
     Figures,
     /// Measure speed, cost and scale beside other programs; writes docs/benchmarks.md
     Bench(bench::Choice),
+    /// Look for input that makes a reader of files, or the FMU, panic, hang or take memory without bound
+    Fuzz(fuzz::Choice),
     /// Download real flight logs, as they lie in published source packages, into data/
     FetchData,
 }
@@ -92,6 +95,7 @@ fn run(chore: Chore) -> Result<()> {
         Chore::Demo => demo::run(&workspace),
         Chore::Figures => figures::run(&workspace),
         Chore::Bench(choice) => bench::run(workspace, &choice),
+        Chore::Fuzz(choice) => fuzz::run(&workspace, &choice),
         Chore::FetchData => fetch_data::run(&workspace),
     }
 }

@@ -58,32 +58,31 @@ pub struct Function {
 }
 
 pub struct Loaded {
-    library: libloading::Library,
+    find: Box<dyn Fn(&str) -> AnyFunction>,
     pub two: Vec<Function>,
     pub three: Vec<Function>,
 }
 
 impl Loaded {
-    pub fn new(library: libloading::Library) -> Self {
+    /// The functions as `find` gives them by their names.
+    pub fn new(find: impl Fn(&str) -> AnyFunction + 'static) -> Self {
         let functions = |prefix: &str, table: &str| {
             let entries = table.split(['|', '\n']).map(str::trim).filter(|entry| !entry.is_empty());
             let function = |entry: &str| {
                 let mut words = entry.split_whitespace();
                 let name = format!("{prefix}{}", words.next().unwrap());
                 let kinds = words.map(|word| word.chars().next().unwrap()).collect();
-                // SAFETY: called with arguments of these kinds, see the module.
-                let call = unsafe { *library.get::<AnyFunction>(name.as_bytes()).unwrap() };
+                let call = find(&name);
                 Function { name, kinds, call }
             };
             entries.map(function).collect::<Vec<_>>()
         };
         let (two, three) = (functions("fmi2", FUNCTIONS_2), functions("fmi3", FUNCTIONS_3));
-        Loaded { library, two, three }
+        Loaded { find: Box::new(find), two, three }
     }
 
     pub fn get(&self, name: &str) -> AnyFunction {
-        // SAFETY: as above.
-        unsafe { *self.library.get::<AnyFunction>(name.as_bytes()).unwrap() }
+        (self.find)(name)
     }
 }
 

@@ -12,7 +12,7 @@ mod caller;
 use std::ffi::CString;
 use std::sync::atomic::Ordering;
 
-use caller::{Counter, ERROR, Loaded, Memory, OK, Random, Victim, begin, instantiate, log_3};
+use caller::{AnyFunction, Counter, ERROR, Loaded, Memory, OK, Random, Victim, begin, instantiate, log_3};
 use glidepolar_fmu::model::table::token;
 
 /// Functions without an instance as their first argument.
@@ -34,7 +34,9 @@ fn loaded() -> Loaded {
     let path = [folder.join(&name), folder.parent().unwrap().join(&name)].into_iter().find(|path| path.exists());
     let path = path.expect("cargo builds the shared library beside the tests");
     // SAFETY: the library has no initialisers of its own.
-    Loaded::new(unsafe { libloading::Library::new(&path) }.unwrap())
+    let library = unsafe { libloading::Library::new(&path) }.unwrap();
+    // SAFETY: called with arguments of the kinds that the caller's table says.
+    Loaded::new(move |name| unsafe { *library.get::<AnyFunction>(name.as_bytes()).unwrap() })
 }
 
 fn sequences() -> u64 {
