@@ -48,12 +48,18 @@ impl Schedule {
         let mut schedule = Schedule::default();
         let mut time_column = None;
         for (column, name) in names.iter().enumerate() {
+            let place = Place::line(origin, header_line + 1).column(column + 1);
+            let twice = |name: &str| Err(InputError::new(place.clone(), format!("a second column for `{name}`")));
             if matches!(*name, "time" | "time_s") {
-                time_column = Some(column);
+                if time_column.replace(column).is_some() {
+                    return twice("time");
+                }
             } else if let Some(input) = INPUT_NAMES.iter().position(|known| known == name) {
+                if schedule.inputs.contains(&input) {
+                    return twice(name);
+                }
                 schedule.inputs.push(input);
             } else {
-                let place = Place::line(origin, header_line + 1).column(column + 1);
                 let error = InputError::new(place, format!("unknown input `{}`", printable(name)));
                 return Err(match nearest(name, INPUT_NAMES) {
                     Some(near) => error.help(format!("did you mean `{near}`?")),
@@ -188,6 +194,8 @@ mod tests {
             ("time,current_x_m_s\n0,1\n5,x\n", "inputs.csv:3:2: `x` is no finite number"),
             ("time,current_x_m_s\n0,nan\n", "inputs.csv:2:2"),
             ("time,current_x_m_s\n0,1,5\n", "3 cells where the header has 2"),
+            ("time,u1_N,time_s\n0,1,0\n", "inputs.csv:1:3: a second column for `time`"),
+            ("time,u1_N,u1_N\n0,1,2\n", "inputs.csv:1:3: a second column for `u1_N`"),
             ("time,current_x_m_s\n5,1\n4,1\n", "inputs.csv:3:1: time 4 s comes after a later time"),
         ] {
             let error = parse(text).unwrap_err().to_string();

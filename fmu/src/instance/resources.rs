@@ -119,7 +119,8 @@ fn percent_decoded(text: &str) -> Vec<u8> {
     let bytes = text.as_bytes();
     let (mut decoded, mut i) = (Vec::with_capacity(bytes.len()), 0);
     while i < bytes.len() {
-        let hex = bytes.get(i + 1..i + 3).and_then(|pair| std::str::from_utf8(pair).ok());
+        let digits = bytes.get(i + 1..i + 3).filter(|pair| pair.iter().all(u8::is_ascii_hexdigit));
+        let hex = digits.and_then(|pair| std::str::from_utf8(pair).ok());
         match (bytes[i], hex.and_then(|pair| u8::from_str_radix(pair, 16).ok())) {
             (b'%', Some(byte)) => {
                 decoded.push(byte);
@@ -159,6 +160,7 @@ mod tests {
             ("file:///C:/fmu/resources", "C:/fmu/resources"),
             ("/tmp/plain path", "/tmp/plain path"),
             ("file:///tmp/%zz%4", "/tmp/%zz%4"),
+            ("file:///tmp/%+1", "/tmp/%+1"),
         ] {
             assert_eq!(folder_of_uri(uri).unwrap(), Path::new(folder), "{uri}");
         }
