@@ -156,12 +156,12 @@ fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
     println!("WRONG");
     for wrong in &found.wrong {
         println!(
-            "  {} goes with {}: rms {:.2} mm/s, the measurement explains {:.2} mm/s (p = {:.1e})",
+            "  {} goes with {}: rms {:.2} mm/s, the measurement explains {:.2} mm/s ({})",
             words(&wrong.quantity),
             wrong.regime,
             wrong.rms * 1e3,
             wrong.expected_rms * 1e3,
-            wrong.p_value
+            crate::report::probability(wrong.p_value)
         );
     }
     if found.wrong.is_empty() {
@@ -223,7 +223,12 @@ pub(super) fn verdict(verdict: Verdict) -> &'static str {
 }
 
 fn size(name: &str, estimate: &Estimate) -> String {
-    format!("{name} = {:.4e} +- {:.1e}", estimate.value, estimate.se)
+    format!("{name} = {}{}", crate::report::estimate(estimate.value, estimate.se), unit(estimate))
+}
+
+/// The unit after a number; nothing after one that has none.
+pub(super) fn unit(estimate: &Estimate) -> String {
+    if matches!(estimate.unit.as_str(), "" | "1") { String::new() } else { format!(" {}", estimate.unit) }
 }
 
 pub(super) fn words(name: &str) -> String {

@@ -1,9 +1,9 @@
 //! A diagnosis as a page: for each of the four answers one figure and one sentence.
 
-use super::diagnose::{checked, verdict, words};
+use super::diagnose::{checked, unit, verdict, words};
 use crate::diagnose::sea::SeaDiagnosis;
 use crate::diagnose::{Checked, Diagnosis};
-use crate::report::{Axis, Cell, Figure, Layer, Panel, Report, Section, Table};
+use crate::report::{Axis, Cell, Figure, Layer, Panel, Report, Section, Table, interval, probability, significant};
 
 /// The page of a log's diagnosis.
 pub(super) fn page(vehicle: &str, found: &SeaDiagnosis, trim: &str) -> Report {
@@ -27,7 +27,7 @@ pub(super) fn page(vehicle: &str, found: &SeaDiagnosis, trim: &str) -> Report {
     let [wrong, cause, extension, gain] = sentences;
     report
         .section(Section::new("Wrong").text(wrong).figure(misfit(found)))
-        .section(Section::new("Cause").text(cause).figure(weighed(diagnosis)).table(causes(diagnosis)))
+        .section(named(diagnosis, cause))
         .section(Section::new("Extension").text(extension).figure(flown(found)))
         .section(Section::new("Gain").text(gain).figure(gained(diagnosis)).table(gains(diagnosis)))
         .section(Section::new("Rejected").folded().table(rejected(diagnosis)))
@@ -38,19 +38,30 @@ pub(super) fn page(vehicle: &str, found: &SeaDiagnosis, trim: &str) -> Report {
         )
 }
 
+fn named(found: &Diagnosis, sentence: String) -> Section {
+    let section = Section::new("Cause").text(sentence).figure(weighed(found));
+    if found.causes.is_empty() { section } else { section.table(causes(found)) }
+}
+
 fn wrong(found: &Diagnosis) -> String {
     let Some(worst) = found.wrong.first() else {
         return "The baseline misses the data by no more than measurement and moving water explain.".to_owned();
     };
-    let others: Vec<&str> = found.wrong[1..].iter().map(|wrong| wrong.regime.as_str()).collect();
+    let mut others: Vec<&str> = Vec::new();
+    for wrong in &found.wrong[1..] {
+        // Two quantities may go with one regime: it is said once.
+        if wrong.regime != worst.regime && !others.contains(&wrong.regime.as_str()) {
+            others.push(&wrong.regime);
+        }
+    }
     let others = if others.is_empty() { String::new() } else { format!(", and so it does with {}", others.join(", ")) };
     format!(
-        "The baseline misses the {} by {:.1} mm/s rms where measurement and moving water explain {:.1} mm/s; the misfit goes with {} (p = {:.1e}){others}.",
+        "The baseline misses the {} by {:.1} mm/s rms where measurement and moving water explain {:.1} mm/s; the misfit goes with {} ({}){others}.",
         words(&worst.quantity),
         worst.rms * 1e3,
         worst.expected_rms * 1e3,
         worst.regime,
-        worst.p_value
+        probability(worst.p_value)
     )
 }
 
@@ -63,7 +74,8 @@ fn cause(found: &Diagnosis) -> String {
                 .parameters
                 .iter()
                 .map(|(name, e)| {
-                    format!("{name} = {:.4e} {} (95 %: {:.4e} to {:.4e})", e.value, e.unit, e.ci95[0], e.ci95[1])
+                    let [low, high] = e.ci95;
+                    format!("{name} = {}{} (95 %: {})", significant(e.value, 3), unit(e), interval(low, high))
                 })
                 .collect();
             let sizes =
@@ -120,6 +132,14 @@ fn gain(found: &Diagnosis) -> String {
     format!("On whole glides that the fit did not see the rms error falls: {}.", gains.join("; "))
 }
 
+/// What the residuals are of, for captions: spelt out, the names of the axes would run into each other.
+const QUANTITIES: &str = "w: vertical velocity, v: speed through the water";
+
+fn residual(quantity: &str) -> Axis {
+    let symbol = if quantity == "vertical_velocity" { "Δw" } else { "Δv" };
+    Axis::new("residual", symbol, "mm/s")
+}
+
 /// The baseline's residuals along the covariate with which they go most clearly, and what the extension leaves of them.
 fn misfit(found: &SeaDiagnosis) -> Figure {
     let evidence = &found.evidence;
@@ -129,8 +149,7 @@ fn misfit(found: &SeaDiagnosis) -> Figure {
     let (name, values) = covariate.map_or(("time", &evidence.time_s), |c| (c.name, &c.values));
     let mut figure = Figure::new("wrong", axis(name));
     for quantity in &evidence.quantities {
-        let mut panel =
-            Panel::new(Axis::new(format!("Residual of {}", words(quantity.name)), "", "mm/s")).layer(Layer::at_y(0.0));
+        let mut panel = Panel::new(residual(quantity.name)).layer(Layer::at_y(0.0));
         for (leg, label) in [(1.0, "descents, baseline"), (-1.0, "ascents, baseline")] {
             let rows: Vec<usize> = quantity.rows.clone().filter(|row| evidence.leg[*row] == leg).collect();
             let xs = rows.iter().map(|row| shown(name, values[*row])).collect();
@@ -139,7 +158,9 @@ fn misfit(found: &SeaDiagnosis) -> Figure {
         }
         figure = figure.panel(panel);
     }
-    figure.caption(format!("Measured less modelled, the baseline fitted to all glides, against {name}. A point is about a minute of steady glide."))
+    figure.caption(format!(
+        "Measured less modelled ({QUANTITIES}), the baseline fitted to all glides, against {name}. A point is about a minute of steady glide."
+    ))
 }
 
 /// How much each mechanism explains.
@@ -167,13 +188,15 @@ fn flown(found: &SeaDiagnosis) -> Figure {
         let hours: Vec<f64> = quantity.rows.clone().map(|row| evidence.time_s[row] / 3600.0).collect();
         let of = |residual: &nalgebra::DVector<f64>| quantity.rows.clone().map(|row| residual[row] * 1e3).collect();
         figure = figure.panel(
-            Panel::new(Axis::new(format!("Residual of {}", words(quantity.name)), "", "mm/s"))
+            Panel::new(residual(quantity.name))
                 .layer(Layer::at_y(0.0))
                 .layer(Layer::points(hours.clone(), of(&found.told.before.held_out)).label("baseline"))
                 .layer(Layer::points(hours.clone(), of(&found.told.after.held_out)).label("extension")),
         );
     }
-    figure.caption("Measured less predicted, each glide predicted by a fit to the others, against time.")
+    figure.caption(format!(
+        "Measured less predicted ({QUANTITIES}), each glide predicted by a fit to the others, against time."
+    ))
 }
 
 fn gained(found: &Diagnosis) -> Figure {

@@ -48,6 +48,6 @@ mod ticks;
 mod tests;
 
 pub use figure::{Axis, Dash, Figure, Layer, Panel, Shape};
-pub use number::{estimate, interval, significant, with_interval};
+pub use number::{estimate, interval, probability, significant, with_interval};
 pub use page::{Block, InputFile, Report, Section};
 pub use table::{Cell, Table};

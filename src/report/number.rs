@@ -49,6 +49,12 @@ fn to_shared_place<const N: usize>(values: [f64; N], width: f64) -> [String; N] 
     values.map(|v| significant(v, (exponent_of(v) - place + 1).clamp(2, 12) as usize))
 }
 
+/// A probability of chance: `p = 7.2e-21`; one too small for a number of the machine is below the smallest that is told.
+pub fn probability(p: f64) -> String {
+    const SMALLEST: f64 = 1e-300;
+    if p < SMALLEST { format!("p < {SMALLEST:e}") } else { format!("p = {p:.1e}") }
+}
+
 /// A number to so many significant digits, without a needless exponent: `0.001234`, `5.68e-10`, `12350`.
 pub fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
@@ -104,6 +110,11 @@ pub(super) fn unsigned_zero(text: String) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_probability_is_zero() {
+        assert_eq!([probability(7.24e-21), probability(0.0)], ["p = 7.2e-21", "p < 1e-300"]);
+    }
 
     #[test]
     fn the_error_has_two_digits_and_the_value_ends_at_the_same_place() {

@@ -2,7 +2,7 @@
 
 use glidepolar::diagnose::{Cause, Diagnosis, Verdict};
 use glidepolar::estimate::Estimate;
-use glidepolar::report::{Axis, Cell, Figure, Layer, Panel, Section, Table};
+use glidepolar::report::{Axis, Cell, Figure, Layer, Panel, Section, Table, probability};
 
 use crate::diagnose::mechanisms::in_tank;
 use crate::diagnose::{Diagnoses, RunLeft};
@@ -53,8 +53,12 @@ fn wrong(diagnosis: &Diagnosis) -> String {
                 .collect();
             let also = if also.is_empty() { String::new() } else { format!("; also {}", also.join(", ")) };
             format!(
-                "{} departs from its law with {}: rms {:.2e} where the noise explains {:.2e} (p = {:.0e}){also}.",
-                wrong.quantity, wrong.regime, wrong.rms, wrong.expected_rms, wrong.p_value
+                "{} departs from its law with {}: rms {:.2e} where the noise explains {:.2e} ({}){also}.",
+                wrong.quantity,
+                wrong.regime,
+                wrong.rms,
+                wrong.expected_rms,
+                probability(wrong.p_value)
             )
         }
     }
@@ -104,7 +108,9 @@ pub fn section(results: &Results) -> Option<Section> {
                 .figure(gain_figure(diagnoses, told));
         }
     }
-    section = section.table(causes_table(overall));
+    if !overall.causes.is_empty() {
+        section = section.table(causes_table(overall));
+    }
     if results.hulls.len() > 1 && !overall.causes.is_empty() {
         section = section.table(hulls_table(results, diagnoses));
     }
