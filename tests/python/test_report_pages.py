@@ -44,6 +44,13 @@ REPORTS = {
     "track": (
         "GLIDEPOLAR_COMMAND", "track", "LOG", "--vehicle", "slocum-049", "--fixes", "FIXES", "--quiet", "--out",
     ),  # fmt: skip
+    "identify": (
+        "GLIDEPOLAR_COMMAND", "identify", "SEA_LOG", "--vehicle", "SEA_VEHICLE", "--quiet", "--out",
+    ),  # fmt: skip
+    "diagnose": (
+        "GLIDEPOLAR_COMMAND", "diagnose", "SEA_LOG", "--vehicle", "SEA_VEHICLE", "--quiet", "--out",
+    ),  # fmt: skip
+    "campaign": ("GLIDEPOLAR_TANK_REDUCE", "CAMPAIGN", "--diagnose", "--quiet", "--out"),
     "points": (
         "GLIDEPOLAR_TANK_REDUCE",
         ROOT / "tank/data/suboff_roddy1990.csv",
@@ -57,8 +64,8 @@ REPORTS = {
 
 @pytest.fixture(scope="session")
 def tables(tmp_path_factory) -> dict[str, Path]:
-    """Tables that stand in the commands by a word in capitals: a simulated glider's log with fixes beside it, and the
-    counters of one that pumps 0.03 J per dbar and cc, and 10 J per cc."""
+    """Input that stands in the commands by a word in capitals: a simulated glider's log with fixes beside it, the
+    counters of one that pumps 0.03 J per dbar and cc, and 10 J per cc, and a log and a campaign with something to find."""
     folder = tmp_path_factory.mktemp("tables")
     found = {name: folder / f"{name.lower()}.csv" for name in ("LOG", "FIXES", "MOVES", "DIVES")}
     mission = ROOT / "missions/rising-seabed.toml"
@@ -86,6 +93,12 @@ def tables(tmp_path_factory) -> dict[str, Path]:
     found["MOVES"].write_text("\n".join(["dive,depth_m,vbd_ad_start,vbd_ad_end,vbd_secs,vbd_A,vbd_V", *strokes]) + "\n")
     columns = "dive,duration_s,VBD_CNV_cc_per_count,ah24_cum_Ah,ah24_min_V,ah10_cum_Ah,ah10_min_V"
     found["DIVES"].write_text("\n".join([columns, *dives]) + "\n")
+    sea = [path_from("GLIDEPOLAR_VIRTUAL_SEA"), "--seed", "3", "--effect", "drag_growth", "--hours", "6", "--dives", "8"]
+    subprocess.run([*sea, "--out", folder / "sea"], check=True)
+    found["SEA_LOG"], found["SEA_VEHICLE"] = folder / "sea/log.csv", folder / "sea/vehicle.toml"
+    found["CAMPAIGN"] = folder / "campaign"
+    demo = [path_from("GLIDEPOLAR_TANK_REDUCE"), "demo", found["CAMPAIGN"], "--hull", "LDR8.5", "--effect", "crossflow"]
+    subprocess.run([*demo, "--quiet"], check=True)
     return found
 
 
