@@ -117,6 +117,11 @@ pub fn section(results: &Results) -> Option<Section> {
     Some(section.table(rejected_table(overall)))
 }
 
+/// The symbol of a departure, the coefficient written as the other figures write it: `CL` as `ΔC_L`.
+fn residual_of(name: &str) -> String {
+    name.strip_prefix('C').map_or_else(|| format!("Δ{name}"), |of| format!("ΔC_{of}"))
+}
+
 /// WRONG: what the baseline leaves, against angle.
 fn wrong_figure(diagnoses: &Diagnoses, names: &[&str]) -> Figure {
     let mut figure = angle_figure("diagnosis-wrong").caption(
@@ -126,7 +131,7 @@ fn wrong_figure(diagnoses: &Diagnoses, names: &[&str]) -> Figure {
         let sd = diagnoses.runs.iter().map(|run| run.sd[k]).sum::<f64>() / diagnoses.runs.len() as f64;
         let (low, high) = angles(diagnoses);
         let band = TWO_SIDED * sd;
-        let panel = Panel::new(Axis::new("residual", format!("Δ{name}"), ""))
+        let panel = Panel::new(Axis::new("residual", residual_of(name), ""))
             .layer(Layer::band(vec![low, high], vec![-band; 2], vec![band; 2]))
             .layer(Layer::at_y(0.0));
         figure = figure.panel(by_hull(panel, diagnoses, names, |run| run.before[k]));
@@ -140,7 +145,7 @@ fn cause_figure(diagnoses: &Diagnoses, names: &[&str], overall: &Diagnosis) -> F
     let mut figure = angle_figure("diagnosis-cause")
         .caption(format!("Cause: what {} changes in the model of every run.", causes.join(" with ")));
     for (k, name) in NAMES.into_iter().enumerate() {
-        let panel = Panel::new(Axis::new("explained", format!("Δ{name}"), "")).layer(Layer::at_y(0.0));
+        let panel = Panel::new(Axis::new("explained", residual_of(name), "")).layer(Layer::at_y(0.0));
         figure = figure.panel(by_hull(panel, diagnoses, names, |run| run.before[k] - run.after[k]));
     }
     figure
@@ -169,7 +174,7 @@ fn extension_figure(diagnoses: &Diagnoses, names: &[&str], told: usize) -> Figur
 /// GAIN: errors on runs that no fit saw, without and with the causes.
 fn gain_figure(diagnoses: &Diagnoses, told: usize) -> Figure {
     let name = NAMES[told];
-    let mut panel = Panel::new(Axis::new("held-out error", format!("Δ{name}"), "")).layer(Layer::at_y(0.0));
+    let mut panel = Panel::new(Axis::new("held-out error", residual_of(name), "")).layer(Layer::at_y(0.0));
     for (slot, label) in ["without the causes", "with them"].into_iter().enumerate() {
         let xs = diagnoses.runs.iter().map(|run| run.yaw_deg).collect();
         let ys = diagnoses.runs.iter().map(|run| run.held_out[slot][told]).collect();
