@@ -20,7 +20,7 @@ use crate::hull_tests::{ReducedHull, Source};
 
 pub use effect::{Effect, Lateral, Look, effect};
 pub use stability::PitchStability;
-pub use surface::{Figure, Surface, ittc_57, plate_friction};
+pub use surface::{Figure, Surface, ittc_57, plate_friction, wing_lift_slope_per_rad};
 
 /// An external sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -60,9 +60,7 @@ impl Surface {
 
     /// Lift slope on its own area \[1/rad\].
     pub fn lift_slope_per_rad(&self) -> Figure {
-        let ratio = self.aspect_ratio();
-        let value = 2.0 * PI * ratio / (2.0 + (ratio * ratio * (1.0 + self.sweep_rad.tan().powi(2)) + 4.0).sqrt());
-        Figure { value, se: LIFT_SLOPE_ERROR * value }
+        wing_lift_slope_per_rad(self.aspect_ratio(), self.sweep_rad)
     }
 
     /// Growth of the drag coefficient with the square of the angle of attack, on its own area \[1/rad2\].
@@ -88,6 +86,13 @@ impl Surface {
     pub fn added_mass_kg(&self, density_kg_m3: f64) -> f64 {
         density_kg_m3 * PI * (0.5 * self.chord_m).powi(2) * self.span_m
     }
+}
+
+/// Lift slope of a plain wing on its own area \[1/rad\].
+pub fn wing_lift_slope_per_rad(aspect_ratio: f64, sweep_rad: f64) -> Figure {
+    let root = (aspect_ratio * aspect_ratio * (1.0 + sweep_rad.tan().powi(2)) + 4.0).sqrt();
+    let value = 2.0 * PI * aspect_ratio / (2.0 + root);
+    Figure { value, se: LIFT_SLOPE_ERROR * value }
 }
 
 /// Friction of a flat plate, one side.

@@ -10,7 +10,7 @@ use crate::diagnose::sea::{SeaDiagnosis, SeaError, SeaProblem, Settings, diagnos
 use crate::diagnose::{Check, Checked, Diagnosis, Point, Problem, Verdict};
 use crate::dynamics::parameter_index;
 use crate::estimate::Estimate;
-use crate::identify::identifiability::built_up_lift_slope;
+use crate::identify::outside::built_up_lift_slope;
 use crate::output::{Replace, write_whole};
 use crate::report::InputFile;
 use crate::vehicle::Vehicle;
@@ -64,7 +64,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let has_speed = log.observations.iter().any(|o| o.speed_m_s.is_finite());
     let built_up = if has_speed || arguments.pin_lift.is_some() { None } else { built_up_lift_slope(&vehicle) };
     if let Some((lift, _)) = built_up {
-        hold_lift(&mut vehicle, lift)?;
+        hold_lift(&mut vehicle, lift.value)?;
     }
     let settings = Settings { fit_lift: arguments.pin_lift.is_none() && built_up.is_none(), ..Settings::default() };
     let parameters = vehicle.glide_parameters();
@@ -78,7 +78,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         }
     })?;
     if let Some((lift, source)) = built_up {
-        let held = format!("no measured speed: the lift slope is held at {lift:.1} per rad: {source}");
+        let held = format!("no measured speed: the lift slope is held at {:.1} per rad: {source}", lift.value);
         found.told.diagnosis.warnings.push(held);
     }
     found.told.diagnosis.warnings.extend(log.notes.iter().cloned());

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::{CliError, Output, identify_page, vehicle_input};
-use crate::identify::{Identification, IdentifyError, Report, Request, Trim, Unsteady, identify, paper_form};
+use crate::identify::{Given, Identification, IdentifyError, Report, Request, Trim, Unsteady, identify, paper_form};
 use crate::input::{InputError, Place};
 use crate::log::{
     Channel, Columns, Condenser, MOST_OBSERVATIONS, Observation, Opened, Preparation, Settings, Shorten, open,
@@ -40,8 +40,8 @@ pub struct Arguments {
     /// Fit this parameter, too (repeat); a, b, c or ballast_offset_kg: fit it whatever the data say
     #[arg(long, value_name = "NAME")]
     free: Vec<String>,
-    /// Hold this parameter (repeat)
-    #[arg(long, value_name = "NAME=VALUE", allow_hyphen_values = true)]
+    /// Hold this parameter (repeat); with a standard error, the others' errors take it in: a=21+-3
+    #[arg(long, value_name = "NAME=VALUE[+-SE]", allow_hyphen_values = true)]
     pin: Vec<String>,
     /// Fly the dives through time, with added mass: turns and accelerating samples take part
     #[arg(long)]
@@ -272,15 +272,25 @@ fn write_page(arguments: &Arguments, page: Page, folder: &OutputFolder) -> Resul
     Ok(page.write(folder)?)
 }
 
-fn pins(texts: &[String]) -> Result<Vec<(String, f64)>, CliError> {
+fn pins(texts: &[String]) -> Result<Vec<Given>, CliError> {
     texts
         .iter()
         .map(|text| {
-            text.split_once('=')
-                .and_then(|(name, value)| Some((name.to_owned(), value.parse::<f64>().ok().filter(|v| v.is_finite())?)))
-                .ok_or_else(|| CliError::Usage(format!("--pin {text}: expected NAME=VALUE with a number")))
+            pin(text).ok_or_else(|| {
+                CliError::Usage(format!("--pin {text}: expected NAME=VALUE or NAME=VALUE+-SE with numbers"))
+            })
         })
         .collect()
+}
+
+fn pin(text: &str) -> Option<Given> {
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|value| value.is_finite());
+    let (name, value) = text.split_once('=')?;
+    let (value, se) = match value.split_once("+-") {
+        Some((value, se)) => (value, Some(number(se).filter(|&se| se > 0.0)?)),
+        None => (value, None),
+    };
+    Some(Given { name: name.to_owned(), value: number(value)?, se })
 }
 
 impl From<IdentifyError> for CliError {
@@ -311,7 +321,10 @@ fn print(report: &Report, found: &Identification) {
     for (name, quantity) in &report.parameters {
         let Some(q) = quantity else { continue };
         match report.pinned.get(name) {
-            Some(pin) => println!("{name:<30} {:>12}   held: {}", figure(q.value), pin.source),
+            Some(pin) => {
+                let se = pin.se.map_or_else(|| "-".to_owned(), figure);
+                println!("{name:<30} {:>12} {se:>11}   held: {}", figure(q.value), pin.source);
+            }
             None => println!(
                 "{name:<30} {:>12} {:>11}   {:>12} {:>12}  {}",
                 figure(q.value),
@@ -324,6 +337,10 @@ fn print(report: &Report, found: &Identification) {
     }
     for (name, pin) in &report.pinned {
         println!("  {name} is held: {}", pin.reason);
+        let moves: Vec<String> = pin.moves.iter().map(|(name, by)| format!("{name} by {}", signed(*by))).collect();
+        if !moves.is_empty() {
+            println!("    one standard error more of it moves {}", moves.join(", "));
+        }
     }
     println!();
     let fit = &report.fit;
@@ -384,6 +401,10 @@ fn print(report: &Report, found: &Identification) {
     for note in &report.notes {
         println!("note: {note}");
     }
+}
+
+fn signed(value: f64) -> String {
+    format!("{}{}", if value < 0.0 { '-' } else { '+' }, figure(value.abs()))
 }
 
 /// Four significant digits, as short as they can be written.

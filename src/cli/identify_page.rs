@@ -145,15 +145,19 @@ fn findings(report: &Report) -> Vec<String> {
 
 fn parameter_table(report: &Report) -> Table {
     let mut table = Table::new(
-        format!("Baseline: {}. Standard errors leave out one dive at a time.", report.trim_meaning),
+        format!(
+            "Baseline: {}. Standard errors leave out one dive at a time, and hold the errors of what is held.",
+            report.trim_meaning
+        ),
         ["Parameter", "Value", "95 % interval", "Unit", "Told by the data"],
     );
     for (name, quantity) in &report.parameters {
         let Some(q) = quantity else { continue };
         let held = report.pinned.contains_key(name);
+        let in_doubt = q.se > 0.0;
         table.push([
             Cell::from(name.as_str()),
-            if held { Cell::number(q.value, 4) } else { Cell::estimate(q.value, q.se) },
+            if in_doubt { Cell::estimate(q.value, q.se) } else { Cell::number(q.value, 4) },
             if held { Cell::from("held") } else { Cell::interval((q.ci95[0], q.ci95[1])) },
             Cell::from(q.unit.as_str()),
             Cell::from(if report.identifiable.get(name).copied().unwrap_or(false) { "yes" } else { "no" }),

@@ -6,10 +6,12 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::data::{Dive, by_dive};
+use super::held::{Carried, Doubt, carry, doubts_of};
 use super::holdout::hold_out;
-use super::identifiability::{Pin, ProfilePoint, built_up_lift_slope, is_identified, profile};
+use super::identifiability::{ProfilePoint, is_identified, profile};
 use super::inflections::{Inflections, UNSTEADY_ONLY, Unsteady, inflections};
 use super::joint::{Fit, IdentifyError, Question, fit};
+use super::outside::{Pin, doubts, from_outside};
 use super::pitch_balance::{PitchBalance, pitch_balance};
 use super::residuals::{Score, ScoreSums, residuals};
 use super::trim::Trim;
@@ -25,10 +27,21 @@ pub struct Request {
     pub trim: Trim,
     /// Parameters to free besides a, b, c and the ballast offset; naming one of these frees it whatever the data say.
     pub free: Vec<String>,
-    /// Parameters to hold, with their values.
-    pub pin: Vec<(String, f64)>,
+    /// Parameters to hold.
+    pub pin: Vec<Given>,
     /// Whether, and how, dives are flown through time, inflections included.
     pub unsteady: Option<Unsteady>,
+}
+
+/// A parameter that the user holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Given {
+    /// Its name, short or long.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// Standard error of that value; without one it is taken for exact, and the report says so.
+    pub se: Option<f64>,
 }
 
 /// The result.
@@ -122,22 +135,26 @@ pub fn identify(
         return Err(IdentifyError::NeedsUnsteady((*name).to_owned()));
     }
 
-    for (name, value) in &request.pin {
+    for Given { name, value, se } in &request.pin {
         let row = parameter_index(long_name(name)).ok_or_else(|| IdentifyError::UnknownParameter(name.clone()))?;
         *baseline.at(row) = *value;
         free.retain(|free| *free != PARAMETERS[row].name);
-        let pin = Pin { value: *value, source: "given by the user".to_owned(), reason: "held as asked".to_owned() };
+        let reason = match se {
+            Some(_) => "held as asked",
+            None => "held as asked, taken for exact: what is fitted beside it knows no error of it",
+        };
+        let pin = Pin::new(*value, *se, "given by the user".to_owned(), reason.to_owned());
         pinned.insert(short_name(PARAMETERS[row].name).to_owned(), pin);
     }
     if !has_speed && free.contains(&"a_per_rad") && !asked.contains(&"a_per_rad") {
-        let (value, source) = outside_lift_slope(vehicle);
+        let (value, se, source) = from_outside(vehicle, parameter_index("a_per_rad").expect("a row of the table"));
         baseline.a_per_rad = value;
         baseline.ascent_a_ratio = 1.0;
         free.retain(|name| *name != "a_per_rad");
         let reason = "vertical velocity alone does not tell the lift slope: what a smaller angle of attack changes, a \
                       larger b takes back; a measured speed through the water would tell it"
             .to_owned();
-        pinned.insert("a".to_owned(), Pin { value, source, reason });
+        pinned.insert("a".to_owned(), Pin::new(value, se, source, reason));
     }
     if !has_speed && asked.contains(&"a_per_rad") {
         warnings.push(
@@ -156,6 +173,7 @@ pub fn identify(
     // Parameters that the data do not tell are pinned, the worst first, until all that are left can be told.
     let mut question = Question::new(baseline, &free)?;
     let mut fitted = fit(&question, &mut dives)?;
+    carry(&mut fitted, &mut &mut dives[..], &doubts(vehicle, &baseline, &pinned));
     loop {
         let unknown = (0..fitted.free.len())
             .filter(|&i| !is_identified(&fitted, i) && !asked.contains(&PARAMETERS[fitted.free[i]].name))
@@ -165,22 +183,21 @@ pub fn identify(
         let Some(position) = unknown.filter(|_| dives.len() >= 2) else { break };
         let row = fitted.free[position];
         let info = &PARAMETERS[row];
-        let (value, source) = match info.name {
-            "a_per_rad" => outside_lift_slope(vehicle),
-            _ => (baseline.as_array()[row], format!("vehicle `{}`", vehicle.name)),
-        };
+        let (value, se, source) = from_outside(vehicle, row);
         let reason = format!(
             "these data leave it open: fitted freely it would be {:.3} +- {:.3} {}",
             fitted.value(row),
             fitted.se(position),
             info.unit
         );
-        pinned.insert(short_name(info.name).to_owned(), Pin { value, source, reason });
+        pinned.insert(short_name(info.name).to_owned(), Pin::new(value, se, source, reason));
         *baseline.at(row) = value;
         free.retain(|name| *name != info.name);
         question = Question::new(baseline, &free)?;
         fitted = fit(&question, &mut dives)?;
+        carry(&mut fitted, &mut &mut dives[..], &doubts(vehicle, &baseline, &pinned));
     }
+    let doubts = doubts(vehicle, &baseline, &pinned);
 
     let mut sums = ScoreSums::default();
     for dive in &dives {
@@ -193,18 +210,33 @@ pub fn identify(
             for name in asked.iter().filter(|name| UNSTEADY_ONLY.contains(name)) {
                 moving.free.extend(parameter_index(name));
             }
-            Some(inflections(&moving, &fitted.parameters, observations, unsteady)?)
+            let mut flown = inflections(&moving, &fitted.parameters, observations, unsteady)?;
+            carry(&mut flown.fit, &mut flown.passages, &doubts);
+            Some(flown)
         }
         None => None,
     };
-    let polar = inflections.as_ref().map_or(&fitted.parameters, |flown| &flown.fit.parameters);
-    let pitch_balance = pitch_balance(vehicle, polar, &dives)?;
+    let polar = inflections.as_ref().map_or(&fitted, |flown| &flown.fit);
+    for carried in &polar.carried {
+        let moves = polar.free.iter().map(|&row| short_name(PARAMETERS[row].name).to_owned());
+        let moves: BTreeMap<String, f64> = moves.zip(carried.moves.iter().copied()).collect();
+        let pin = pinned.entry(carried.doubt.name.clone()).or_insert_with(|| as_the_vehicle_has_it(vehicle, carried));
+        pin.moves = moves;
+    }
+    // The balance of moments rests on the polar, whose errors are correlated, and on what else is held in it.
+    let is_in_polar = |doubt: &&Doubt| polar.carried.iter().any(|carried| carried.doubt.name == doubt.name);
+    let mut of_moments = doubts_of(polar);
+    of_moments.extend(doubts.iter().filter(|doubt| !is_in_polar(doubt)).cloned());
+    let pitch_balance = pitch_balance(vehicle, &polar.parameters, &dives, &of_moments)?;
     let legs = legs_apart(&question, &fitted, &dives);
     let a = fitted.parameters.a_per_rad;
     let values: Vec<f64> = [0.3, 0.45, 0.6, 0.8, 1.0, 1.3, 1.8, 2.6].iter().map(|factor| factor * a).collect();
     let profile = profile(&question, &fitted.parameters, "a_per_rad", &values, &dives).unwrap_or_default();
 
     warn(&mut warnings, &fitted, &dives, has_speed);
+    if let Some(carried) = fitted.carried.iter().find(|carried| carried.doubt.name == "a") {
+        warnings.push(speed_in_doubt(&fitted, carried, &dives));
+    }
     if pitch_balance.as_ref().is_some_and(|balance| !balance.told) {
         warnings.push(
             "d and the height of the centre of gravity rest on the arm of the ballast, which these data do not tell: give the vehicle its `ballast.forward_m`"
@@ -228,10 +260,12 @@ pub fn identify(
     })
 }
 
-/// A lift slope from outside the log: the user's own vehicle, or the build-up for a winged Slocum.
-fn outside_lift_slope(vehicle: &Vehicle) -> (f64, String) {
-    let own = || (vehicle.glide_parameters().a_per_rad, format!("vehicle `{}`", vehicle.name));
-    built_up_lift_slope(vehicle).map_or_else(own, |(a, source)| (a, source.to_owned()))
+/// Something that nobody asked for and that the vehicle states with an error.
+fn as_the_vehicle_has_it(vehicle: &Vehicle, carried: &Carried) -> Pin {
+    let (row, se) = carried.doubt.along[0];
+    let value = vehicle.glide_parameters().as_array()[row];
+    let reason = "not asked for; the vehicle states its error".to_owned();
+    Pin::new(value, Some(se.abs()), format!("vehicle `{}`", vehicle.name), reason)
 }
 
 /// The tank paper's own comparison: each leg fitted with the trim as it is, then both with one offset.
@@ -260,6 +294,29 @@ fn legs_apart(question: &Question, joint: &Fit, dives: &[Dive]) -> Option<LegsAp
         ballast_offset_kg: joint.parameters.ballast_offset_kg,
         joint_w_rms_m_s: joint.tally.sink.rms(),
     })
+}
+
+/// What the error of a held lift slope does to the speed, in a sentence.
+fn speed_in_doubt(fitted: &Fit, carried: &Carried, dives: &[Dive]) -> String {
+    let mean_speed = |parameters: &Parameters<f64>| {
+        let speeds = dives.iter().flat_map(|dive| residuals(parameters, &dive.observations));
+        let (n, sum) = speeds
+            .map(|r| r.predicted_speed_m_s)
+            .filter(|speed| speed.is_finite())
+            .fold((0usize, 0.0), |(n, sum), speed| (n + 1, sum + speed));
+        sum / n as f64
+    };
+    let mut moved = fitted.parameters;
+    for (row, by) in carried.whole(&fitted.free).along {
+        *moved.at(row) += by;
+    }
+    let (mean, with) = (mean_speed(&fitted.parameters), mean_speed(&moved));
+    format!(
+        "the lift slope is held at {:.1} +- {:.1} per rad: one such standard error moves the mean speed of {mean:.3} m/s by {:.3} m/s, and b and c as the report says",
+        fitted.parameters.a_per_rad,
+        carried.doubt.along.iter().map(|(_, by)| by.abs()).sum::<f64>(),
+        (with - mean).abs()
+    )
 }
 
 fn warn(warnings: &mut Vec<String>, fitted: &Fit, dives: &[Dive], has_speed: bool) {

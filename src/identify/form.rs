@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::campaign::{Identification, LegsApart, long_name, short_name};
-use super::identifiability::{Pin, ProfilePoint, is_identified};
+use super::identifiability::{ProfilePoint, is_identified};
 use super::inflections::Comparison;
 use super::joint::Fit;
+use super::outside::Pin;
 use super::pitch_balance::{PitchBalance, PitchBalanceSummary};
 use super::quantity::estimate;
 use super::trim::Trim;
@@ -121,17 +122,18 @@ impl Identification {
             }
             pinned.extend(balance.pinned.iter().map(|(name, pin)| (short_name(name).to_owned(), pin.clone())));
             let (below, se) = balance.cg_below_cb_m();
-            parameters.insert("cg_below_cb_m".to_owned(), Some(estimate(below, se, self.freedom(), "m")));
+            let freedom =
+                balance.fit.position("offset_mass_below_m").map_or(1.0, |i| balance.fit.degrees_of_freedom(i));
+            parameters.insert("cg_below_cb_m".to_owned(), Some(estimate(below, se, freedom, "m")));
             identifiable.insert("cg_below_cb_m".to_owned(), balance.told);
         }
         for (short, pin) in &pinned {
             let row = parameter_index(long_name(short)).expect("a pinned parameter is a row");
-            let held =
-                Estimate { value: pin.value, se: 0.0, ci95: [pin.value; 2], unit: PARAMETERS[row].unit.to_owned() };
+            let held = Estimate::normal(pin.value, pin.se.unwrap_or(0.0), PARAMETERS[row].unit);
             parameters.insert(short.clone(), Some(held));
             identifiable.insert(short.clone(), false);
         }
-        let correlations = correlation(&fit.covariance);
+        let correlations = correlation(&fit.whole_covariance());
         let (score, held) = match &self.inflections {
             Some(flown) => (flown.score, flown.held_out),
             None => (self.score, self.held_out),
@@ -176,11 +178,6 @@ impl Identification {
         }
     }
 
-    /// Degrees of freedom of a standard error: dives are the independent unit.
-    fn freedom(&self) -> f64 {
-        (self.dives.len() as f64 - 1.0).max(1.0)
-    }
-
     fn tell(
         &self,
         fit: &Fit,
@@ -189,7 +186,7 @@ impl Identification {
     ) {
         for (i, &row) in fit.free.iter().enumerate() {
             let name = short_name(PARAMETERS[row].name).to_owned();
-            let quantity = estimate(fit.value(row), fit.se(i), self.freedom(), PARAMETERS[row].unit);
+            let quantity = estimate(fit.value(row), fit.se(i), fit.degrees_of_freedom(i), PARAMETERS[row].unit);
             parameters.insert(name.clone(), Some(quantity));
             identifiable.insert(name, is_identified(fit, i));
         }

@@ -12,49 +12,13 @@ use serde::Serialize;
 use super::data::Dive;
 use super::joint::{Fit, IdentifyError, Question, fit};
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
-use crate::vehicle::Vehicle;
-
-/// A parameter that was held, at what, and why.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Pin {
-    /// Its value.
-    pub value: f64,
-    /// Where the value comes from.
-    pub source: String,
-    /// Why it is not fitted.
-    pub reason: String,
-}
-
-/// What the build-up says of the lift slope of a built-in vehicle \[1/rad\], with its source: a built-in Slocum stands for
-/// any Slocum, wings and all, where the slopes in its file are those of a paper's tank hull or model.
-pub fn built_up_lift_slope(vehicle: &Vehicle) -> Option<(f64, &'static str)> {
-    let is_slocum = vehicle.is_builtin && vehicle.name.to_lowercase().contains("slocum");
-    is_slocum.then(|| {
-        let source = "build-up of a winged Slocum: wing of aspect ratio 7 swept by 43 deg, hull 3.8 per rad on 0.1 m2";
-        (slocum_lift_slope_per_rad(vehicle.glide_parameters().frontal_area_m2), source)
-    })
-}
-
-/// Lift slope of a winged Slocum by build-up, on its frontal area \[1/rad\].
-///
-/// Wing of aspect ratio 7, swept by 43 deg (Merckelbach et al. 2019), after Polhamus:
-/// `2 pi A / (2 + sqrt(A^2 (1 + tan^2 sweep) + 4))` = 3.73 per rad; hull 3.8 per rad; both on 0.1 m2.
-pub fn slocum_lift_slope_per_rad(frontal_area_m2: f64) -> f64 {
-    const ASPECT_RATIO: f64 = 7.0;
-    const SWEEP_DEG: f64 = 43.0;
-    const HULL_PER_RAD: f64 = 3.8;
-    const REFERENCE_AREA_M2: f64 = 0.1;
-    let tangent = SWEEP_DEG.to_radians().tan();
-    let root = (ASPECT_RATIO * ASPECT_RATIO * (1.0 + tangent * tangent) + 4.0).sqrt();
-    let wing = 2.0 * std::f64::consts::PI * ASPECT_RATIO / (2.0 + root);
-    (wing + HULL_PER_RAD) * REFERENCE_AREA_M2 / frontal_area_m2
-}
 
 /// How far a parameter must be known to count as identified: half of its 95 % interval against its own size, or
-/// against what is usual where its natural value is none.
+/// against what is usual where its natural value is none. Given what is held: whether these data tell it, not how well it is
+/// known in the end.
 pub fn is_identified(fit: &Fit, position: usize) -> bool {
     let row = fit.free[position];
-    let half = 2.0 * fit.se(position);
+    let half = 2.0 * fit.scatter_se(position);
     let info = &PARAMETERS[row];
     let usual = match info.name {
         "a_per_rad" => 0.5 * fit.value(row).abs(),

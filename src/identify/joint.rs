@@ -8,13 +8,14 @@
 //! several starts, on a part of the samples first. Standard errors: [`Fit::covariance`].
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use nalgebra_lm as lm;
 
 use super::blocks::Blocks;
 use super::data::Dive;
 use super::evaluate::{MOST_FREE, Tally, Weights};
 use super::gram::Gram;
+use super::held::Carried;
 use super::uncertainty::jackknife;
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
 
@@ -45,7 +46,8 @@ impl Question {
             }
             rows.push(row);
         }
-        if rows.len() > MOST_FREE {
+        // One place is kept for what is held, whose error goes to the others.
+        if rows.len() >= MOST_FREE {
             return Err(IdentifyError::TooMany { asked: rows.len() });
         }
         Ok(Question { baseline, free: rows, use_speed: true, several_starts: true })
@@ -82,7 +84,7 @@ pub enum IdentifyError {
     #[error("the parameter `{0}` is asked for twice")]
     Twice(String),
     /// More than the solver takes.
-    #[error("{asked} parameters are free, {MOST_FREE} can be")]
+    #[error("{asked} parameters are free, {} can be", MOST_FREE - 1)]
     TooMany {
         /// How many were asked for.
         asked: usize,
@@ -116,6 +118,8 @@ pub struct Fit {
     pub chi2: f64,
     /// Covariance of the free parameters, dives as the independent unit.
     pub covariance: DMatrix<f64>,
+    /// What the errors of held parameters do to the free ones.
+    pub carried: Vec<Carried>,
     /// Evaluations of all samples.
     pub evaluations: usize,
     /// Whether the minimum was reached within the limits of the solver.
@@ -134,9 +138,31 @@ impl Fit {
         self.parameters.as_array()[row]
     }
 
-    /// The standard error of the free parameter at this position.
-    pub fn se(&self, position: usize) -> f64 {
+    /// The standard error of the free parameter at this position by the scatter between dives, what was held taken for exact.
+    pub fn scatter_se(&self, position: usize) -> f64 {
         self.covariance[(position, position)].max(0.0).sqrt()
+    }
+
+    /// The standard error of the free parameter at this position, the errors of what was held in it.
+    pub fn se(&self, position: usize) -> f64 {
+        let moves = self.carried.iter().map(|carried| carried.moves[position].powi(2));
+        (self.covariance[(position, position)].max(0.0) + moves.sum::<f64>()).sqrt()
+    }
+
+    /// Covariance of the free parameters, the errors of what was held in it.
+    pub fn whole_covariance(&self) -> DMatrix<f64> {
+        self.carried.iter().fold(self.covariance.clone(), |sum, carried| {
+            let moves = DVector::from_column_slice(&carried.moves);
+            sum + &moves * moves.transpose()
+        })
+    }
+
+    /// Degrees of freedom of that standard error: those of the dives for what they scatter, none lost by what was held
+    /// (Welch and Satterthwaite).
+    pub fn degrees_of_freedom(&self, position: usize) -> f64 {
+        let dives = self.grams.iter().filter(|gram| gram.rows > 0).count() as f64 - 1.0;
+        let share = self.covariance[(position, position)] / self.se(position).powi(2);
+        if share.is_finite() && share > 0.0 { dives / (share * share) } else { dives }
     }
 }
 
@@ -217,6 +243,7 @@ impl<'a> Solver<'a> {
             tally,
             chi2: Gram::sum(n, &self.grams).sum_of_squares(),
             covariance: jackknife(n, &self.grams),
+            carried: Vec::new(),
             grams: self.grams,
             evaluations: self.evaluations,
             converged: self.converged,

@@ -3,6 +3,7 @@
 //! - [`identify()`]: the whole identification of one log, with what it cannot tell.
 //! - [`joint`]: any parameters from all samples at once, exact slopes, standard errors by dives.
 //! - [`unsteady`]: the same on dives flown through time, turns and all.
+//! - [`held`]: the errors of what was held, carried to what was fitted.
 //! - [`pitch_balance`]: d and the height of the centre of gravity from battery, ballast and pitch.
 //! - [`evaluate()`], [`Gram`]: residuals over all dives in bounded memory.
 //!
@@ -14,11 +15,13 @@ mod data;
 mod evaluate;
 mod form;
 mod gram;
+pub mod held;
 pub mod holdout;
 pub mod identifiability;
 pub mod inflections;
 pub mod joint;
 pub mod model;
+pub mod outside;
 pub mod paper;
 pub mod paper_form;
 pub mod pitch_balance;
@@ -29,14 +32,16 @@ mod trim;
 pub mod uncertainty;
 pub mod unsteady;
 
-pub use campaign::{Identification, Request, identify};
+pub use campaign::{Given, Identification, Request, identify};
 pub use data::{Dive, by_dive, ranges};
 pub use evaluate::{MOST_FREE, Scatter, Tally, Weights, evaluate};
 pub use form::{CorrelationTable, FitQuality, Report};
 pub use gram::Gram;
+pub use held::{Carried, Doubt};
 pub use inflections::Unsteady;
 pub use joint::{Fit, IdentifyError, Question, fit};
 pub use model::{Prediction, predict};
+pub use outside::Pin;
 pub use quantity::{estimate, student_975};
 pub use residuals::{Residual, Score, ScoreSums, residuals};
 pub use trim::Trim;

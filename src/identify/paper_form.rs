@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::form::{CorrelationTable, FitQuality};
-use super::identifiability::Pin;
+use super::outside::Pin;
 use super::paper::{Campaign, Coefficients, campaign, mean_glides};
 use super::residuals::{ScoreSums, residuals};
 use super::trim::Trim;

@@ -12,7 +12,7 @@ use crate::glide::{Attitude, at_path, at_pitch};
 use crate::log::Observation;
 use crate::vehicle::Vehicle;
 
-fn glider() -> (Vehicle, Parameters<f64>) {
+pub(super) fn glider() -> (Vehicle, Parameters<f64>) {
     let vehicle = Vehicle::load("slocum-graver").expect("a built-in vehicle");
     let mut p = vehicle.glide_parameters();
     (p.a_per_rad, p.b, p.c_per_rad2, p.ballast_offset_kg) = (18.0, 0.4, 8.0, 0.05);
@@ -25,7 +25,7 @@ fn water(p: &Parameters<f64>) -> Surroundings<f64> {
 }
 
 /// One sample of a glide at this path angle and speed, by the closed form; mass and pitch follow from the forces.
-fn sample(p: &Parameters<f64>, path_deg: f64, speed_m_s: f64, dive: u32, time_s: f64) -> Observation {
+pub(super) fn sample(p: &Parameters<f64>, path_deg: f64, speed_m_s: f64, dive: u32, time_s: f64) -> Observation {
     sample_in(p, &water(p), path_deg, speed_m_s, dive, time_s)
 }
 
@@ -296,7 +296,7 @@ fn the_balance_of_moments_returns_d_and_the_height_of_the_centre_of_gravity() {
         ballast_forward_m: 0.0,
         ..truth
     };
-    let found = pitch_balance(&vehicle, &known, &by_dive(&all)).unwrap().expect("a battery that moves");
+    let found = pitch_balance(&vehicle, &known, &by_dive(&all), &[]).unwrap().expect("a battery that moves");
     let p = found.fit.parameters;
     assert!((p.d_per_rad - truth.d_per_rad).abs() < 1e-4, "d {}", p.d_per_rad);
     assert!((p.ballast_forward_m - 0.5).abs() < 1e-5, "arm {}", p.ballast_forward_m);
@@ -326,7 +326,7 @@ fn battery_and_ballast_that_move_together_are_not_told_apart() {
             }
         }
     }
-    let found = pitch_balance(&vehicle, &truth, &by_dive(&all)).unwrap().expect("a battery that moves");
+    let found = pitch_balance(&vehicle, &truth, &by_dive(&all), &[]).unwrap().expect("a battery that moves");
     assert!(found.pinned.contains_key("ballast_forward_m"), "{:?}", found.pinned);
     assert!(!found.told);
 }

@@ -42,6 +42,17 @@ fn comet_speed_on_dives_that_were_not_seen() {
 }
 
 #[test]
+fn comet_with_friction_that_falls_along_the_ittc_line_meets_vertical_velocity_better() {
+    // d ln Cf/d ln Re = -2/(ln 10 (log10 Re - 2)) at Re = 4e5, halved for the dynamic pressure: from no datum of this log.
+    let exponent = -1.0 / (std::f64::consts::LN_10 * (4e5f64.log10() - 2.0));
+    let pin = format!("drag_exponent={exponent:.2}");
+    let Some(with) = run(&[&COMET[..], &["--pin", &pin]].concat()) else { return };
+    let smooth = number(&with["fit"]["w_rms_9_point_holdout_m_s"]);
+    assert!(smooth <= 0.0060, "{smooth}");
+    assert!(number(&with["fit"]["speed_bias_holdout_m_s"]).abs() <= 0.011);
+}
+
+#[test]
 fn comet_flown_through_time_beats_steady_glides_where_it_turns() {
     let Some(found) = run(&[&COMET[..], &["--unsteady"]].concat()) else { return };
     let of = |which: &str| number(&found["unsteady"][which]["w_rms_9_point_m_s"]);
@@ -56,6 +67,10 @@ fn comet_without_speed_does_not_tell_the_lift_slope() {
     let Some(found) = run(&["identify", COMET[1], "--vehicle", "slocum-graver", COMET[6], COMET[7]]) else { return };
     assert_eq!(found["identifiable"]["a"], false);
     let pin = &found["pinned"]["a"];
+    // The error of the build-up goes to b, whose interval then holds what the measured speed says.
+    let b = &found["parameters"]["b"]["ci95"];
+    assert!(number(&b[0]) < 0.533 && 0.533 < number(&b[1]), "{b}");
+    assert!(number(&pin["se"]) > 2.0 && number(&pin["moves"]["b"]).abs() > 0.01, "{pin}");
     assert!((number(&pin["value"]) - 21.0).abs() < 1.0 && pin["reason"].as_str().is_some(), "{pin}");
     // The profile shows why: from 0.8 to 2.6 times that lift slope w hardly changes while the speed goes.
     let profile = found["lift_slope_profile"].as_array().expect("a profile");

@@ -1,0 +1,193 @@
+//! What the errors of held parameters do to those that are fitted.
+//!
+//! What the data do not tell is held, at a value from outside that has an error of its own. The fitted parameters `t` answer
+//! to it: with `J_t` and `J_p` the slopes of the residuals by the fitted and the held ones, the minimum moves by
+//! ```text
+//! m = dt/dp s = -(J_t^T J_t)^-1 J_t^T J_p s,        cov(t) = cov of the dives + sum of m m^T
+//! ```
+//! for one standard error `s` (Gauss and Newton's slopes). The held value itself learns nothing from the data: it was held
+//! because the model is wrong by more than what they would say of it. Knows no vehicle file and no pins.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::blocks::Blocks;
+use super::evaluate::MOST_FREE;
+use super::gram::Gram;
+use super::joint::Fit;
+use super::uncertainty::inverse_symmetric;
+
+/// One standard error of something that is held: by how much it moves which rows of
+/// [`PARAMETERS`](crate::dynamics::PARAMETERS). Different ones are independent.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Doubt {
+    /// Short name of what is held.
+    pub name: String,
+    /// Rows and by how much they move.
+    pub along: Vec<(usize, f64)>,
+}
+
+/// What one of them does to a fit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Carried {
+    /// What is held.
+    pub doubt: Doubt,
+    /// Moves of the free parameters, in the order of [`Fit::free`].
+    pub moves: Vec<f64>,
+}
+
+impl Carried {
+    /// The doubt with all that follows from it: what is held and what was fitted beside it move together.
+    pub(super) fn whole(&self, free: &[usize]) -> Doubt {
+        let follows = free.iter().copied().zip(self.moves.iter().copied());
+        Doubt { name: self.doubt.name.clone(), along: self.doubt.along.iter().copied().chain(follows).collect() }
+    }
+}
+
+/// A move by less than this share of a parameter's own standard error is rounding.
+const NOT_FELT: f64 = 1e-6;
+
+/// Carries what is in doubt to the standard errors of a fit. A row that was free is in no doubt; a doubt that these samples
+/// do not feel is left out.
+pub(super) fn carry(fit: &mut Fit, samples: &mut dyn Blocks, doubts: &[Doubt]) {
+    let mut held: Vec<usize> = doubts.iter().flat_map(|doubt| &doubt.along).map(|&(row, _)| row).collect();
+    held.sort_unstable();
+    held.dedup();
+    held.retain(|row| !fit.free.contains(row));
+    if fit.free.is_empty() || held.is_empty() {
+        return;
+    }
+    let slopes = slopes(fit, samples, &held);
+    fit.carried = doubts
+        .iter()
+        .filter_map(|doubt| {
+            let along: Vec<(usize, f64)> =
+                doubt.along.iter().copied().filter(|(row, by)| held.contains(row) && *by != 0.0).collect();
+            let column = |row| slopes.column(held.binary_search(&row).unwrap_or(0));
+            let moves = along.iter().fold(DVector::zeros(fit.free.len()), |sum, &(row, by)| sum + column(row) * by);
+            let felt =
+                moves.iter().zip(fit.covariance.diagonal().iter()).any(|(by, own)| by.abs() > NOT_FELT * own.sqrt());
+            felt.then(|| Carried { doubt: Doubt { along, ..doubt.clone() }, moves: moves.iter().copied().collect() })
+        })
+        .collect();
+}
+
+/// How the free parameters answer to each of these rows, one column a row.
+fn slopes(fit: &Fit, samples: &mut dyn Blocks, held: &[usize]) -> DMatrix<f64> {
+    let n = fit.free.len();
+    let mut slopes = DMatrix::zeros(n, held.len());
+    for (part, at) in held.chunks(MOST_FREE - n).zip((0..).step_by(MOST_FREE - n)) {
+        let rows: Vec<usize> = fit.free.iter().chain(part).copied().collect();
+        let mut grams = vec![Gram::new(rows.len()); samples.count()];
+        samples.evaluate(&fit.parameters, &rows, fit.weights, &mut grams, 1);
+        let normal = Gram::sum(rows.len(), &grams).normal_matrix();
+        let own = inverse_symmetric(&normal.view((0, 0), (n, n)).into_owned());
+        slopes.view_mut((0, at), (n, part.len())).copy_from(&-(own * normal.view((0, n), (n, part.len()))));
+    }
+    slopes
+}
+
+/// The errors of a fit as doubts about its parameters, correlated as they are: one for each principal direction of the scatter
+/// between dives, and one for each thing that it held.
+pub(super) fn doubts_of(fit: &Fit) -> Vec<Doubt> {
+    let n = fit.free.len();
+    // Scaled to a unit diagonal: the parameters' units differ by ten orders of magnitude.
+    let scale = DVector::from_fn(n, |i, _| fit.covariance[(i, i)].max(0.0).sqrt());
+    let correlation = super::uncertainty::correlation(&fit.covariance);
+    let mut doubts = Vec::new();
+    if n > 0 && correlation.iter().chain(scale.iter()).all(|value| value.is_finite()) {
+        let eigen = correlation.symmetric_eigen();
+        for k in 0..n {
+            let root = eigen.eigenvalues[k].max(0.0).sqrt();
+            let along = (0..n).map(|i| (fit.free[i], root * scale[i] * eigen.eigenvectors[(i, k)])).collect();
+            doubts.push(Doubt { name: "polar".to_owned(), along });
+        }
+    }
+    doubts.extend(fit.carried.iter().map(|carried| carried.whole(&fit.free)));
+    doubts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{glider, sample};
+    use super::super::{Question, Request, Trim, by_dive, fit, identify};
+    use super::*;
+    use crate::dynamics::parameter_index;
+
+    #[test]
+    fn b_answers_to_a_held_lift_slope_as_the_closed_form_says() {
+        // One pitch, no c, vertical velocity alone. From w^2 = W sin^3 gamma/(rho/2 A b) and b = a alpha tan gamma with
+        // gamma = pitch + alpha follows, for a larger by the share e,
+        //     d alpha = -e/(1/alpha + 2/sin 2 gamma - 3 cot gamma),     db/b = 3 cot gamma d alpha.
+        let (_, mut truth) = glider();
+        truth.c_per_rad2 = 0.0;
+        let all: Vec<_> = (0..6u32)
+            .flat_map(|dive| (0..4).map(move |i| (dive, f64::from(dive * 1000 + i * 10))))
+            .map(|(dive, time_s)| sample(&truth, -27.0, 0.3, dive, time_s))
+            .collect();
+        let mut dives = by_dive(&all);
+        let question = Question { use_speed: false, ..Question::new(truth, &["b"]).unwrap() };
+        let mut found = fit(&question, &mut dives).unwrap();
+        let row = parameter_index("a_per_rad").unwrap();
+        let doubt = Doubt { name: "a".into(), along: vec![(row, 0.1 * truth.a_per_rad)] };
+        carry(&mut found, &mut &mut dives[..], &[doubt]);
+
+        let gamma = 27f64.to_radians();
+        let alpha = gamma - all[0].pitch_rad.abs();
+        let change = -0.1 / (1.0 / alpha + 2.0 / (2.0 * gamma).sin() - 3.0 / gamma.tan());
+        let expected = 3.0 / gamma.tan() * change * truth.b;
+        let carried = found.carried[0].moves[0];
+        assert!((carried / expected - 1.0).abs() < 1e-6, "{carried} against {expected}");
+        // Nothing scatters here: all of the error is what was carried.
+        assert!((found.se(0) / expected.abs() - 1.0).abs() < 1e-3, "{}", found.se(0));
+    }
+
+    #[test]
+    fn what_a_vehicle_states_with_an_error_widens_the_others() {
+        let (mut vehicle, truth) = glider();
+        let mut all = Vec::new();
+        for dive in 0..8u32 {
+            for (side, sign) in [(0, -1.0), (1, 1.0)] {
+                for i in 0..6u32 {
+                    let path = sign * (24.0 + 2.5 * f64::from(dive % 4) + 0.3 * f64::from(i));
+                    let mut o = sample(
+                        &truth,
+                        path,
+                        0.27 + 0.01 * f64::from(i),
+                        dive,
+                        f64::from(dive * 1000 + side * 500 + i * 10),
+                    );
+                    // Something that scatters from dive to dive.
+                    o.sink_m_s += 1e-3 * f64::from(dive % 3);
+                    o.speed_m_s = f64::NAN;
+                    all.push(o);
+                }
+            }
+        }
+        let request = Request { trim: Trim::Vehicle, free: Vec::new(), pin: Vec::new(), unsteady: None };
+        vehicle.is_builtin = false;
+        let mut se = Vec::new();
+        for error in [1.0, 2.0] {
+            vehicle.set("uncertainty.hydro.a_per_rad", error).unwrap();
+            vehicle.set("uncertainty.hull.compressibility_per_Pa", 1e-10).unwrap();
+            let found = identify(&vehicle, &all, &request).unwrap();
+            let i = found.fit.position("b").unwrap();
+            let pin = &found.pinned["a"];
+            assert_eq!(pin.se, Some(error));
+            let scatter = found.fit.covariance[(i, i)];
+            let hull = &found.pinned["hull_compressibility_per_Pa"].moves;
+            // All at one pressure: the offset takes back the water that a softer hull no longer displaces.
+            let displaced_kg = truth.displaced_mass_kg * all[0].density_kg_m3 / truth.reference_density_kg_m3;
+            let expected = -displaced_kg * 1e-10 * 4e5;
+            assert!((hull["ballast_offset_kg"] / expected - 1.0).abs() < 1e-3, "{hull:?} against {expected}");
+            let moves = found.pinned.values().filter_map(|pin| pin.moves.get("b"));
+            let whole = (scatter + moves.map(|by| by * by).sum::<f64>()).sqrt();
+            assert!(scatter > 0.0);
+            assert!((found.fit.se(i) / whole - 1.0).abs() < 1e-9);
+            se.push(pin.moves["b"]);
+            let report = found.report(&vehicle, String::new(), Vec::new());
+            let held = report.parameters["a"].as_ref().unwrap();
+            assert!((held.ci95[1] - held.value - 1.96 * error).abs() < 1e-3, "{held:?}");
+        }
+        assert!((se[1] / se[0] - 2.0).abs() < 1e-9);
+    }
+}
