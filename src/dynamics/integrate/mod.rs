@@ -1,8 +1,8 @@
 //! The state carried through time: adaptive steps, events found inside a step, an exact stop where one is asked for.
 //!
-//! Two methods, chosen by the tolerance alone: Rodas5P ([`rosenbrock`]) for the usual ones, where the fast modes of
+//! Two methods, chosen by the tolerance alone: Rodas5P (module `rosenbrock`) for the usual ones, where the fast modes of
 //! pitch and servos would hold an explicit method to short steps; DOP853 of the crate `differential-equations`
-//! ([`explicit`]) for tight ones, where its order 8 wins. `docs/integration.md` has the figures and says what else was
+//! (module `explicit`) for tight ones, where its order 8 wins. `docs/integration.md` has the figures and says what else was
 //! tried. This module gives them what they leave to their caller: states in units of their nominal size, so that one
 //! tolerance means the same for all of them; an origin that travels with the glider, so that a long voyage is as exact
 //! as a short one; events; refusal of anything that is not finite. Allocates nothing.
