@@ -1,7 +1,5 @@
 //! The gain on data that no fit saw: whole glides or runs held out, predicted by a fit to the others.
 
-use std::ops::Range;
-
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
@@ -100,19 +98,8 @@ pub fn rms(values: &DVector<f64>, rows: impl IntoIterator<Item = usize>) -> f64 
 /// How sure it is that a model predicts better than another: the mean over blocks of the fall in squared error (in units
 /// of the noise), over its standard error.
 pub fn advantage(evidence: &Evidence, noises: &[Noise], without: &DVector<f64>, with: &DVector<f64>) -> f64 {
-    advantage_in(evidence, noises, 0..evidence.quantities.len(), without, with)
-}
-
-/// The same for some of the quantities.
-pub fn advantage_in(
-    evidence: &Evidence,
-    noises: &[Noise],
-    quantities: Range<usize>,
-    without: &DVector<f64>,
-    with: &DVector<f64>,
-) -> f64 {
     let mut blocks: Vec<(usize, f64)> = Vec::new();
-    for (quantity, noise) in quantities.map(|i| (&evidence.quantities[i], &noises[i])) {
+    for (quantity, noise) in evidence.quantities.iter().zip(noises) {
         for row in quantity.rows.clone() {
             let variance = noise.sd(evidence.stated_sd[row]).powi(2);
             let fall = (without[row] * without[row] - with[row] * with[row]) / variance;

@@ -92,7 +92,9 @@ impl<'a> Race<'a> {
         let runner = &self.runners[member];
         let share = runner.odds / self.odds[usize::from(runner.is_curve)];
         let versions = self.runners.iter().filter(|r| r.family == runner.family).count();
-        runner.columns.len() as f64 * self.score.effective_rows.ln() - 2.0 * share.ln() + 2.0 * (versions as f64).ln()
+        runner.columns.len() as f64 * self.score.effective_rows.ln()
+            - 2.0 * share.ln()
+            + 2.0 * (versions as f64).ln()
     }
 
     /// The best set of mechanisms alone: all singles and pairs, larger sets grown from the best ones.

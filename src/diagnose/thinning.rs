@@ -15,9 +15,6 @@ use super::told::{chance, names};
 /// be due to what the model leaves out.
 const LEAST_CHANGE: f64 = 0.1;
 
-/// How sure it must be that held-out data of one quantity are predicted worse, in standard errors.
-const LEAST_HARM: f64 = 2.0;
-
 /// Least evidence for such a change, beyond the cost of having looked for it everywhere: a factor of 4.
 const LEAST_EXCESS: f64 = 3.0;
 
@@ -32,16 +29,9 @@ impl Fitted {
                 *self = baseline.clone();
                 return;
             }
-            // Every quantity has a vote: what serves one and spoils another is not what happens.
-            let spoils = |other: &Fitted| {
-                let without = other.held_out();
-                (0..self.noises.len())
-                    .map(|i| holdout::advantage_in(&self.evidence, &self.noises, i..i + 1, &without, &with))
-                    .any(|advantage| advantage < -LEAST_HARM)
-            };
             let useless = (0..self.included.len())
                 .map(|place| self.without(problem, baseline, place))
-                .map(|other| (if spoils(&other) { f64::NEG_INFINITY } else { advantage_over(&other) }, other))
+                .map(|other| (advantage_over(&other), other))
                 .min_by(|a, b| a.0.total_cmp(&b.0))
                 .filter(|(advantage, _)| *advantage < problem.least_advantage());
             match useless {
