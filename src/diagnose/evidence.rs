@@ -77,8 +77,6 @@ pub struct Candidate {
     pub neutral: Vec<f64>,
     /// How far from neutral each parameter is usually found, a standard deviation: what is believed beforehand.
     pub usual: Vec<f64>,
-    /// How often it is at fault, against the others: odds of any scale.
-    pub odds: f64,
     /// Smallest and largest value that physics allows each parameter.
     pub bounds: Vec<(f64, f64)>,
     /// What else goes with this version, unfitted: name, value, unit.

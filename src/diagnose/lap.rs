@@ -44,7 +44,7 @@ impl<'a> Lap<'a> {
             let columns: Vec<usize> = (n_columns..n_columns + evidence.candidates[index].ncols()).collect();
             n_columns += columns.len();
             parts_of_all.push(evidence.candidates[index].clone());
-            runners.push(Runner { columns, family, odds: candidate.odds, is_curve: false, bounds });
+            runners.push(Runner { columns, family, is_curve: false, bounds });
             usual.extend(&candidate.usual);
         }
         let mut curves: Vec<CurveRunner> = Vec::new();
@@ -64,7 +64,7 @@ impl<'a> Lap<'a> {
                 .collect();
             let mut add = |quantity: Option<usize>, columns: Vec<usize>| {
                 let runner = runners.len();
-                runners.push(Runner { columns, family: runner, odds: 1.0, is_curve: true, bounds: Vec::new() });
+                runners.push(Runner { columns, family: runner, is_curve: true, bounds: Vec::new() });
                 curves.push(CurveRunner { runner, covariate, quantity });
             };
             let n_quantities = evidence.quantities.len();

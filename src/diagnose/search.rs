@@ -1,7 +1,7 @@
 //! Which candidates, if any: every set is weighed by what it explains and what it costs.
 //!
-//! The cost is the extended Bayesian criterion (Chen and Chen 2008): `df ln n_eff - 2 ln p` for each member, `p` its share
-//! in the odds of all (1/M where M are alike), `n_eff` the number of independent rows. Curves in the covariates run in the same race: where a curve that nobody
+//! The cost is the extended Bayesian criterion (Chen and Chen 2008): `df ln n_eff + 2 ln M` for each member chosen among
+//! M, `n_eff` the number of independent rows. Curves in the covariates run in the same race: where a curve that nobody
 //! can name beats every mechanism, no mechanism is named.
 
 use super::score::Score;
@@ -13,8 +13,6 @@ pub struct Runner {
     pub columns: Vec<usize>,
     /// Runners of one family exclude each other: versions of one mechanism.
     pub family: usize,
-    /// How often it is at fault, against the others of its kind.
-    pub odds: f64,
     /// Whether it is a curve without a name.
     pub is_curve: bool,
     /// Smallest and largest step that physics allows each of its columns; empty where any is allowed.
@@ -41,20 +39,18 @@ const BEAM: usize = 12;
 pub struct Race<'a> {
     score: &'a Score,
     runners: &'a [Runner],
-    /// Sums of the odds of mechanisms, each counted once, and of curves.
-    odds: [f64; 2],
+    n_families: usize,
+    n_curves: usize,
 }
 
 impl<'a> Race<'a> {
     /// A race of these runners.
     pub fn new(score: &'a Score, runners: &'a [Runner]) -> Self {
-        let mut odds = [0.0; 2];
-        for (i, runner) in runners.iter().enumerate() {
-            if !runners[..i].iter().any(|earlier| earlier.family == runner.family) {
-                odds[usize::from(runner.is_curve)] += runner.odds;
-            }
-        }
-        Race { score, runners, odds }
+        let mut families: Vec<usize> = runners.iter().filter(|r| !r.is_curve).map(|r| r.family).collect();
+        families.sort_unstable();
+        families.dedup();
+        let n_curves = runners.iter().filter(|r| r.is_curve).count();
+        Race { score, runners, n_families: families.len().max(1), n_curves: n_curves.max(1) }
     }
 
     /// The columns of a set.
@@ -90,10 +86,10 @@ impl<'a> Race<'a> {
 
     fn cost(&self, member: usize) -> f64 {
         let runner = &self.runners[member];
-        let share = runner.odds / self.odds[usize::from(runner.is_curve)];
+        let among = if runner.is_curve { self.n_curves } else { self.n_families };
         let versions = self.runners.iter().filter(|r| r.family == runner.family).count();
         runner.columns.len() as f64 * self.score.effective_rows.ln()
-            - 2.0 * share.ln()
+            + 2.0 * (among as f64).ln()
             + 2.0 * (versions as f64).ln()
     }
 

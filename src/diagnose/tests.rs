@@ -42,7 +42,6 @@ impl Toy {
             parameters: vec![(name, "1")],
             neutral: vec![0.0],
             usual: vec![100.0],
-            odds: 1.0,
             bounds: Vec::new(),
             fixed: Vec::new(),
         };

@@ -32,25 +32,15 @@ pub struct Mechanism {
     /// How far from neutral its size is usually found, a standard deviation in the unit of that parameter: generous, to
     /// keep a fit from sizes that nobody has seen.
     pub usual: f64,
-    /// How often it is at fault, against a trim that is off: 1, or [`OUT_OF_SPECIFICATION`].
-    pub odds: f64,
-    /// Whether it can only add: fouling grows, water comes in, crossflow lifts, turns drag. What takes away is something else.
-    pub only_adds: bool,
     /// Where it enters.
     pub enters: Enters,
     /// In which data it shows.
     pub regime: &'static str,
 }
 
-/// Odds of an instrument that is off by what a flight could show, ten times and more what its maker states, against what
-/// pilots set and water does on every deployment: one against ten. The Sea-Bird glider payload CTD reads density within
-/// 0.01 kg/m3 and pressure within 0.1 % of full scale, without a lag of seconds; glides show some 0.2 kg/m3, some per cent,
-/// some ten seconds.
-pub const OUT_OF_SPECIFICATION: f64 = 0.1;
-
 macro_rules! mechanism {
-    ($name:literal, $enters:ident, [$($parameter:literal),*], $usual:literal, $odds:expr, $only_adds:literal, $physics:literal, $source:literal, $regime:literal) => {
-        Mechanism { name: $name, physics: $physics, source: $source, parameters: &[$($parameter),*], usual: $usual, odds: $odds, only_adds: $only_adds, enters: Enters::$enters, regime: $regime }
+    ($name:literal, $enters:ident, [$($parameter:literal),*], $usual:literal, $physics:literal, $source:literal, $regime:literal) => {
+        Mechanism { name: $name, physics: $physics, source: $source, parameters: &[$($parameter),*], usual: $usual, enters: Enters::$enters, regime: $regime }
     };
 }
 
@@ -61,8 +51,6 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         ["ballast_offset_kg"],
         0.2,
-        1.0,
-        false,
         "The glider is heavier or lighter than its masses and volumes say",
         "Williams, Bachmayer, deYoung 2007",
         "both legs, with opposite sign"
@@ -72,8 +60,6 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         ["hull_compressibility_per_Pa"],
         5e-10,
-        1.0,
-        false,
         "The hull loses volume with pressure",
         "Merckelbach et al. 2010",
         "grows with depth"
@@ -83,8 +69,6 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         ["hull_thermal_expansion_per_K"],
         1e-4,
-        1.0,
-        false,
         "The hull gains volume with temperature",
         "Seaglider basestation",
         "across a thermocline"
@@ -94,8 +78,6 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         ["ballast_scale"],
         0.15,
-        1.0,
-        false,
         "The buoyancy engine moves more or less than it reads",
         "calibration of the engine",
         "grows with the ballast volume"
@@ -105,8 +87,6 @@ pub const AT_SEA: &[Mechanism] = &[
         Instruments,
         ["pitch_offset_rad"],
         0.1,
-        1.0,
-        false,
         "The attitude sensor is mounted askew",
         "mounting of the attitude sensor",
         "shallow glides most, opposite on the two legs"
@@ -116,8 +96,6 @@ pub const AT_SEA: &[Mechanism] = &[
         Instruments,
         ["pitch_scale"],
         0.15,
-        1.0,
-        false,
         "The attitude sensor reads angles too large or too small",
         "Merckelbach et al. 2019",
         "steep glides most, alike on the two legs"
@@ -127,8 +105,6 @@ pub const AT_SEA: &[Mechanism] = &[
         Instruments,
         ["pressure_scale"],
         0.1,
-        OUT_OF_SPECIFICATION,
-        false,
         "The pressure sensor reads too much or too little",
         "calibration of the pressure sensor",
         "in proportion to vertical velocity"
@@ -138,8 +114,6 @@ pub const AT_SEA: &[Mechanism] = &[
         Instruments,
         ["pressure_lag_s"],
         30.0,
-        OUT_OF_SPECIFICATION,
-        true,
         "The pressure reading follows the pressure late, as a first-order lag",
         "filters in the instrument",
         "after inflections"
@@ -149,8 +123,6 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         ["drag_growth_per_day"],
         1.0,
-        1.0,
-        true,
         "Fouling: drag grows in proportion to time",
         "Seaglider basestation",
         "grows through the log"
@@ -160,8 +132,6 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         ["drag_step", "step_time_s"],
         0.5,
-        1.0,
-        false,
         "Something added, caught or lost: drag jumps at one time",
         "Williams, Bachmayer, deYoung 2007",
         "after one moment"
@@ -171,8 +141,6 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         ["drag_exponent"],
         0.3,
-        1.0,
-        false,
         "Friction: b varies with a power of the dynamic pressure",
         "Seaglider basestation",
         "with speed"
@@ -182,8 +150,6 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         ["nonlinear_lift_per_rad2"],
         150.0,
-        1.0,
-        true,
         "Crossflow lift, in proportion to alpha |alpha|",
         "Allen and Perkins 1951",
         "large angles of attack"
@@ -193,8 +159,6 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         ["climb_dive_drag_ratio"],
         0.5,
-        1.0,
-        false,
         "The drag differs between ascents and descents",
         "Williams, Bachmayer, deYoung 2007",
         "one leg against the other"
@@ -204,8 +168,6 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         ["trapped_air_cc"],
         150.0,
-        1.0,
-        true,
         "Air carried down is compressed by Boyle's law",
         "ideal gas",
         "the first tens of metres"
@@ -215,8 +177,6 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         ["leak_kg_per_hour"],
         0.02,
-        1.0,
-        true,
         "Water taken in at a steady rate",
         "conservation of mass",
         "grows through the log, opposite on the two legs"
@@ -226,8 +186,6 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         ["vertical_current_m_s"],
         0.05,
-        1.0,
-        false,
         "The water itself rises or sinks steadily",
         "kinematics",
         "adds to vertical velocity, alike on the two legs"
@@ -237,8 +195,6 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         ["roll_drag_per_rad2"],
         5.0,
-        1.0,
-        true,
         "A rolled glider has more drag",
         "tilted lift, sideslip",
         "in turns"
@@ -248,8 +204,6 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         ["rudder_drag_per_rad2"],
         5.0,
-        1.0,
-        true,
         "A deflected rudder has drag",
         "Williams, Bachmayer, deYoung 2007",
         "while steering"
@@ -259,8 +213,6 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         [],
         1.0,
-        1.0,
-        false,
         "Unsteady flight: the glider and its added mass take time to change speed",
         "Leonard and Graver 2001",
         "near inflections"
@@ -270,8 +222,6 @@ pub const AT_SEA: &[Mechanism] = &[
         Consistency,
         [],
         1.0,
-        1.0,
-        false,
         "The log's density was evaluated at p = 0, not in situ",
         "TEOS-10",
         "grows with depth"
@@ -281,8 +231,6 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         ["density_bias_kg_m3"],
         0.5,
-        OUT_OF_SPECIFICATION,
-        false,
         "The conductivity sensor reads a wrong density",
         "fouled or uncalibrated conductivity cell",
         "both legs, with opposite sign"

@@ -241,8 +241,6 @@ fn candidates_of(bins: &[Bin], parameters: &Parameters<f64>) -> Vec<(Candidate, 
             continue;
         }
         let row = &PARAMETERS[index];
-        let neutral = *parameters.clone().at(index);
-        let least = if mechanism.only_adds { row.min.max(0.0) } else { row.min };
         let jumps: Vec<Option<f64>> = if mechanism.name == "drag_step" {
             let starts = bins::leg_starts(bins);
             let every = starts.len().div_ceil(MAX_JUMPS).max(1);
@@ -254,10 +252,9 @@ fn candidates_of(bins: &[Bin], parameters: &Parameters<f64>) -> Vec<(Candidate, 
             let candidate = Candidate {
                 name: mechanism.name,
                 parameters: vec![(row.name, row.unit)],
-                neutral: vec![neutral],
+                neutral: vec![*parameters.clone().at(index)],
                 usual: vec![mechanism.usual],
-                odds: mechanism.odds,
-                bounds: vec![(least, row.max)],
+                bounds: vec![(row.min, row.max)],
                 fixed: jump_s.map(|jump_s| ("step_time_s", jump_s, "s")).into_iter().collect(),
             };
             found.push((candidate, index, jump_s));

@@ -263,7 +263,6 @@ impl<'a> TankProblem<'a> {
             parameters: parameters.iter().map(|p| (p.name, p.unit)).collect(),
             neutral: parameters.iter().map(|p| p.neutral).collect(),
             usual: parameters.iter().map(|p| usual(p)).collect(),
-            odds: 1.0,
             bounds: parameters.iter().map(|p| p.bounds).collect(),
             fixed: Vec::new(),
         };
