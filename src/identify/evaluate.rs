@@ -112,28 +112,37 @@ pub fn evaluate(
     grams: &mut [Gram],
     every: usize,
 ) -> Tally {
-    macro_rules! by_size {
-        ($($size:literal),*) => {
-            $(if free.len() <= $size {
-                return evaluate_sized::<$size>(parameters, free, weights, dives, grams, every);
-            })*
-        };
-    }
-    by_size!(2, 3, 4, 5, 6, 8, 10, 12, 16, 24, 32);
-    panic!("{} parameters are free, {MOST_FREE} can be", free.len())
+    by_size!(free.len(), [2, 3, 4, 5, 6, 8, 10, 12, 16, 24, 32], N => {
+        let lifted = Glider::new(with_derivatives::<N>(parameters, free));
+        by_block(dives, grams, |dive, gram| dive_rows(&lifted, free.len(), weights, dive, gram, every))
+    })
 }
 
-fn evaluate_sized<const N: usize>(
-    parameters: &Parameters<f64>,
-    free: &[usize],
-    weights: Weights,
-    dives: &mut [Dive],
+/// Runs its body with the smallest of some numbers of slopes that is enough.
+///
+/// # Panics
+/// When none of them is.
+macro_rules! by_size {
+    ($free:expr, [$($size:literal),*], $n:ident => $body:expr) => {
+        match $free {
+            $(free if free <= $size => {
+                const $n: usize = $size;
+                $body
+            })*
+            free => panic!("{free} parameters are free, {} can be", $crate::identify::evaluate::MOST_FREE),
+        }
+    };
+}
+pub(super) use by_size;
+
+/// Every block into its own matrix, on all cores.
+pub(super) fn by_block<B: Send>(
+    blocks: &mut [B],
     grams: &mut [Gram],
-    every: usize,
+    rows: impl Fn(&mut B, &mut Gram) -> Tally + Sync,
 ) -> Tally {
-    let lifted = Glider::new(with_derivatives::<N>(parameters, free));
-    let work = |(dive, gram): (&mut Dive, &mut Gram)| dive_rows(&lifted, free.len(), weights, dive, gram, every);
-    dives.par_iter_mut().zip(grams.par_iter_mut()).map(work).reduce(Tally::default, Tally::merge)
+    let one = |(block, gram): (&mut B, &mut Gram)| rows(block, gram);
+    blocks.par_iter_mut().zip(grams.par_iter_mut()).map(one).reduce(Tally::default, Tally::merge)
 }
 
 /// Parameters of which the free ones carry a derivative each.

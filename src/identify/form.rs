@@ -10,7 +10,6 @@ use super::inflections::Comparison;
 use super::joint::Fit;
 use super::outside::Pin;
 use super::pitch_balance::{PitchBalance, PitchBalanceSummary};
-use super::quantity::estimate;
 use super::trim::Trim;
 use super::uncertainty::{condition_number, correlation};
 use crate::dynamics::{PARAMETERS, parameter_index};
@@ -124,7 +123,7 @@ impl Identification {
             let (below, se) = balance.cg_below_cb_m();
             let freedom =
                 balance.fit.position("offset_mass_below_m").map_or(1.0, |i| balance.fit.degrees_of_freedom(i));
-            parameters.insert("cg_below_cb_m".to_owned(), Some(estimate(below, se, freedom, "m")));
+            parameters.insert("cg_below_cb_m".to_owned(), Some(Estimate::student(below, se, freedom, "m")));
             identifiable.insert("cg_below_cb_m".to_owned(), balance.told);
         }
         for (short, pin) in &pinned {
@@ -186,7 +185,8 @@ impl Identification {
     ) {
         for (i, &row) in fit.free.iter().enumerate() {
             let name = short_name(PARAMETERS[row].name).to_owned();
-            let quantity = estimate(fit.value(row), fit.se(i), fit.degrees_of_freedom(i), PARAMETERS[row].unit);
+            let quantity =
+                Estimate::student(fit.value(row), fit.se(i), fit.degrees_of_freedom(i), PARAMETERS[row].unit);
             parameters.insert(name.clone(), Some(quantity));
             identifiable.insert(name, is_identified(fit, i));
         }

@@ -26,7 +26,6 @@ pub mod paper;
 pub mod paper_form;
 pub mod pitch_balance;
 pub mod polar_points;
-mod quantity;
 mod residuals;
 mod trim;
 pub mod uncertainty;
@@ -42,7 +41,6 @@ pub use inflections::Unsteady;
 pub use joint::{Fit, IdentifyError, Question, fit};
 pub use model::{Prediction, predict};
 pub use outside::Pin;
-pub use quantity::{estimate, student_975};
 pub use residuals::{Residual, Score, ScoreSums, residuals};
 pub use trim::Trim;
 

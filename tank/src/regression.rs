@@ -165,14 +165,7 @@ impl Fit {
 /// A figure with its 95 % interval by Student's distribution.
 pub fn estimate(value: f64, variance: f64, dof: f64, unit: &str) -> Estimate {
     let se = variance.max(0.0).sqrt();
-    Estimate::with_half_width(value, se, quantile_975(dof) * se, unit)
-}
-
-/// The 97.5 % quantile of Student's distribution.
-pub fn quantile_975(dof: f64) -> f64 {
-    // Beyond, it is the normal distribution's to four digits.
-    let dof = dof.clamp(1.0, 1e5);
-    StudentsT::new(0.0, 1.0, dof).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
+    Estimate::student(value, se, dof, unit)
 }
 
 /// Two-sided probability of a value of Student's t at least this large.

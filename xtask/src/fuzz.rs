@@ -94,7 +94,9 @@ fn build(workspace: &Workspace) -> Result<PathBuf> {
     // A target of its own keeps coverage out of what runs while building.
     command.args(["--target", host.triple]).arg("--target-dir").arg(&folder);
     command.env("CARGO_ENCODED_RUSTFLAGS", COVERAGE.join("\x1f"));
-    run_command(&mut command).context("libFuzzer needs a C++ compiler (apt-get install g++)")?;
+    run_command(&mut command).context(
+        "cannot build the targets; where cargo missed one, libFuzzer needs a C++ compiler (apt-get install g++)",
+    )?;
     Ok(folder.join(host.triple).join("release/glidepolar-libfuzzer"))
 }
 

@@ -86,7 +86,7 @@ fn voyage(parameters: &Parameters<f64>, legs: usize) -> Result<()> {
         glider.inputs.ballast_command_m3 *= -1.0;
         glider.inputs.moving_mass_command_m *= -1.0;
     }
-    // The slowest of the hundred, heavy and draggy, makes some 0.15 m/s.
+    // The slowest of the hundred, heavy and of high drag, makes some 0.15 m/s.
     ensure!(state.x_m > 0.1 * time, "a glider that stands still is no voyage: {} m in {time} s", state.x_m);
     Ok(())
 }

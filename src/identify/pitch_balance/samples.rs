@@ -1,14 +1,13 @@
 //! Samples of which the pitch is what is predicted: the balance of moments solved for it. Knows no starts and no pins.
 
 use num_dual::{Dual64, DualSVec64};
-use rayon::prelude::*;
 
 use crate::Number;
 use crate::dynamics::Parameters;
 use crate::glide::{Attitude, at_pitch};
 use crate::identify::blocks::Blocks;
 use crate::identify::data::Dive;
-use crate::identify::evaluate::{MOST_FREE, Rows, Tally, Weights, with_derivatives};
+use crate::identify::evaluate::{Rows, Tally, Weights, by_block, by_size, with_derivatives};
 use crate::identify::gram::Gram;
 use crate::identify::model::{surroundings, true_pitch_rad};
 use crate::log::Observation;
@@ -79,17 +78,10 @@ impl Blocks for PitchSamples {
         grams: &mut [Gram],
         every: usize,
     ) -> Tally {
-        macro_rules! by_size {
-            ($($size:literal),*) => {
-                $(if free.len() <= $size {
-                    let lifted = with_derivatives::<$size>(parameters, free);
-                    let work = |(dive, gram): (&mut Dive, &mut Gram)| rows(&lifted, free.len(), weights, dive, gram, every);
-                    return self.0.par_iter_mut().zip(grams.par_iter_mut()).map(work).reduce(Tally::default, Tally::merge);
-                })*
-            };
-        }
-        by_size!(4, 32);
-        panic!("{} parameters are free, {MOST_FREE} can be", free.len())
+        by_size!(free.len(), [4, 32], N => {
+            let lifted = with_derivatives::<N>(parameters, free);
+            by_block(&mut self.0, grams, |dive, gram| rows(&lifted, free.len(), weights, dive, gram, every))
+        })
     }
 }
 

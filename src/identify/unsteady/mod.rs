@@ -19,11 +19,10 @@ mod moment;
 mod step;
 
 use num_dual::DualSVec64;
-use rayon::prelude::*;
 
 use super::blocks::Blocks;
 use super::data::{ranges, root_weights};
-use super::evaluate::{MOST_FREE, Rows, Tally, Weights, with_derivatives};
+use super::evaluate::{Rows, Tally, Weights, by_block, by_size, with_derivatives};
 use super::gram::Gram;
 use super::residuals::Residual;
 use crate::dynamics::Parameters;
@@ -177,17 +176,10 @@ impl Blocks for Vec<Passage> {
         grams: &mut [Gram],
         _every: usize,
     ) -> Tally {
-        macro_rules! by_size {
-            ($($size:literal),*) => {
-                $(if free.len() <= $size {
-                    let flyer = Flyer::new(with_derivatives::<$size>(parameters, free));
-                    let work = |(passage, gram): (&Passage, &mut Gram)| rows(&flyer, free.len(), weights, passage, gram);
-                    return self.par_iter().zip(grams.par_iter_mut()).map(work).reduce(Tally::default, Tally::merge);
-                })*
-            };
-        }
-        by_size!(4, 6, 10, 32);
-        panic!("{} parameters are free, {MOST_FREE} can be", free.len())
+        by_size!(free.len(), [4, 6, 10, 32], N => {
+            let flyer = Flyer::new(with_derivatives::<N>(parameters, free));
+            by_block(self, grams, |passage, gram| rows(&flyer, free.len(), weights, passage, gram))
+        })
     }
 }
 

@@ -101,7 +101,7 @@ pub fn temperatures(data: &mut Data) -> Option<Cause> {
     let variance = others.iter().map(|t| (t - usual).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
     // A day's own temperature scatters as the others' do, and so does the mean that it is held against.
     let se = (variance * (1.0 + 1.0 / n)).sqrt();
-    let half = crate::regression::quantile_975(n - 1.0) * se;
+    let half = glidepolar::estimate::student_975(n - 1.0) * se;
     Some(Cause {
         cause: "water_temperature".to_owned(),
         parameters: BTreeMap::from([
