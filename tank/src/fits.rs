@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::adequacy::{self, Adequacy};
 use crate::regression::{self, Fit, Problem, Scatter};
 use crate::sweep::{NAMES, Sweep};
+use crate::zero_drift::{self, Slope};
 
 /// The fits of one hull.
 #[derive(Debug, Clone)]
@@ -19,6 +20,8 @@ pub struct SweepFit {
     pub fits: [Fit; 3],
     /// a, b, c, d with intervals.
     pub estimates: HullFit,
+    /// Slopes of CL and CM at zero drift, from all points.
+    pub zero_drift: [Slope; 2],
     /// Standard deviation of the angle to which runs are set, as the scatter of the moment between runs shows it; zero
     /// where points know no errors of their own \[rad\].
     pub setting_rad: f64,
@@ -72,10 +75,13 @@ pub struct TooFewPoints {
 /// Where too few points lie within the range.
 pub fn fit(sweep: &Sweep, range_deg: f64) -> Result<SweepFit, TooFewPoints> {
     let rows = sweep.within_deg(range_deg);
-    let fits = coefficients(sweep, &rows).ok_or(TooFewPoints { found: rows.len(), range_deg })?;
+    let too_few = TooFewPoints { found: rows.len(), range_deg };
+    let fits = coefficients(sweep, &rows).ok_or(too_few.clone())?;
+    let slope = |coefficient| zero_drift::slope(sweep, coefficient).ok_or(too_few.clone());
     Ok(SweepFit {
         range_deg,
         estimates: estimates(&fits, range_deg),
+        zero_drift: [slope(0)?, slope(2)?],
         setting_rad: if sweep.has_errors() { setting_rad(&fits[2]) } else { 0.0 },
         lack_of_fit: [0, 1, 2].map(|i| lack_of_fit(sweep, &rows, &fits[i])),
         adequacy: adequacy::of(sweep, &rows),

@@ -36,6 +36,7 @@ pub mod trend;
 pub mod virtual_tank;
 pub mod water;
 pub mod window;
+pub mod zero_drift;
 pub mod zeros;
 
 pub use reduce::{Options, Progress, reduce_campaign, reduce_points};

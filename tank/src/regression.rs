@@ -158,14 +158,9 @@ impl Problem {
 impl Fit {
     /// A parameter with its 95 % interval.
     pub fn estimate(&self, index: usize, unit: &str) -> Estimate {
-        estimate(self.parameters[index], self.covariance[(index, index)], self.parameter_dof[index], unit)
+        let se = self.covariance[(index, index)].max(0.0).sqrt();
+        Estimate::student(self.parameters[index], se, self.parameter_dof[index], unit)
     }
-}
-
-/// A figure with its 95 % interval by Student's distribution.
-pub fn estimate(value: f64, variance: f64, dof: f64, unit: &str) -> Estimate {
-    let se = variance.max(0.0).sqrt();
-    Estimate::student(value, se, dof, unit)
 }
 
 /// Two-sided probability of a value of Student's t at least this large.

@@ -5,7 +5,7 @@ use glidepolar::hull_tests::{Estimate, Slope};
 use nalgebra::{DMatrix, DVector};
 
 use crate::fits::SweepFit;
-use crate::regression::{estimate, invert};
+use crate::regression::invert;
 use crate::sweep::Sweep;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -62,7 +62,12 @@ fn line(hulls: &[(f64, &Sweep, &SweepFit)], unit: &str, fit: usize, parameter: u
         // The hulls' own degrees of freedom together.
         (own[(1, 1)], hulls.iter().map(|(_, _, f)| f.fits[fit].parameter_dof[parameter]).sum())
     };
-    Some(Line { slope: estimate(parameters[1], variance, dof, unit), middle: parameters[0], mean_ldr, p_value })
+    Some(Line {
+        slope: Estimate::student(parameters[1], variance.max(0.0).sqrt(), dof, unit),
+        middle: parameters[0],
+        mean_ldr,
+        p_value,
+    })
 }
 
 /// Covariance of one coefficient between hulls.

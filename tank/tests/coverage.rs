@@ -18,7 +18,8 @@ fn collect(seeds: std::ops::Range<u64>, hulls: &[&str]) -> (Misses, usize) {
     for seed in seeds {
         let (_folder, results, truth) = campaign(seed, hulls, &[]);
         warned += usize::from(!results.warnings.is_empty());
-        for miss in support::misses(&results.reduction(), &truth) {
+        let sweep = support::sweep_misses(&results, &truth);
+        for miss in support::misses(&results.reduction(), &truth).into_iter().chain(sweep) {
             all.entry(miss.name.clone()).or_default().push(miss);
         }
         let Some(trend) = &results.reduction().trend else { continue };

@@ -10,8 +10,9 @@ use crate::campaign::{Kind, Run};
 use crate::fits::SweepFit;
 use crate::harmonics::{Harmonics, Series};
 use crate::hull::Hull;
-use crate::regression::{Fit, Scatter, estimate, student_p_value};
+use crate::regression::{Fit, Scatter, student_p_value};
 use crate::statics::Common;
+use crate::zero_drift::Slope;
 
 /// Per run: the first harmonics with every other term taken from the common fit, solved for the run's own damping and
 /// inertia.
@@ -126,15 +127,17 @@ pub(super) fn frequency_dependence(
     found
 }
 
-/// `Yv'` and `Nv'` as the steady sweep has them: `Yv' = -(a + b) A/L^2`, `Nv' = -d A/L^2`, since a body that drifts with
-/// `v = -V sin(alpha)` feels `Y = q A (CL cos(alpha) + CD sin(alpha))`.
+/// `Yv'` and `Nv'` as the steady sweep has them: `Yv' = -(a0 + b) A/L^2`, `Nv' = -d0 A/L^2` with the slopes `a0` and `d0`
+/// at zero drift, since a body that drifts with `v = -V sin(alpha)` feels `Y = q A (CL cos(alpha) + CD sin(alpha))`.
 pub fn from_sweep(hull: &Hull, fit: &SweepFit) -> [Estimate; 2] {
     let scale = hull.frontal_area_m2() / hull.geometry.loa_m.powi(2);
-    let e = &fit.estimates;
-    let dof = |i: usize, j: usize| fit.fits[i].parameter_dof[j];
-    let slope =
-        estimate(-(e.a.value + e.b.value) * scale, (e.a.se.powi(2) + e.b.se.powi(2)) * scale * scale, dof(0, 0), "1");
-    [slope, estimate(-e.d.value * scale, (e.d.se * scale).powi(2), dof(2, 0), "1")]
+    let [lift, moment] = &fit.zero_drift;
+    let b = &fit.estimates.b;
+    let scaled = |value: f64, se: f64, slope: &Slope| Estimate::student(-value * scale, se * scale, slope.dof, "1");
+    [
+        scaled(lift.estimate.value + b.value, lift.estimate.se.hypot(b.se), lift),
+        scaled(moment.estimate.value, moment.estimate.se, moment),
+    ]
 }
 
 /// The scatter between steady runs as Y' and N': runs are never set to quite the same angle, and the moment tells by how

@@ -134,14 +134,17 @@ fn coefficients(results: &Results) -> Section {
 /// The same slopes as a manoeuvring engineer has them.
 fn sway_slopes(results: &Results) -> Table {
     let mut table = Table::new(
-        "The same slopes as SNAME primes on the overall length about the centre of buoyancy: Yv' = -(a + b) A/L², Nv' = -d A/L².",
-        ["Hull", "Yv'", "95 %", "Nv'", "95 %"],
+        "The slopes at zero drift as SNAME primes on the overall length about the centre of buoyancy: Yv' = -(a₀ + b) A/L², Nv' = -d₀ A/L², from all points to 20 deg, by an odd series in v/V to the fifth order (less where points are too few).",
+        ["Hull", "Yv'", "95 %", "Nv'", "95 %", "Orders", "Points"],
     );
     for hull in &results.hulls {
         let Ok(fit) = &hull.fit else { continue };
         let [yv, nv] = derivatives::from_sweep(&hull.hull, fit);
         let mut row = vec![Cell::from(hull.hull.id.as_str())];
         row.extend([&yv, &nv].into_iter().flat_map(pair));
+        let [lift, moment] = &fit.zero_drift;
+        row.push(Cell::from(format!("{}, {}", lift.order, moment.order)));
+        row.push(Cell::from(lift.points.to_string()));
         table.push(row);
     }
     table

@@ -89,6 +89,23 @@ pub fn misses(reduction: &Reduction, truth: &Truth) -> Vec<Miss> {
     misses
 }
 
+/// The slopes at zero drift that the steady sweep alone gives, against the truth.
+pub fn sweep_misses(results: &Results, truth: &Truth) -> Vec<Miss> {
+    let mut misses = Vec::new();
+    for (hull, truth) in results.hulls.iter().zip(&truth.hulls) {
+        let slopes = glidepolar_tank::derivatives::from_sweep(&hull.hull, hull.fit.as_ref().unwrap());
+        let truths = [("Yv, sweep", truth.dynamic.yv), ("Nv, sweep", truth.dynamic.nv)];
+        misses.extend(slopes.into_iter().zip(truths).map(|(q, (name, truth))| Miss {
+            name: name.to_owned(),
+            value: q.value,
+            se: q.se,
+            covered: (q.ci95[0]..=q.ci95[1]).contains(&truth),
+            truth,
+        }));
+    }
+    misses
+}
+
 /// A campaign of one hull to be spoilt, and mended again.
 pub struct Spoilt {
     _holder: TempDir,
