@@ -65,7 +65,13 @@ pub(super) fn order(log: &mut FlightLog, last_time_s: f64, notes: &mut Notes) {
         let back = time[i..].iter().take(SET_CLOCK_ROWS + 1).take_while(|&&later| later + shift <= last).count();
         if back > SET_CLOCK_ROWS {
             // The seconds that passed meanwhile are not known: one sampling interval is put between.
-            shift += last + step - t;
+            // Steps of a damaged clock may be too small to be seen beside its time.
+            (mended[i], last) = {
+                let next = (last + step).max(last.next_up());
+                shift = next - time[i];
+                (next, next)
+            };
+            i += 1;
             notes.add("times at which the clock was set back, carried on from the row before", 1);
         } else {
             notes.add("rows with a clock that ran back, left out", back);

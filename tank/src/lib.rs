@@ -24,6 +24,7 @@ pub mod readings;
 mod reduce;
 pub mod regression;
 pub mod results;
+mod run_variance;
 pub mod series;
 pub mod shared;
 pub mod statics;

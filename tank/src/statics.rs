@@ -8,6 +8,7 @@ use crate::campaign::{Balance, Kind, Run};
 use crate::hull::Hull;
 use crate::motion::Motion;
 use crate::readings::{Readings, Steady};
+use crate::run_variance;
 use crate::shared::{Influence, SharedKind};
 use crate::sweep::{Point, SharedErrors, Sweep};
 use crate::tare::{Tare, TareRun};
@@ -64,12 +65,6 @@ pub struct Common<'a> {
     /// The strut, where it was towed alone.
     pub tare: Option<&'a Tare>,
 }
-
-/// Weight of the variance that runs at one speed share against a run's own, in degrees of freedom: one run tells its noise
-/// poorly.
-const SHARED_VARIANCE_DOF: f64 = 30.0;
-/// Degrees of freedom of a steady run's own variance, about.
-pub const OWN_DOF: f64 = 4.0;
 
 impl Common<'_> {
     /// Takes a steady run as far as the force of the water; none if it has no zero. `hull` is none for the strut alone.
@@ -140,8 +135,8 @@ pub fn sweep(common: &Common, runs: &[SteadyRun], hull: &Hull) -> Sweep {
     let mut points: Vec<Point> = runs.iter().zip(&maps).map(|(run, map)| point(run, map, hull)).collect();
     for coefficient in 0..3 {
         let variances: Vec<f64> = points.iter().map(|p| p.se[coefficient].powi(2)).collect();
-        let keys: Vec<f64> = points.iter().map(|p| p.nominal_speed_m_s.unwrap_or(0.0)).collect();
-        for (point, variance) in points.iter_mut().zip(share_variances(&variances, &keys, OWN_DOF)) {
+        let speeds_m_s: Vec<f64> = points.iter().map(|p| p.nominal_speed_m_s.unwrap_or(1.0)).collect();
+        for (point, variance) in points.iter_mut().zip(run_variance::share(&variances, &speeds_m_s)) {
             point.se[coefficient] = variance.sqrt();
         }
     }
@@ -210,19 +205,4 @@ fn point(run: &SteadyRun, map: &Matrix3<f64>, hull: &Hull) -> Point {
         coefficients: coefficients.into(),
         se: covariance.diagonal().map(f64::sqrt).into(),
     }
-}
-
-/// Draws the variances of runs of one key (a speed, a frequency) towards their mean: a single record tells its own
-/// variance on few degrees of freedom only.
-pub fn share_variances(variances: &[f64], keys: &[f64], own_dof: f64) -> Vec<f64> {
-    variances
-        .iter()
-        .zip(keys)
-        .map(|(variance, key)| {
-            let alike = || variances.iter().zip(keys).filter(|(_, k)| *k == key).map(|(v, _)| *v);
-            let mean = alike().sum::<f64>() / alike().count() as f64;
-            let shared_dof = if alike().count() > 1 { SHARED_VARIANCE_DOF } else { 0.0 };
-            (own_dof * variance + shared_dof * mean) / (own_dof + shared_dof)
-        })
-        .collect()
 }

@@ -7,8 +7,8 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use crate::motion::Motion;
 use crate::regression::{Fit, Problem, Scatter, Shared};
+use crate::run_variance;
 use crate::shared::{self, Influence};
-use crate::statics::{OWN_DOF, share_variances};
 
 /// The strut's force.
 #[derive(Debug, Clone)]
@@ -152,10 +152,9 @@ fn fit(channel: usize, terms: &[Term], runs: &[TareRun], reference_speed_m_s: f6
     let problem = Problem {
         design: DMatrix::from_fn(n, terms.len(), |i, j| terms[j](argument(&runs[i]))),
         observed: DVector::from_iterator(n, runs.iter().map(|run| per_pressure(run.force[channel], run))),
-        variance: DVector::from_vec(share_variances(
+        variance: DVector::from_vec(run_variance::share(
             &runs.iter().map(|run| run.variance[channel] / run.dynamic_pressure_Pa.powi(2)).collect::<Vec<_>>(),
             &runs.iter().map(|run| run.nominal_speed_m_s).collect::<Vec<_>>(),
-            OWN_DOF,
         )),
         shared: vec![Shared { influence: zeros, dof: zero_dof }],
     };
