@@ -4,13 +4,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::identify::{Reading, TrimChoice};
+use super::identify::{Reading, TrimChoice, with_error};
 use super::{CliError, Output, diagnose_page, vehicle_input};
-use crate::diagnose::sea::{SeaDiagnosis, SeaError, SeaProblem, Settings, diagnose_log};
+use crate::diagnose::sea::{Lift, SeaDiagnosis, SeaError, SeaProblem, Settings, diagnose_log};
 use crate::diagnose::{Check, Checked, Diagnosis, Point, Problem, Verdict};
 use crate::dynamics::parameter_index;
 use crate::estimate::Estimate;
 use crate::identify::outside::built_up_lift_slope;
+use crate::input::printable;
 use crate::output::{Replace, write_whole};
 use crate::report::InputFile;
 use crate::vehicle::Vehicle;
@@ -35,9 +36,9 @@ pub struct Arguments {
     /// What the baseline takes for the net weight; default: neutral for a built-in vehicle, vehicle for a file
     #[arg(long, value_enum)]
     trim: Option<TrimChoice>,
-    /// Hold the lift slope at the vehicle's value, or at A [1/rad, on the frontal area]
-    #[arg(long, value_name = "A", num_args = 0..=1, require_equals = true)]
-    pin_lift: Option<Option<f64>>,
+    /// Hold the lift slope at the vehicle's value, or at A [1/rad, on the frontal area], known with the standard error SE
+    #[arg(long, value_name = "A[+-SE]", num_args = 0..=1, require_equals = true)]
+    pin_lift: Option<Option<String>>,
     /// Write the vehicle with the named mechanisms in it to FILE
     #[arg(long, value_name = "OUT.toml")]
     extended: Option<PathBuf>,
@@ -52,21 +53,22 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let mut vehicle = Vehicle::load(&arguments.vehicle)?;
     let log = arguments.reading.read(&arguments.logs, &vehicle)?;
     let trim = TrimChoice::of(arguments.trim, &vehicle);
-    if let Some(Some(lift)) = arguments.pin_lift {
-        if !(lift > 0.0 && lift < 1e3) {
-            return Err(CliError::Usage(format!(
-                "--pin-lift={lift} is no lift slope: expected a positive number per rad"
-            )));
-        }
+    let pinned = arguments.pin_lift.as_ref().map(|text| pinned_lift(text.as_deref())).transpose()?;
+    if let Some((Some(lift), _)) = pinned {
         hold_lift(&mut vehicle, lift)?;
     }
     // Without speed nothing tells the lift slope: a built-in Slocum is held where `identify` holds it.
     let has_speed = log.observations.iter().any(|o| o.speed_m_s.is_finite());
-    let built_up = if has_speed || arguments.pin_lift.is_some() { None } else { built_up_lift_slope(&vehicle) };
+    let built_up = if has_speed || pinned.is_some() { None } else { built_up_lift_slope(&vehicle) };
     if let Some((lift, _)) = built_up {
         hold_lift(&mut vehicle, lift.value)?;
     }
-    let settings = Settings { fit_lift: arguments.pin_lift.is_none() && built_up.is_none(), ..Settings::default() };
+    let lift = match (pinned, &built_up) {
+        (Some((_, lift)), _) => lift,
+        (None, Some(_)) => Lift::Held,
+        (None, None) => Lift::Fitted,
+    };
+    let settings = Settings { lift, ..Settings::default() };
     let parameters = vehicle.glide_parameters();
     let mut found = diagnose_log(&parameters, trim, &log.observations, settings).map_err(|error| {
         // What was taken out in the reading may be what is wrong.
@@ -102,6 +104,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         print(&found.told.diagnosis, &found.problem, trim.sentence());
     }
     arguments.output.write_json(&found.told.diagnosis)
+}
+
+/// The lift slope that was asked for, none for the vehicle's own, and what is done about it.
+fn pinned_lift(text: Option<&str>) -> Result<(Option<f64>, Lift), CliError> {
+    let Some(text) = text else { return Ok((None, Lift::Held)) };
+    let wrong = || {
+        let shown = printable(text);
+        CliError::Usage(format!("--pin-lift={shown} is no lift slope: expected A or A+-SE, positive numbers per rad"))
+    };
+    let (lift, se) = with_error(text).filter(|(lift, _)| *lift > 0.0 && *lift < 1e3).ok_or_else(wrong)?;
+    Ok((Some(lift), se.map_or(Lift::Held, |se_per_rad| Lift::Known { se_per_rad })))
 }
 
 /// Sets the lift slope, that of the legs as well where they were measured apart.

@@ -284,13 +284,18 @@ fn pins(texts: &[String]) -> Result<Vec<Given>, CliError> {
 }
 
 fn pin(text: &str) -> Option<Given> {
+    let (name, figure) = text.split_once('=')?;
+    let (value, se) = with_error(figure)?;
+    Some(Given { name: name.to_owned(), value, se })
+}
+
+/// `VALUE` or `VALUE+-SE`.
+pub(super) fn with_error(text: &str) -> Option<(f64, Option<f64>)> {
     let number = |text: &str| text.trim().parse::<f64>().ok().filter(|value| value.is_finite());
-    let (name, value) = text.split_once('=')?;
-    let (value, se) = match value.split_once("+-") {
-        Some((value, se)) => (value, Some(number(se).filter(|&se| se > 0.0)?)),
-        None => (value, None),
-    };
-    Some(Given { name: name.to_owned(), value: number(value)?, se })
+    match text.split_once("+-") {
+        Some((value, se)) => Some((number(value)?, Some(number(se).filter(|&se| se > 0.0)?))),
+        None => Some((number(text)?, None)),
+    }
 }
 
 impl From<IdentifyError> for CliError {

@@ -1,10 +1,10 @@
 //! What goes out of a fit again: mechanisms that do not predict, that chance explains, that need another size in another
-//! regime.
+//! regime, that spoil what another quantity tells.
 
 use nalgebra::DMatrix;
 
 use super::engine::MARGIN;
-use super::evidence::Problem;
+use super::evidence::{Problem, Quantity};
 use super::fitted::Fitted;
 use super::holdout;
 use super::lap::Lap;
@@ -14,6 +14,10 @@ use super::told::{chance, names};
 /// Change of a mechanism's size from regime to regime, relative to it, from which on it is another mechanism; less may
 /// be due to what the model leaves out.
 const LEAST_CHANGE: f64 = 0.1;
+
+/// By how much a quantity must be worse on data held out, at least, for what made it worse to be refused \[%\]: the fit of a
+/// true cause, too, trades a little of one quantity for another.
+const LEAST_SPOILT_PERCENT: f64 = 2.0;
 
 /// Least evidence for such a change, beyond the cost of having looked for it everywhere: a factor of 4.
 const LEAST_EXCESS: f64 = 3.0;
@@ -94,6 +98,30 @@ impl Fitted {
             self.drop_what_is_weak(problem, baseline, MARGIN.max(worst.excess));
         }
         refuted
+    }
+
+    /// What improves one quantity and spoils another did not happen: it goes, the worst spoiler first.
+    pub(super) fn drop_what_spoils(&mut self, problem: &impl Problem, baseline: &Fitted) {
+        while self.evidence.quantities.len() > 1 && !self.included.is_empty() {
+            let with = self.held_out();
+            // The least by which a quantity is worse for it, as far as these data tell [%].
+            let spoils = |other: &Fitted| -> f64 {
+                let before = other.held_out();
+                let least = |quantity: &Quantity| {
+                    -holdout::reduction_interval(&self.evidence.block, quantity.rows.clone(), &before, &with)[1]
+                };
+                self.evidence.quantities.iter().map(least).fold(f64::NEG_INFINITY, f64::max)
+            };
+            let worst = (0..self.included.len())
+                .map(|place| self.without(problem, baseline, place))
+                .map(|other| (spoils(&other), other))
+                .max_by(|a, b| a.0.total_cmp(&b.0))
+                .filter(|(spoilt_percent, _)| *spoilt_percent > LEAST_SPOILT_PERCENT);
+            match worst {
+                Some((_, other)) => *self = other,
+                None => return,
+            }
+        }
     }
 
     /// Only what is worth more than so much of the criterion stays.

@@ -30,17 +30,30 @@ pub use whole::{SeaDiagnosis, diagnose_log};
 pub struct Settings {
     /// Whether measured speed is used where there is any.
     pub use_speed: bool,
-    /// Whether the lift slope is fitted, or held at the vehicle's value. Without measured speed the data hardly see it,
-    /// and the belief in the vehicle's value decides.
-    pub fit_lift: bool,
+    /// What is done about the lift slope.
+    pub lift: Lift,
     /// Most bins; the bins are as long as that needs.
     pub max_bins: usize,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings { use_speed: true, fit_lift: true, max_bins: 900 }
+        Settings { use_speed: true, lift: Lift::Fitted, max_bins: 900 }
     }
+}
+
+/// What is done about the lift slope.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Lift {
+    /// It is fitted. Without measured speed the data hardly see it, and the belief in the vehicle's value decides.
+    Fitted,
+    /// It is fitted, the vehicle's value being known from outside with this standard error \[1/rad\].
+    Known {
+        /// The standard error.
+        se_per_rad: f64,
+    },
+    /// It is held at the vehicle's value.
+    Held,
 }
 
 /// Standard deviation of what a vehicle's polar is believed to be, relative to its value.
@@ -86,6 +99,7 @@ pub struct SeaProblem {
     /// Rows of the speed, as indices into the bins.
     with_speed: Vec<usize>,
     parameters: Parameters<f64>,
+    lift: Lift,
     baseline: Vec<(&'static str, &'static str)>,
     baseline_index: Vec<usize>,
     candidates: Vec<Candidate>,
@@ -127,15 +141,16 @@ impl SeaProblem {
         };
         let with_speed = if with_speed.len() < MIN_BINS { Vec::new() } else { with_speed };
 
-        let names: &[&str] = if settings.fit_lift { &["a_per_rad", "b", "c_per_rad2"] } else { &["b", "c_per_rad2"] };
+        let names: &[&str] =
+            if settings.lift == Lift::Held { &["b", "c_per_rad2"] } else { &["a_per_rad", "b", "c_per_rad2"] };
         let baseline_index: Vec<usize> = names.iter().filter_map(|name| parameter_index(name)).collect();
         let baseline = baseline_index.iter().map(|i| (PARAMETERS[*i].name, PARAMETERS[*i].unit)).collect();
 
         let mut directions = Directions::new(&baseline_index);
         let (mut candidates, mut shapes) = (Vec::new(), Vec::new());
         for (candidate, index, jump_s) in candidates_of(&bins, parameters) {
-            // Whoever holds the lift slope holds the law of lift: a bend of it would let the slope go again.
-            if !settings.fit_lift && candidate.name == "nonlinear_lift" {
+            // Whoever knows the lift slope holds the law of lift: a bend of it would let the slope go again.
+            if settings.lift != Lift::Fitted && candidate.name == "nonlinear_lift" {
                 continue;
             }
             // Vertical velocity alone cannot tell a scale of the pitch from the polar: what it would be called is something
@@ -154,6 +169,7 @@ impl SeaProblem {
             bins,
             with_speed,
             parameters: *parameters,
+            lift: settings.lift,
             baseline,
             baseline_index,
             candidates,
@@ -198,7 +214,12 @@ impl SeaProblem {
         values
             .map(|(index, value)| {
                 let belief = *believed.at(*index);
-                (belief - value, RELATIVE_BELIEF * belief.abs().max(0.1))
+                let usual = RELATIVE_BELIEF * belief.abs().max(0.1);
+                let sd = match self.lift {
+                    Lift::Known { se_per_rad } if PARAMETERS[*index].name == "a_per_rad" => se_per_rad,
+                    _ => usual,
+                };
+                (belief - value, sd)
             })
             .collect()
     }
