@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, ensure};
 use glidepolar::dynamics::Parameters;
-use glidepolar::identify::{Dive, Trim};
+use glidepolar::identify::Trim;
 use glidepolar::log::{Channel, Columns, Observation, Opened, Preparation, Settings, open};
 use glidepolar::vehicle::Vehicle;
 
@@ -91,17 +91,10 @@ impl Log {
     }
 }
 
-/// The same dives again and again, until there are `n` samples.
-pub fn repeated(dives: &[Dive], n: usize) -> Vec<Dive> {
-    let mut repeated = Vec::new();
-    let mut left = n;
-    for dive in dives.iter().cycle() {
-        if left == 0 {
-            break;
-        }
-        let take = dive.observations.len().min(left);
-        repeated.push(Dive::new(dive.observations[..take].to_vec()));
-        left -= take;
-    }
-    repeated
+/// The steady samples of the same dives again and again, until there are `n`, as a log of as many dives.
+pub fn repeated(observations: &[Observation], n: usize) -> Vec<Observation> {
+    let dives = observations.iter().map(|observation| observation.dive + 1).max().unwrap_or(1);
+    let steady = observations.iter().filter(|observation| observation.steady);
+    let copies = (0..).flat_map(|copy| steady.clone().map(move |o| Observation { dive: o.dive + copy * dives, ..*o }));
+    copies.take(n).collect()
 }

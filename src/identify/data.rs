@@ -22,8 +22,8 @@ pub struct Dive {
 }
 
 impl Dive {
-    /// A dive of these samples.
-    pub fn new(observations: Vec<Observation>) -> Self {
+    /// The first dive of a log; [`by_dive`] gives each its place.
+    fn new(observations: Vec<Observation>) -> Self {
         Dive {
             guesses: vec![None; observations.len()],
             root_weights: root_weights(&observations),

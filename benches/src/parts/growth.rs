@@ -6,11 +6,12 @@ use glidepolar::identify::{Question, by_dive, fit};
 use super::{Context, tank};
 use crate::arguments::Sized;
 use crate::child::{time_and_memory, work};
-use crate::contest::{Contender, Samples, contest};
+use crate::contest::Samples;
 use crate::data::COMET;
 use crate::figure::{Curve, growth};
 use crate::peer::number;
-use crate::report::{Part, Row, Unit};
+use crate::report::{Part, Row, Unit, figures, quantity};
+use crate::workers::whole_pass;
 
 pub fn measure(context: &Context<'_>) -> Result<Part> {
     let mut part = Part::new(
@@ -37,17 +38,40 @@ fn samples(context: &Context<'_>, part: &mut Part) -> Result<()> {
         full: &[3_000, 10_000, 30_000, 100_000, 300_000, 1_000_000, 3_000_000, 10_000_000],
     });
     let mut points = (Vec::new(), Vec::new());
+    let (mut passes, mut evaluations) = (Vec::new(), Vec::new());
     for &n in sizes {
-        let (mut seconds, mut bytes) = (Samples::default(), Samples::default());
+        let (mut seconds, mut bytes, mut pass) = (Samples::default(), Samples::default(), Samples::default());
         for _ in 0..context.choice.size(Sized { quick: 1, usual: 3, full: 3 }) {
-            let (s, b) = time_and_memory(&work("fit", n, &[context.root()])?)?;
+            let answer = work("fit", n, &[context.root()])?;
+            let (s, b) = time_and_memory(&answer)?;
             seconds.push(s);
             bytes.push(b);
+            pass.push(number(&answer, "pass_seconds")?);
+            evaluations.push((n, number(&answer, "evaluations")?));
         }
         points.0.push((n as f64, seconds.median()));
         points.1.push((n as f64, bytes.median() / 1e6));
+        passes.push((n as f64, pass.median()));
     }
-    told(part, "samples", "joint fit of three parameters, two cores", "Steady samples", points);
+    let passes = Curve { label: "one pass with slopes".to_owned(), points: passes };
+    let slope =
+        Row::new("slope of the time of one pass against samples", Unit::Count, Ok(Samples::one(passes.slope())));
+    part.row(slope);
+    let in_passes: Vec<f64> = points.0.iter().zip(&passes.points).map(|((_, fit), (_, pass))| fit / pass).collect();
+    told(part, "samples", "joint fit of three parameters, two cores", "Steady samples", points, vec![passes]);
+    evaluations.dedup();
+    let listed: Vec<String> = sizes
+        .iter()
+        .zip(&in_passes)
+        .map(|(n, passes)| {
+            let count = evaluations.iter().find(|(of, _)| of == n).map_or(f64::NAN, |(_, count)| *count);
+            format!("{n} samples {} passes in {count:.0} evaluations", figures(*passes))
+        })
+        .collect();
+    part.remark(format!(
+        "A fit takes the time of so many passes over all its samples, most of its evaluations being over some of them: {}.",
+        listed.join(", ")
+    ));
     Ok(())
 }
 
@@ -70,25 +94,26 @@ fn mechanisms(context: &Context<'_>, part: &mut Part) -> Result<()> {
     for n in 1..=ORDER.len() {
         let mut question = Question::new(baseline, &ORDER[..n])?;
         question.several_starts = false;
-        let mut evaluations = 1;
-        let [outcome] = contest(
-            context.choice.size(Sized { quick: 1, usual: 5, full: 9 }),
-            [Contender::timed("fit", 1, || {
-                evaluations = fit(&question, &mut dives.clone())?.evaluations;
-                Ok(())
-            })],
-        );
-        // The number of steps is the landscape's, not the code's.
-        points.push((n as f64, outcome.samples()?.median() / evaluations as f64));
+        let mut dives = dives.clone();
+        let found = fit(&question, &mut dives)?;
+        // The number of steps is the landscape's, not the code's: a pass over all samples is.
+        let mut pass = whole_pass(&found, &mut dives);
+        let mut seconds = Samples::default();
+        for _ in 0..context.choice.size(Sized { quick: 3, usual: 25, full: 101 }) {
+            seconds.push(pass());
+        }
+        points.push((n as f64, seconds.median()));
     }
-    let curve = Curve { label: "one evaluation of samples and slopes".to_owned(), points };
+    let listed: Vec<String> = points.iter().map(|(n, s)| format!("{n} {}", quantity(Unit::Seconds, *s))).collect();
+    part.remark(format!("One pass over {} samples by free parameters: {}.", observations.len(), listed.join(", ")));
+    let curve = Curve { label: "one pass with slopes".to_owned(), points };
     part.row(Row::new("slope of time against free parameters", Unit::Count, Ok(Samples::one(curve.slope()))));
     let panels = vec![("Time", "s", vec![curve])];
     part.figures.push(growth(
         "growth-mechanisms",
         "Free parameters",
         panels,
-        "One pass over comet's samples with exact slopes, by the number of free parameters; the mean over a fit.",
+        "One pass over comet's samples with exact slopes, by the number of free parameters.",
     ));
     Ok(())
 }
@@ -108,7 +133,7 @@ fn runs(context: &Context<'_>, part: &mut Part) -> Result<()> {
         points.0.push((megabytes, seconds));
         points.1.push((megabytes, bytes / 1e6));
     }
-    told(part, "runs", "reduction of a campaign, two cores", "Size of the campaign [MB]", points);
+    told(part, "runs", "reduction of a campaign, two cores", "Size of the campaign [MB]", points, vec![]);
     Ok(())
 }
 
@@ -128,20 +153,21 @@ fn instances(context: &Context<'_>, part: &mut Part) -> Result<()> {
     if let Some((n, megabytes)) = points.1.last() {
         part.row(Row::new("memory of an FMU instance", Unit::Bytes, Ok(Samples::one(megabytes * 1e6 / n))));
     }
-    told(part, "instances", "instantiate, initialise, one step of 1 s", "Instances alive at once", points);
+    told(part, "instances", "instantiate, initialise, one step of 1 s", "Instances alive at once", points, vec![]);
     Ok(())
 }
 
 type Points = Vec<(f64, f64)>;
 
-/// Two slopes and one figure.
-fn told(part: &mut Part, name: &str, label: &str, axis: &str, (time, memory): (Points, Points)) {
+/// Two slopes and one figure, with `more` curves of time.
+fn told(part: &mut Part, name: &str, label: &str, axis: &str, (time, memory): (Points, Points), more: Vec<Curve>) {
     let curve = |points| Curve { label: label.to_owned(), points };
     let (time, memory) = (curve(time), curve(memory));
     for (what, curve) in [("time", &time), ("memory", &memory)] {
         part.row(Row::new(format!("slope of {what} against {name}"), Unit::Count, Ok(Samples::one(curve.slope()))));
     }
     let caption = format!("Time and peak memory: {label}.");
-    let panels = vec![("Time", "s", vec![time]), ("Memory", "MB", vec![memory])];
+    let times = std::iter::once(time).chain(more).collect();
+    let panels = vec![("Time", "s", times), ("Memory", "MB", vec![memory])];
     part.figures.push(growth(&format!("growth-{name}"), axis, panels, &caption));
 }
