@@ -1,7 +1,7 @@
 //! Dense linear equations of one fixed small size: elimination with partial pivoting, as plain loops over arrays.
 //!
 //! nalgebra's takes twice as long at this size, and a step solves eight systems with one decomposition. Every loop of
-//! [`Decomposition::solve`] runs over whole columns, zeros included: of a fixed length, it becomes a few vector
+//! [`Decomposition::solve`] runs over whole pieces of a column, zeros included: of a fixed length, each becomes a few vector
 //! instructions.
 
 use super::method::Scaled;
@@ -63,19 +63,27 @@ impl Decomposition {
         let mut solution: Scaled = std::array::from_fn(|row| right[self.rows[row]]);
         for (pivot, column) in self.lower.iter().enumerate() {
             let top = solution[pivot];
-            subtract(&mut solution, column, top);
+            let first = pivot - pivot % PIECE;
+            subtract(&mut solution[first..], &column[first..], top);
         }
         for (pivot, column) in self.upper.iter().enumerate().rev() {
             let solved = solution[pivot] * self.reciprocals[pivot];
             solution[pivot] = solved;
-            subtract(&mut solution, column, solved);
+            let end = pivot.next_multiple_of(PIECE);
+            subtract(&mut solution[..end], &column[..end], solved);
         }
         solution
     }
 }
 
-fn subtract(from: &mut Scaled, column: &Scaled, times: f64) {
-    for (value, multiplier) in from.iter_mut().zip(column) {
-        *value -= multiplier * times;
+/// Rows that are taken at once.
+const PIECE: usize = 4;
+const _: () = assert!(N_STATES.is_multiple_of(PIECE));
+
+fn subtract(from: &mut [f64], column: &[f64], times: f64) {
+    for (values, multipliers) in from.as_chunks_mut::<PIECE>().0.iter_mut().zip(column.as_chunks::<PIECE>().0) {
+        for (value, multiplier) in values.iter_mut().zip(multipliers) {
+            *value -= multiplier * times;
+        }
     }
 }

@@ -1,9 +1,9 @@
 //! The state carried through time: adaptive steps, events found inside a step, an exact stop where one is asked for.
 //!
-//! Two methods, chosen by the tolerance alone: Rodas5P (module `rosenbrock`) for the usual ones, where the fast modes of
-//! pitch and servos would hold an explicit method to short steps; DOP853 of the crate `differential-equations`
-//! (module `explicit`) for tight ones, where its order 8 wins. `docs/integration.md` has the figures and says what else was
-//! tried. This module gives them what they leave to their caller: states in units of their nominal size, so that one
+//! Two methods: DOP853 of the crate `differential-equations` (module `explicit`), whose order 8 goes through a turn in few
+//! cheap steps, and at tight tolerances through everything; Rodas5P (module `rosenbrock`) for what comes after, when the fast
+//! modes of pitch and servos have died out but would still hold an explicit method to short steps. Which one steps next
+//! follows from the step size. `docs/integration.md` has the figures and says what else was tried. This module gives them what they leave to their caller: states in units of their nominal size, so that one
 //! tolerance means the same for all of them; an origin that travels with the glider, so that a long voyage is as exact
 //! as a short one; events; refusal of anything that is not finite. Allocates nothing.
 //!
@@ -28,9 +28,19 @@ use super::state::State;
 /// Usual relative tolerance.
 pub const DEFAULT_TOLERANCE: f64 = 1e-8;
 
-/// The tightest tolerance at which the linearly implicit method is the faster one: below it, its order 5 asks for more
-/// steps than stability asks of an explicit one.
-pub const IMPLICIT_FROM: f64 = 5e-8;
+/// The tightest tolerance at which the linearly implicit method takes part: below it, its order 5 asks for more steps than
+/// stability asks of an explicit one.
+pub const IMPLICIT_FROM: f64 = 5e-10;
+
+/// From this step on the linearly implicit method is the cheaper one: its step costs as much as six explicit ones, which the
+/// pitch damping of a glider holds to some 0.7 s \[s\].
+const IMPLICIT_STEP_S: f64 = 4.0;
+
+/// How many times its own step the explicit method must be able to hand over, to be left for the implicit one.
+const WORTH_CHANGING: f64 = 8.0;
+
+/// Explicit steps after which it is tried whether the implicit method would go further.
+const STEPS_BEFORE_TRIAL: usize = 16;
 
 /// First step where none is known \[s\].
 const FIRST_STEP_S: f64 = 0.1;
@@ -148,12 +158,7 @@ impl Integrator {
             // Up to a jump the rates are those before it, at the jump itself too.
             let last = if jump.is_some() { target.next_down() } else { target };
             let stretch = Stretch { system, origin: here, last_s: last };
-            let place = (&mut time, &mut here, &mut step_s);
-            let passed = if self.tolerance < IMPLICIT_FROM {
-                self.stretch::<_, Explicit>(&stretch, place, target)?
-            } else {
-                self.stretch::<_, Rosenbrock>(&stretch, place, target)?
-            };
+            let passed = self.best_method(&stretch, (&mut time, &mut here, &mut step_s), target)?;
             if let Some(event) = passed {
                 outcome = event;
                 break;
@@ -166,18 +171,45 @@ impl Integrator {
         Ok(outcome)
     }
 
+    /// Steps about one origin by the method that gets furthest for its cost.
+    fn best_method<S: System>(
+        &self,
+        stretch: &Stretch<'_, S>,
+        (time, state, step_s): (&mut f64, &mut State<f64>, &mut f64),
+        target: f64,
+    ) -> Result<Option<Advance>, IntegrationError> {
+        if self.tolerance < IMPLICIT_FROM {
+            return self.stretch::<_, Explicit>(stretch, (time, state, step_s), target, Until::steps(STEPS_PER_ORIGIN));
+        }
+        let remaining = target - *time;
+        let (begun_s, explicit_step_s) = (*time, *step_s);
+        if step_s.min(remaining) < IMPLICIT_STEP_S {
+            *step_s = (WORTH_CHANGING * explicit_step_s).min(LONGEST_STEP_S);
+        }
+        if *step_s <= remaining || step_s.min(remaining) >= IMPLICIT_STEP_S {
+            let until = Until { steps: STEPS_PER_ORIGIN, shorter_than_s: step_s.min(IMPLICIT_STEP_S) };
+            let passed = self.stretch::<_, Rosenbrock>(stretch, (time, state, step_s), target, until)?;
+            if *time > begun_s || passed.is_some() {
+                return Ok(passed);
+            }
+        }
+        *step_s = step_s.min(explicit_step_s);
+        self.stretch::<_, Explicit>(stretch, (time, state, step_s), target, Until::steps(STEPS_BEFORE_TRIAL))
+    }
+
     /// Steps about one origin: to the target, an event, or the end of the stretch.
     fn stretch<S: System, M: Method<S>>(
         &self,
         stretch: &Stretch<'_, S>,
         (time, state, step_s): (&mut f64, &mut State<f64>, &mut f64),
         target: f64,
+        until: Until,
     ) -> Result<Option<Advance>, IntegrationError> {
         let too_small = |time: f64| Err(IntegrationError::StepTooSmall { time_s: time });
         let mut method = M::begin(stretch, self.tolerance, *time, step_s.min(LONGEST_STEP_S))?;
         let mut before = stretch.system.event_indicators(*time, state);
         let (mut accepted, mut rejected) = (0, 0);
-        while *time < target && accepted < STEPS_PER_ORIGIN {
+        while *time < target && accepted < until.steps {
             let remaining = target - method.time_s();
             let unclipped = method.next_step_s();
             if unclipped <= 1e-13 * time.abs().max(1e-3) && unclipped < remaining {
@@ -189,6 +221,10 @@ impl Integrator {
             }
             match method.step(stretch) {
                 Trial::Failed => return too_small(*time),
+                Trial::Rejected if method.next_step_s() < until.shorter_than_s => {
+                    *step_s = method.next_step_s();
+                    return Ok(None);
+                }
                 Trial::Rejected if rejected >= MAX_REJECTIONS => return too_small(*time),
                 Trial::Rejected => {
                     rejected += 1;
@@ -252,6 +288,21 @@ impl Integrator {
                 return Err(IntegrationError::StepTooSmall { time_s: *time });
             }
         }
+    }
+}
+
+/// When a stretch ends before its target.
+#[derive(Clone, Copy)]
+struct Until {
+    /// After so many accepted steps.
+    steps: usize,
+    /// With a rejected step after which the next is to be shorter than this \[s\].
+    shorter_than_s: f64,
+}
+
+impl Until {
+    fn steps(steps: usize) -> Self {
+        Until { steps, shorter_than_s: 0.0 }
     }
 }
 

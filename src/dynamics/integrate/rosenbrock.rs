@@ -104,7 +104,7 @@ const H: [[f64; STAGES]; 3] = [
 const SAFETY: f64 = 0.9;
 
 /// How much shorter or longer the next step may be.
-const CHANGE: (f64, f64) = (0.2, 6.0);
+const CHANGE: (f64, f64) = (0.05, 6.0);
 
 type Vector = SVector<f64, N_STATES>;
 
