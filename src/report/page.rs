@@ -207,6 +207,8 @@ impl Report {
             title => visible(&self.title),
             subject => visible(&self.subject),
             warnings => all_visible(&self.warnings),
+            // One more than these is shown as well: a fold for a single line hides nothing.
+            shown_warnings => if self.warnings.len() == SHOWN_WARNINGS + 1 { SHOWN_WARNINGS + 1 } else { SHOWN_WARNINGS },
             findings => all_visible(&self.findings),
             sections,
             program => visible(&self.program),
@@ -215,6 +217,9 @@ impl Report {
         }
     }
 }
+
+/// Warnings before the fold: what was found has to be on the first page, too.
+const SHOWN_WARNINGS: usize = 8;
 
 /// The name itself, or with the first free number where it is taken.
 fn free_name(name: String, taken: &mut HashSet<String>) -> String {

@@ -247,6 +247,16 @@ fn warnings_come_first() {
 }
 
 #[test]
+fn many_warnings_are_folded_and_none_is_lost() {
+    let page = |n: usize| (0..n).fold(Report::new("t", "s"), |page, i| page.warning(format!("careful {i};"))).html();
+    assert!(!page(9).contains("<details>") && page(9).contains("careful 8;"));
+    let many = page(20);
+    assert!(many.contains("12 more") && many.contains("20 warnings"));
+    let (fold, last) = (many.find("<details>").unwrap(), many.find("careful 19;").unwrap());
+    assert!(many.find("careful 7;").unwrap() < fold && fold < many.find("careful 8;").unwrap() && fold < last);
+}
+
+#[test]
 fn files_are_written_once_and_again() {
     let dir = tempfile::tempdir().unwrap();
     let report = Report::new("t", "s").section(Section::new("one").figure(everything()).figure(everything()));

@@ -42,6 +42,18 @@ pub fn sentences(diagnosis: &Diagnosis) -> Vec<String> {
     sentences
 }
 
+/// The verdict, for the summary at the top.
+pub fn in_a_sentence(diagnosis: &Diagnosis) -> String {
+    let causes: Vec<String> = diagnosis.causes.iter().map(|cause| words(&cause.cause)).collect();
+    let causes = causes.join(", ");
+    match diagnosis.verdict {
+        Verdict::None => "Diagnosis: nothing beyond the noise.".to_owned(),
+        Verdict::Explained => format!("Diagnosis: {causes}."),
+        Verdict::PartlyExplained => format!("Diagnosis: {causes}; a part stays unexplained."),
+        Verdict::Unexplained => "Diagnosis: something is wrong, and no known mechanism explains it.".to_owned(),
+    }
+}
+
 fn wrong(diagnosis: &Diagnosis) -> String {
     match diagnosis.wrong.first() {
         None => "The steady runs depart from CL = a α, CD = b + c α², CM = d α by no more than their noise.".to_owned(),

@@ -77,6 +77,9 @@ fn findings(results: &Results) -> Vec<String> {
             results.range_deg
         ));
     }
+    if let Some(overall) = results.diagnoses.as_ref().and_then(|diagnoses| diagnoses.overall()) {
+        findings.push(super::diagnosis::in_a_sentence(overall));
+    }
     if !results.rejected.is_empty() {
         findings.push(format!("{} runs could not be used; the warnings say why.", results.rejected.len()));
     }
