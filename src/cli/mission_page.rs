@@ -69,6 +69,15 @@ pub(super) fn page(vehicle: &str, mission: &Mission, flight: &Flight, trace: &Tr
         .panel(Panel::new(Axis::new("Way over ground", "x", "km")).layer(Layer::line(hours.clone(), trace.column(2))))
         .caption("Way over ground against time; current included.");
     let count = |kind: LegKind| flight.legs.iter().filter(|leg| leg.kind == kind).count();
+    let mut section = Section::new("Flight").text(mission.source.clone()).figure(saw_tooth).figure(record).figure(way);
+    // A vehicle file may leave energy out, and noughts would claim that nothing was drawn.
+    if flight.pump_J + flight.hotel_J > 0.0 {
+        section = section.table(
+            Table::new("Energy as the vehicle file has it.", ["Consumer", "Energy [W.h]"])
+                .row([Cell::Text("pump".to_owned()), Cell::number(flight.pump_J / 3600.0, 4)])
+                .row([Cell::Text("hotel".to_owned()), Cell::number(flight.hotel_J / 3600.0, 4)]),
+        );
+    }
     Report::new("Mission", format!("{vehicle}: {}", mission.name))
         .finding(format!(
             "{:.1} km over ground in {:.2} h, {:.3} m/s on the mean; {} descents, {} stays at the surface, {} pumpings.",
@@ -79,17 +88,6 @@ pub(super) fn page(vehicle: &str, mission: &Mission, flight: &Flight, trace: &Tr
             count(LegKind::Surface),
             flight.pumpings
         ))
-        .section(
-            Section::new("Flight")
-                .text(mission.source.clone())
-                .figure(saw_tooth)
-                .figure(record)
-                .figure(way)
-                .table(
-                    Table::new("Energy as the vehicle file has it.", ["Consumer", "Energy [W.h]"])
-                        .row([Cell::Text("pump".to_owned()), Cell::number(flight.pump_J / 3600.0, 4)])
-                        .row([Cell::Text("hotel".to_owned()), Cell::number(flight.hotel_J / 3600.0, 4)]),
-                ),
-        )
+        .section(section)
         .input(input)
 }

@@ -102,7 +102,8 @@ fn heading(first: &str, sensor: bool) -> Vec<String> {
 
 /// A value with its interval, where it has any width.
 fn cell(q: &Estimate) -> Cell {
-    if q.ci95[0] == q.ci95[1] { Cell::number(q.value, 4) } else { Cell::from(q) }
+    // What is left of a width in the last digits of a difference is none.
+    if q.ci95[1] - q.ci95[0] <= 1e-7 * q.value.abs() { Cell::number(q.value, 4) } else { Cell::from(q) }
 }
 
 fn shown(q: &Estimate) -> String {
