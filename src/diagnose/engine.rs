@@ -80,6 +80,7 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
     present.drop_what_does_not_predict(problem, &baseline);
     present.drop_what_chance_explains(problem, &baseline);
     let mut refuted = present.drop_what_needs_other_sizes(problem, &baseline);
+    present.drop_what_cannot_be(problem, &baseline);
     present.drop_what_spoils(problem, &baseline);
     if let Some(mut single) = single.filter(|single| single.predicts_as_well_as(&present)) {
         // A set that was thinned out to no more than one mechanism, and predicts no better than that one alone, was a
@@ -87,6 +88,7 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
         single.drop_what_does_not_predict(problem, &baseline);
         single.drop_what_chance_explains(problem, &baseline);
         let of_single = single.drop_what_needs_other_sizes(problem, &baseline);
+        single.drop_what_cannot_be(problem, &baseline);
         single.drop_what_spoils(problem, &baseline);
         if !single.included.is_empty() {
             (present, refuted) = (single, of_single);

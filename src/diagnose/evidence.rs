@@ -79,6 +79,8 @@ pub struct Candidate {
     pub usual: Vec<f64>,
     /// Smallest and largest value that physics allows each parameter.
     pub bounds: Vec<(f64, f64)>,
+    /// The least first parameter that nature has: what a fit puts below it is refused.
+    pub least: f64,
     /// What else goes with this version, unfitted: name, value, unit.
     pub fixed: Vec<(&'static str, f64, &'static str)>,
 }

@@ -43,6 +43,7 @@ impl Toy {
             neutral: vec![0.0],
             usual: vec![100.0],
             bounds: Vec::new(),
+            least: f64::NEG_INFINITY,
             fixed: Vec::new(),
         };
         let candidates = ["offset", "compression", "leak", "expansion", "air"].map(named).to_vec();

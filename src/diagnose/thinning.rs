@@ -1,5 +1,5 @@
 //! What goes out of a fit again: mechanisms that do not predict, that chance explains, that need another size in another
-//! regime, that spoil what another quantity tells.
+//! regime, or one that nature does not have, that spoil what another quantity tells.
 
 use nalgebra::DMatrix;
 
@@ -98,6 +98,18 @@ impl Fitted {
             self.drop_what_is_weak(problem, baseline, MARGIN.max(worst.excess));
         }
         refuted
+    }
+
+    /// What needs a size that nature does not have is something else that resembles it: it goes, whatever takes its place not
+    /// being asked for.
+    pub(super) fn drop_what_cannot_be(&mut self, problem: &impl Problem, baseline: &Fitted) {
+        let is_impossible = |fitted: &Fitted, place: usize| {
+            let member = fitted.included[place];
+            fitted.point.candidates[member][0] < problem.candidates()[member].least
+        };
+        while let Some(place) = (0..self.included.len()).find(|place| is_impossible(self, *place)) {
+            *self = self.without(problem, baseline, place);
+        }
     }
 
     /// What improves one quantity and spoils another did not happen: it goes, the worst spoiler first.

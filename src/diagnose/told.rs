@@ -196,7 +196,7 @@ pub(super) fn rejected(
             } else if p_value >= SIGNIFICANT {
                 format!("explains no more than chance would beside what is named (p = {p_value:.2})")
             } else {
-                format!("explains a part (p = {p_value:.1e}), but does not earn a name: it predicts no better, or needs another size elsewhere")
+                format!("explains a part (p = {p_value:.1e}), but does not earn a name: it predicts no better, needs another size elsewhere or one that cannot be, or spoils another quantity")
             };
             if shown < HARDLY_SHOWN {
                 why += &format!("; beside the baseline's own parameters {:.1} % of its trace shows", 100.0 * shown);

@@ -32,6 +32,9 @@ pub struct Mechanism {
     /// How far from neutral its size is usually found, a standard deviation in the unit of that parameter: generous, to
     /// keep a fit from sizes that nobody has seen.
     pub usual: f64,
+    /// The least size that nature has. A fit may go below it, and is then refused: held there, it would leave its place to
+    /// something else that resembles it as little.
+    pub least: f64,
     /// Where it enters.
     pub enters: Enters,
     /// In which data it shows.
@@ -40,7 +43,10 @@ pub struct Mechanism {
 
 macro_rules! mechanism {
     ($name:literal, $enters:ident, [$($parameter:literal),*], $usual:literal, $physics:literal, $source:literal, $regime:literal) => {
-        Mechanism { name: $name, physics: $physics, source: $source, parameters: &[$($parameter),*], usual: $usual, enters: Enters::$enters, regime: $regime }
+        mechanism!($name, $enters, [$($parameter),*], $usual from f64::NEG_INFINITY, $physics, $source, $regime)
+    };
+    ($name:literal, $enters:ident, [$($parameter:literal),*], $usual:literal from $least:expr, $physics:literal, $source:literal, $regime:literal) => {
+        Mechanism { name: $name, physics: $physics, source: $source, parameters: &[$($parameter),*], usual: $usual, least: $least, enters: Enters::$enters, regime: $regime }
     };
 }
 
@@ -149,7 +155,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "nonlinear_lift",
         Motion,
         ["nonlinear_lift_per_rad2"],
-        150.0,
+        150.0 from 0.0,
         "Crossflow lift, in proportion to alpha |alpha|",
         "Allen and Perkins 1951",
         "large angles of attack"

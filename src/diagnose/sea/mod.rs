@@ -276,6 +276,7 @@ fn candidates_of(bins: &[Bin], parameters: &Parameters<f64>) -> Vec<(Candidate, 
                 neutral: vec![*parameters.clone().at(index)],
                 usual: vec![mechanism.usual],
                 bounds: vec![(row.min, row.max)],
+                least: mechanism.least,
                 fixed: jump_s.map(|jump_s| ("step_time_s", jump_s, "s")).into_iter().collect(),
             };
             found.push((candidate, index, jump_s));

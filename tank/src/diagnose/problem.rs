@@ -264,6 +264,7 @@ impl<'a> TankProblem<'a> {
             neutral: parameters.iter().map(|p| p.neutral).collect(),
             usual: parameters.iter().map(|p| usual(p)).collect(),
             bounds: parameters.iter().map(|p| p.bounds).collect(),
+            least: f64::NEG_INFINITY,
             fixed: Vec::new(),
         };
         if let Shape::Drift(_, channel) = shape {
