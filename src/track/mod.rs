@@ -11,6 +11,7 @@
 //! vehicle's `[uncertainty]` (of the speed, along the way) and one of the compass (across it), both taken as the same
 //! through a dive and independent from dive to dive. Knows no files.
 
+pub mod comparison;
 mod earth;
 
 use crate::dynamics::{Parameters, Surroundings};

@@ -14,6 +14,7 @@ mod findings;
 pub mod mechanisms;
 mod model;
 mod problem;
+mod reduced;
 
 use glidepolar::diagnose::{Diagnosis, Outcome, diagnose_in_full};
 use glidepolar::hull_tests::ExtendedFit;
