@@ -181,19 +181,19 @@ impl Integrator {
         if self.tolerance < IMPLICIT_FROM {
             return self.stretch::<_, Explicit>(stretch, (time, state, step_s), target, Until::steps(STEPS_PER_ORIGIN));
         }
-        let remaining = target - *time;
-        let (begun_s, explicit_step_s) = (*time, *step_s);
-        if step_s.min(remaining) < IMPLICIT_STEP_S {
-            *step_s = (WORTH_CHANGING * explicit_step_s).min(LONGEST_STEP_S);
-        }
-        if *step_s <= remaining || step_s.min(remaining) >= IMPLICIT_STEP_S {
-            let until = Until { steps: STEPS_PER_ORIGIN, shorter_than_s: step_s.min(IMPLICIT_STEP_S) };
+        let (begun_s, begun_with_s, remaining) = (*time, *step_s, target - *time);
+        let is_implicit = begun_with_s.min(remaining) >= IMPLICIT_STEP_S;
+        let trial_s = if is_implicit { begun_with_s } else { (WORTH_CHANGING * begun_with_s).min(LONGEST_STEP_S) };
+        if trial_s <= remaining || trial_s.min(remaining) >= IMPLICIT_STEP_S {
+            *step_s = trial_s;
+            let until = Until { steps: STEPS_PER_ORIGIN, shorter_than_s: trial_s.min(IMPLICIT_STEP_S) };
             let passed = self.stretch::<_, Rosenbrock>(stretch, (time, state, step_s), target, until)?;
             if *time > begun_s || passed.is_some() {
                 return Ok(passed);
             }
+            // Not even one step: what was tried in vain says nothing of the explicit method's own step, unless it is shorter.
+            *step_s = step_s.min(begun_with_s);
         }
-        *step_s = step_s.min(explicit_step_s);
         self.stretch::<_, Explicit>(stretch, (time, state, step_s), target, Until::steps(STEPS_BEFORE_TRIAL))
     }
 
