@@ -6,6 +6,9 @@ from pathlib import Path
 import flights
 import pytest
 
+# Where measured logs lie, if there are any.
+MEASURED = Path(os.environ.get("GLIDEPOLAR_DATA", Path(__file__).parents[3] / "shared/data"))
+
 
 def path_from(variable: str) -> Path:
     value = os.environ.get(variable)
@@ -60,3 +63,22 @@ def sawtooth(glidepolar, tmp_path_factory) -> dict:
     return flights.simulate(
         glidepolar, output, "--inputs", flights.SAWTOOTH, "--stop", str(flights.STOP), "--interval", "8"
     )
+
+
+def counters() -> tuple[str, str]:
+    """Tables of motor moves and dives of a glider that pumps 0.03 J per dbar and cc, and 10 J per cc."""
+    strokes, dives = [], []
+    charge = 0.0
+    for dive in range(1, 13):
+        depth, duration = 300 + 70 * (5 * dive % 12), 6000 + 700 * dive
+        energy = 0.0
+        for number, share in enumerate((0.02, 0.5, 1.0), start=1):
+            volume = 40.0 * number
+            joule = (0.03 * depth * share * 1.01043 + 10) * volume * (1 + 0.02 * (-1) ** (dive + number))
+            strokes.append(f"{dive},{depth * share:.1f},3000,{3000 - volume / 0.25:.0f},{joule / 15:.2f},1,15")
+            energy += joule
+        charge += (energy + 4000 + 0.2 * duration) / 15 / 3600
+        dives.append(f"{dive},{duration},0.25,{charge:.5f},15,0,10")
+    moves = "\n".join(["dive,depth_m,vbd_ad_start,vbd_ad_end,vbd_secs,vbd_A,vbd_V", *strokes]) + "\n"
+    columns = "dive,duration_s,VBD_CNV_cc_per_count,ah24_cum_Ah,ah24_min_V,ah10_cum_Ah,ah10_min_V"
+    return moves, "\n".join([columns, *dives]) + "\n"

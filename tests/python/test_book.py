@@ -2,13 +2,14 @@
 
 A command is a line of an indented or fenced block that begins with a program's name; text two or more spaces behind it is
 the page's remark, a backslash at its end goes on in the next line. Blocks of Python (```python) are run, too. The folder
-has what the pages speak of without making it: my-glider.toml, flight.csv, fixes.csv, and the checkout's missions/,
-tank/data/ and examples/.
+has what the pages speak of without making it: my-glider.toml, flight.csv, fixes.csv, motor_moves.csv, dives.csv, and the
+checkout's missions/, tank/data/ and examples/.
 
 What no test runs says so in the page, above the block, and is listed as skipped with the reason:
 
     <!-- by hand: a reason -->      too long for every run, or needs a network: the reader's to run
     <!-- with: data/sg542 -->       run where that folder is in the checkout
+    <!-- measured: a.csv b.csv -->  run where those tables are among the measured data, put into the reader's folder
 """
 
 import os
@@ -21,12 +22,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from conftest import path_from
+from conftest import MEASURED, counters, path_from
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "wheel/README.md", *sorted((ROOT / "docs").glob("*.md"))]
 PROGRAMS = {"glidepolar", "tank-reduce", "cargo", "fmpy", "python", "pip", "man", "printf", "valgrind"}
-MARKER = re.compile(r"<!-- (by hand|with): (.+?) -->")
+MARKER = re.compile(r"<!-- (by hand|with|measured): (.+?) -->")
 # Longer than this, and a command belongs into a campaign.
 PATIENCE_S = 120
 
@@ -159,6 +160,9 @@ def given(programs, tmp_path_factory) -> Path:
     (folder / "flight.csv").write_text("\n".join([header + ",heading_rad", *(row + ",1.0" for row in rows)]) + "\n")
     (folder / "log.csv").unlink()
     (folder / "fixes.csv").write_text("time_s,lat_deg,lon_deg\n0,47.5,-52.5\n4200,47.506,-52.488\n18000,47.52,-52.43\n")
+    moves, dives = counters()
+    (folder / "motor_moves.csv").write_text(moves)
+    (folder / "dives.csv").write_text(dives)
     return folder
 
 
@@ -194,6 +198,13 @@ def test_every_command_of_a_page_runs(page, programs, given, fmu3, fmu2, tmp_pat
                 pytest.skip(f"by hand: {reason}: {'; '.join(block.commands)}")
             if what == "with" and not (ROOT / reason).exists():
                 pytest.skip(f"{reason} is not there, `cargo xtask fetch-data` gets it: {'; '.join(block.commands)}")
+            if what == "measured":
+                measured = [MEASURED / name for name in reason.split()]
+                if missing := [str(file) for file in measured if not file.exists()]:
+                    pytest.skip(f"no measured data: {', '.join(missing)}: {'; '.join(block.commands)}")
+                for file in measured:
+                    (folder / file.name).unlink(missing_ok=True)
+                    (folder / file.name).symlink_to(file)
             if block.is_python:
                 (folder / "block.py").write_text(block.text)
                 shell("python block.py", folder, programs)

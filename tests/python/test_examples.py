@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import MEASURED
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
@@ -83,8 +84,7 @@ def test_a_log_of_the_fmus_own_vehicle_is_flown_again(glidepolar, fmu3, flight):
 
 
 def test_a_log_from_sea_goes_through(fmu3, tmp_path):
-    data = Path(os.environ.get("GLIDEPOLAR_DATA", ROOT.parent / "shared/data"))
-    log = data / "comet_2016_baltic_1hz.csv"
+    log = MEASURED / "comet_2016_baltic_1hz.csv"
     if not log.is_file():
         pytest.skip(f"no measured data: {log} is missing")
     done = run("fly_a_log.py", log, "--fmu", fmu3, "--hours", "0.5", "--flights", "2", cwd=tmp_path)

@@ -11,7 +11,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from conftest import path_from
+from conftest import counters, path_from
 
 CHROMIUM = next(filter(None, map(shutil.which, ["chromium", "chromium-browser", "google-chrome", "chrome"])), None)
 WIDTHS = {"desktop": 1100, "phone": 390}
@@ -78,21 +78,9 @@ def tables(tmp_path_factory) -> dict[str, Path]:
         "time_s,lat_deg,lon_deg,dac_east_m_s,dac_north_m_s\n"
         "0,47.5,-52.5,0.05,0.02\n4000,47.508,-52.487,0.04,0.03\n11000,47.51,-52.46,0.02,0.05\n18000,47.5,-52.44,0,0\n"
     )
-    strokes, dives = [], []
-    charge = 0.0
-    for dive in range(1, 13):
-        depth, duration = 300 + 70 * (5 * dive % 12), 6000 + 700 * dive
-        energy = 0.0
-        for number, share in enumerate((0.02, 0.5, 1.0), start=1):
-            volume = 40.0 * number
-            joule = (0.03 * depth * share * 1.01043 + 10) * volume * (1 + 0.02 * (-1) ** (dive + number))
-            strokes.append(f"{dive},{depth * share:.1f},3000,{3000 - volume / 0.25:.0f},{joule / 15:.2f},1,15")
-            energy += joule
-        charge += (energy + 4000 + 0.2 * duration) / 15 / 3600
-        dives.append(f"{dive},{duration},0.25,{charge:.5f},15,0,10")
-    found["MOVES"].write_text("\n".join(["dive,depth_m,vbd_ad_start,vbd_ad_end,vbd_secs,vbd_A,vbd_V", *strokes]) + "\n")
-    columns = "dive,duration_s,VBD_CNV_cc_per_count,ah24_cum_Ah,ah24_min_V,ah10_cum_Ah,ah10_min_V"
-    found["DIVES"].write_text("\n".join([columns, *dives]) + "\n")
+    moves, dives = counters()
+    found["MOVES"].write_text(moves)
+    found["DIVES"].write_text(dives)
     sea = [path_from("GLIDEPOLAR_VIRTUAL_SEA"), "--seed", "3", "--effect", "drag_growth", "--hours", "6", "--dives", "8"]
     subprocess.run([*sea, "--out", folder / "sea"], check=True)
     found["SEA_LOG"], found["SEA_VEHICLE"] = folder / "sea/log.csv", folder / "sea/vehicle.toml"

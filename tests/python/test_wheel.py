@@ -16,7 +16,7 @@ from base64 import urlsafe_b64encode
 from pathlib import Path
 
 import pytest
-from conftest import path_from
+from conftest import MEASURED, path_from
 
 SEAGLIDER = "sg542_samples.csv"
 
@@ -76,9 +76,8 @@ def test_a_tank_engineers_first_commands(clean, tmp_path):
 
 def test_a_pilots_first_commands(clean, tmp_path):
     ok(clean / "glidepolar", "--help", cwd=tmp_path)
-    data = Path(os.environ.get("GLIDEPOLAR_DATA", Path(__file__).parents[3] / "shared/data"))
-    if (data / SEAGLIDER).is_file():
-        log = data / SEAGLIDER
+    if (MEASURED / SEAGLIDER).is_file():
+        log = MEASURED / SEAGLIDER
     else:
         # A log of the simulated glider shows as well that the command is whole.
         mission = Path(__file__).parents[2] / "missions/rising-seabed.toml"
