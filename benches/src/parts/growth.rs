@@ -1,7 +1,7 @@
 //! Time and memory against samples, mechanisms, runs and instances.
 
 use anyhow::Result;
-use glidepolar::identify::{Question, by_dive, fit};
+use glidepolar::identify::{Gram, Question, by_dive, fit};
 
 use super::{Context, tank};
 use crate::arguments::Sized;
@@ -88,15 +88,14 @@ fn mechanisms(context: &Context<'_>, part: &mut Part) -> Result<()> {
         "pitch_offset_rad",
     ];
     let observations = COMET.read(context.root())?;
-    let baseline = COMET.baseline(&observations)?;
-    let dives = by_dive(&observations);
+    let mut dives = by_dive(&observations);
+    let whole = fit(&Question::new(COMET.baseline(&observations)?, &ORDER)?, &mut dives)?;
     let mut points = Vec::new();
     for n in 1..=ORDER.len() {
-        let mut question = Question::new(baseline, &ORDER[..n])?;
-        question.several_starts = false;
-        let mut dives = dives.clone();
-        let found = fit(&question, &mut dives)?;
-        // The number of steps is the landscape's, not the code's: a pass over all samples is.
+        // All at one and the same place: how hard the glides are to solve is the place's, not the number's.
+        let mut found = whole.clone();
+        found.free.truncate(n);
+        found.grams = vec![Gram::new(n); dives.len()];
         let mut pass = whole_pass(&found, &mut dives);
         let mut seconds = Samples::default();
         for _ in 0..context.choice.size(Sized { quick: 3, usual: 25, full: 101 }) {
