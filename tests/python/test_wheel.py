@@ -19,6 +19,7 @@ import pytest
 from conftest import MEASURED, path_from
 
 SEAGLIDER = "sg542_samples.csv"
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="session")
@@ -76,14 +77,14 @@ def test_a_tank_engineers_first_commands(clean, tmp_path):
 
 def test_a_pilots_first_commands(clean, tmp_path):
     ok(clean / "glidepolar", "--help", cwd=tmp_path)
-    if (MEASURED / SEAGLIDER).is_file():
-        log = MEASURED / SEAGLIDER
-    else:
-        # A log of the simulated glider shows as well that the command is whole.
-        mission = Path(__file__).parents[2] / "missions/rising-seabed.toml"
+    # The Seaglider's own files where they were fetched, else its table, else a log of the simulated glider, which shows as well
+    # that the command is whole.
+    logs = sorted((ROOT / "data/sg542").glob("p5420*.nc")) or [log for log in [MEASURED / SEAGLIDER] if log.is_file()]
+    if not logs:
+        mission = ROOT / "missions/rising-seabed.toml"
         ok(clean / "glidepolar", "simulate", "slocum-049", "--mission", mission, "--log", "log.csv", cwd=tmp_path)
-        log = tmp_path / "log.csv"
-    said = ok(clean / "glidepolar", "identify", log, "--vehicle", "seaglider", cwd=tmp_path)
+        logs = [tmp_path / "log.csv"]
+    said = ok(clean / "glidepolar", "identify", *logs, "--vehicle", "seaglider", cwd=tmp_path)
     assert "a_per_rad" in said or "\na " in said
 
 
