@@ -66,11 +66,9 @@ pub(super) fn order(log: &mut FlightLog, last_time_s: f64, notes: &mut Notes) {
         if back > SET_CLOCK_ROWS {
             // The seconds that passed meanwhile are not known: one sampling interval is put between.
             // Steps of a damaged clock may be too small to be seen beside its time.
-            (mended[i], last) = {
-                let next = (last + step).max(last.next_up());
-                shift = next - time[i];
-                (next, next)
-            };
+            last = (last + step).max(last.next_up());
+            mended[i] = last;
+            shift = last - time[i];
             i += 1;
             notes.add("times at which the clock was set back, carried on from the row before", 1);
         } else {

@@ -75,9 +75,9 @@ pub struct TooFewPoints {
 /// Where too few points lie within the range.
 pub fn fit(sweep: &Sweep, range_deg: f64) -> Result<SweepFit, TooFewPoints> {
     let rows = sweep.within_deg(range_deg);
-    let too_few = TooFewPoints { found: rows.len(), range_deg };
-    let fits = coefficients(sweep, &rows).ok_or(too_few.clone())?;
-    let slope = |coefficient| zero_drift::slope(sweep, coefficient).ok_or(too_few.clone());
+    let too_few = || TooFewPoints { found: rows.len(), range_deg };
+    let fits = coefficients(sweep, &rows).ok_or_else(too_few)?;
+    let slope = |coefficient| zero_drift::slope(sweep, coefficient).ok_or_else(too_few);
     Ok(SweepFit {
         range_deg,
         estimates: estimates(&fits, range_deg),

@@ -4,8 +4,7 @@
 //! lift is curved, as that of every long hull, the two differ by as much as half. Here the coefficient is an odd series in
 //! the sway velocity `v/V = sin(alpha)` to the fifth order (Abkowitz 1964, Lectures on ship hydrodynamics, HyL-5), less
 //! where points are too few. The order is not chosen by what it leaves: a curve too slight to be seen point by point still
-//! moves the slope by more than its error, and an interval after a choice holds less than it says (92.7 % for 95 %; 95.7 %
-//! without the choice).
+//! moves the slope by more than its error, and an interval after a choice holds less than it says (92.7 % in place of 95 %).
 
 use glidepolar::hull_tests::Estimate;
 

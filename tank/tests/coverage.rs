@@ -26,10 +26,8 @@ fn collect(seeds: std::ops::Range<u64>, hulls: &[&str]) -> (Misses, usize) {
         let slopes = [("a", &trend.a), ("b", &trend.b), ("c", &trend.c), ("d", &trend.d)];
         let t = truth.trend;
         for ((name, slope), truth) in slopes.into_iter().zip([t.a_per_ldr, t.b_per_ldr, t.c_per_ldr, t.d_per_ldr]) {
-            let q = &slope.slope_per_ldr;
-            let covered = (q.ci95[0]..=q.ci95[1]).contains(&truth);
-            let name = format!("trend of {name}");
-            all.entry(name.clone()).or_default().push(Miss { name, value: q.value, se: q.se, covered, truth });
+            let miss = Miss::of(&format!("trend of {name}"), &slope.slope_per_ldr, truth);
+            all.entry(miss.name.clone()).or_default().push(miss);
         }
     }
     (all, warned)
