@@ -113,6 +113,20 @@ fn the_three_forms_of_a_table_agree() {
     }
 }
 
+/// Straight lines through the points of smallest drift hold the report's derivatives in their intervals: Yv' within a wide one,
+/// for the side force so near zero is small against its own zero error.
+#[test]
+fn straight_lines_at_small_drift_hold_the_derivatives_of_the_report() {
+    let results = suboff(3.2);
+    let hull = &results.hulls[0].hull;
+    let (fit, scale) = (fit(&results), hull.frontal_area_m2() / hull.geometry.loa_m.powi(2));
+    let ratio: f64 = 4.2609 / 4.356;
+    let (yv_report, nv_report) = (-0.005948 * ratio.powi(2), -0.012789 * ratio.powi(3));
+    assert_near(-fit.d.value * scale, nv_report, 0.04);
+    assert!((fit.d.ci95[0]..=fit.d.ci95[1]).contains(&(-nv_report / scale)), "{:?}", fit.d);
+    assert!((fit.a.ci95[0]..=fit.a.ci95[1]).contains(&(-yv_report / scale - fit.b.value)), "{:?}", fit.a);
+}
+
 /// The report states Yv' = -0.005948 and Nv' = -0.012795 on Lpp about its moment reference, static derivatives good to 4 or
 /// 5 %. About the centre of buoyancy, 4.4 mm further forward, that is Nv' = -0.012789. The range of the straight lines has no
 /// part in them.
