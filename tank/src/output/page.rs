@@ -90,6 +90,10 @@ fn shown(q: &Estimate) -> String {
     glidepolar::report::estimate(q.value, q.se)
 }
 
+fn pair_of_thousandths(q: &Estimate) -> [Cell; 2] {
+    [Cell::estimate(1e3 * q.value, 1e3 * q.se), Cell::interval((1e3 * q.ci95[0], 1e3 * q.ci95[1]))]
+}
+
 fn pair(q: &Estimate) -> [Cell; 2] {
     [Cell::estimate(q.value, q.se), Cell::interval((q.ci95[0], q.ci95[1]))]
 }
@@ -137,17 +141,18 @@ fn coefficients(results: &Results) -> Section {
 /// The same slopes as a manoeuvring engineer has them.
 fn sway_slopes(results: &Results) -> Table {
     let mut table = Table::new(
-        "The slopes at zero drift as SNAME primes on the overall length about the centre of buoyancy: Yv' = -(a₀ + b) A/L², Nv' = -d₀ A/L², from all points to 20 deg, by an odd series in v/V to the fifth order (less where points are too few).",
-        ["Hull", "Yv'", "95 %", "Nv'", "95 %", "Orders", "Points"],
+        "The slopes at zero drift as SNAME primes on the overall length about the centre of buoyancy: Yv' = -(a₀ + b) A/L², Nv' = -d₀ A/L², from all points to 20 deg, by an odd series in v/V to the fifth order (less where points are too few: then the orders stand behind the hull).",
+        ["Hull", "10³ Yv'", "95 %", "10³ Nv'", "95 %"],
     );
     for hull in &results.hulls {
         let Ok(fit) = &hull.fit else { continue };
         let [yv, nv] = derivatives::from_sweep(&hull.hull, fit);
-        let mut row = vec![Cell::from(hull.hull.id.as_str())];
-        row.extend([&yv, &nv].into_iter().flat_map(pair));
-        let [lift, moment] = &fit.zero_drift;
-        row.push(Cell::from(format!("{}, {}", lift.order, moment.order)));
-        row.push(Cell::from(lift.points.to_string()));
+        let name = match fit.zero_drift.each_ref().map(|slope| slope.order) {
+            [5, 5] => hull.hull.id.clone(),
+            [lift, moment] => format!("{} (orders {lift}, {moment})", hull.hull.id),
+        };
+        let mut row = vec![Cell::from(name)];
+        row.extend([&yv, &nv].into_iter().flat_map(pair_of_thousandths));
         table.push(row);
     }
     table
@@ -168,7 +173,7 @@ fn derivatives(results: &Results) -> Section {
             [Some(&e.yv), Some(&e.nv)].into_iter().chain(others.map(Option::as_ref)).nth(i).flatten()
         });
         let cells = |q: Option<&Estimate>| match q {
-            Some(q) => [Cell::estimate(1e3 * q.value, 1e3 * q.se), Cell::interval((1e3 * q.ci95[0], 1e3 * q.ci95[1]))],
+            Some(q) => pair_of_thousandths(q),
             None => [Cell::from("-"), Cell::from("-")],
         };
         let columns: Vec<[Cell; 2]> = all.map(cells).collect();
