@@ -1,6 +1,8 @@
 """What the tests in Python share: where the built things are, as `cargo xtask test` says it, and the list of skips."""
 
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import flights
@@ -39,6 +41,19 @@ def fmu(request) -> Path:
 def glidepolar() -> Path:
     """The command line."""
     return path_from("GLIDEPOLAR_COMMAND")
+
+
+@pytest.fixture(scope="session")
+def wheel() -> Path:
+    """The package for pip."""
+    return path_from("GLIDEPOLAR_WHEEL")
+
+
+def empty_environment(folder: Path) -> tuple[Path, list[str]]:
+    """Makes a Python environment in which nothing is: the folder of its programs, and the command that is its pip."""
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", folder], check=True)
+    programs = folder / ("Scripts" if os.name == "nt" else "bin")
+    return programs, [sys.executable, "-m", "pip", "--disable-pip-version-check", "--python", str(programs / "python")]
 
 
 @pytest.fixture(scope="session")

@@ -16,26 +16,18 @@ from base64 import urlsafe_b64encode
 from pathlib import Path
 
 import pytest
-from conftest import MEASURED, path_from
+from conftest import MEASURED, empty_environment
 
 SEAGLIDER = "sg542_samples.csv"
 ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="session")
-def wheel() -> Path:
-    return path_from("GLIDEPOLAR_WHEEL")
-
-
-@pytest.fixture(scope="session")
 def clean(wheel, tmp_path_factory) -> Path:
     """The programs of an environment in which nothing is but the wheel."""
-    folder = tmp_path_factory.mktemp("clean") / "environment"
-    subprocess.run([sys.executable, "-m", "venv", "--without-pip", folder], check=True)
-    programs = folder / ("Scripts" if os.name == "nt" else "bin")
-    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "--python", programs / "python", "install"]
+    programs, pip = empty_environment(tmp_path_factory.mktemp("clean") / "environment")
     # Without an index: the wheel needs nothing else.
-    subprocess.run([*pip, "--quiet", "--no-index", wheel], check=True)
+    subprocess.run([*pip, "install", "--quiet", "--no-index", wheel], check=True)
     return programs
 
 

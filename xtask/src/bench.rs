@@ -19,7 +19,7 @@ const RELEASE: [(&str, &str); 3] = [
 /// What to measure; the bench itself knows more of it.
 #[derive(clap::Args)]
 pub struct Choice {
-    /// Few rounds, small sizes: whether everything runs, not how fast
+    /// Few rounds, small sizes, unoptimised: whether everything runs, not how fast
     #[arg(long)]
     quick: bool,
     /// The large sizes, too: 1 GB, 100,000 missions, a whole fleet-year, the slowest calibration to its end
@@ -35,13 +35,14 @@ pub fn run(workspace: Workspace, choice: &Choice) -> Result<()> {
     let begin = Instant::now();
     let workspace = workspace.with_environment(&RELEASE);
     let packages = ["--package=glidepolar-benches", "--package=glidepolar", "--bins"];
-    run_command(workspace.cargo().args(["build", "--release"]).args(packages))?;
+    let (profile, folder) = if choice.quick { ("dev", "debug") } else { ("release", "release") };
+    run_command(workspace.cargo().args(["build", "--profile", profile]).args(packages))?;
     let fmus = or_say("the FMU", fmu::run(&workspace, &[]));
     let python = or_say("the other programs", python::ensure_peers(&workspace));
     or_say("gliderflight's data", fetch_data::run(&workspace));
     eprintln!("built in {:.0} s", begin.elapsed().as_secs_f64());
 
-    let program = |name: &str| workspace.target("release").join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
+    let program = |name: &str| workspace.target(folder).join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
     let mut bench = workspace.command(program("glidepolar-bench"));
     bench.arg("run").arg("--root").arg(workspace.path("")).arg("--work").arg(workspace.target("bench"));
     let mut give = |name: &str, path: Option<PathBuf>| {

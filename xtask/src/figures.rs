@@ -1,9 +1,9 @@
-//! `cargo xtask figures`: the figures in docs/figures/, drawn anew by the commands that the pages name. A test holds the
-//! quick ones to what the commands draw today.
+//! `cargo xtask figures`: the figures in docs/figures/, drawn anew by the commands that the pages name. The tests run it
+//! with `--check`, which holds those that are there to what the commands draw today.
 
 use std::fs;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 
 use crate::wheel;
 use crate::workspace::{Workspace, run as run_command};
@@ -27,8 +27,8 @@ const DRAWINGS: [Drawing; 3] = [
     },
 ];
 
-/// Draws them all.
-pub fn run(workspace: &Workspace) -> Result<()> {
+/// Draws them all; where they are only to be checked, nothing is written and the first that differs is an error.
+pub fn run(workspace: &Workspace, check: bool) -> Result<()> {
     wheel::build_programs(workspace)?;
     for (number, Drawing { arguments, figures }) in DRAWINGS.iter().enumerate() {
         let folder = workspace.target(format!("figures/{number}"));
@@ -37,8 +37,13 @@ pub fn run(workspace: &Workspace) -> Result<()> {
         for (drawn, kept) in *figures {
             let from = folder.join(format!("figures/{drawn}.svg"));
             let to = workspace.path(format!("docs/figures/{kept}.svg"));
-            fs::copy(&from, &to).with_context(|| format!("the report has no figure {}", from.display()))?;
-            eprintln!("drew {}", workspace.shown(&to));
+            let figure = fs::read(&from).with_context(|| format!("the report has no figure {}", from.display()))?;
+            if !check {
+                fs::write(&to, figure).with_context(|| format!("cannot write {}", to.display()))?;
+                eprintln!("drew {}", workspace.shown(&to));
+            } else if fs::read(&to).ok() != Some(figure) {
+                bail!("{} is stale: draw it anew by `cargo xtask figures`", workspace.shown(&to));
+            }
         }
     }
     Ok(())

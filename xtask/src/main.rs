@@ -62,7 +62,11 @@ enum Chore {
     /// Reduce hull tests, fly both FMUs in FMPy, and leave a page in target/demo/
     Demo,
     /// Draw the figures in docs/figures/ anew
-    Figures,
+    Figures {
+        /// Write nothing, and fail where a figure is not what its command draws
+        #[arg(long)]
+        check: bool,
+    },
     /// Measure speed, cost and scale beside other programs; writes docs/benchmarks.md
     Bench(bench::Choice),
     /// Look for input that makes a reader of files, or the FMU, panic, hang or take memory without bound
@@ -93,7 +97,7 @@ fn run(chore: Chore) -> Result<()> {
         Chore::Man => wheel::man(&workspace),
         Chore::Test { only } => test::run(&workspace, only),
         Chore::Demo => demo::run(&workspace),
-        Chore::Figures => figures::run(&workspace),
+        Chore::Figures { check } => figures::run(&workspace, check),
         Chore::Bench(choice) => bench::run(workspace, &choice),
         Chore::Fuzz(choice) => fuzz::run(&workspace, &choice),
         Chore::FetchData => fetch_data::run(&workspace),
