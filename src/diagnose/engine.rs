@@ -94,7 +94,7 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
             (present, refuted) = (single, of_single);
         }
     }
-    let curve = curve.or(refuted).or_else(|| Lap::new(candidates, &present).unnamed_curve(&present.included));
+    let curve = curve.or(refuted).or_else(|| Lap::new(candidates, &present).unnamed_curve(&present.included, problem));
     report(problem, &baseline, &present, curve)
 }
 
@@ -131,7 +131,8 @@ fn decide(
     match with_curve {
         Some(other)
             if other.criterion
-                < mechanisms.criterion.min(0.0) - MARGIN.max(problem.part_unexplained() * -mechanisms.criterion) =>
+                < mechanisms.criterion.min(0.0) - MARGIN.max(problem.part_unexplained() * -mechanisms.criterion)
+                && lap.foretells(&other.members, &mechanisms.members, problem) =>
         {
             // Beside something unknown a name needs evidence that the unknown cannot take over, and more of it than the
             // unknown has itself: what is unknown may bring along a bit of many a mechanism.

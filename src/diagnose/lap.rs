@@ -1,10 +1,11 @@
 //! One round of the search around a fit: every mechanism and every curve without a name as runners of one race.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::engine::MARGIN;
 use super::evidence::{Candidate, Evidence, Point, Problem};
 use super::fitted::{Fitted, side_by_side};
+use super::holdout;
 use super::score::Score;
 use super::search::{Race, Runner};
 use super::smooth;
@@ -26,6 +27,11 @@ pub(super) struct Lap<'a> {
     pub(super) runners: Vec<Runner>,
     pub(super) curves: Vec<CurveRunner>,
     pub(super) score: Score,
+    /// Residuals and beliefs of the baseline alone.
+    evidence: Evidence,
+    /// Every runner's columns side by side, and what is believed of each.
+    columns: DMatrix<f64>,
+    usual: Vec<f64>,
 }
 
 impl<'a> Lap<'a> {
@@ -87,7 +93,7 @@ impl<'a> Lap<'a> {
         let all = side_by_side(evidence.residual.len(), &parts.iter().collect::<Vec<_>>());
         usual.resize(all.ncols(), f64::INFINITY);
         let score = Score::new(&evidence, &fitted.noises, &evidence.baseline, &all, &usual);
-        Lap { candidates, fitted, runners, curves, score }
+        Lap { candidates, fitted, runners, curves, score, evidence, columns: all, usual }
     }
 
     pub(super) fn race(&self) -> Race<'_> {
@@ -95,8 +101,10 @@ impl<'a> Lap<'a> {
     }
 
     /// The covariate of the curve that explains what these members leave, if one clearly does.
-    pub(super) fn unnamed_curve(&self, members: &[usize]) -> Option<String> {
-        self.best_curve(members).and_then(|curve| self.curve_name(curve)).map(str::to_owned)
+    pub(super) fn unnamed_curve(&self, members: &[usize], problem: &impl Problem) -> Option<String> {
+        let curve = self.best_curve(members)?;
+        let with: Vec<usize> = members.iter().copied().chain([curve]).collect();
+        if self.foretells(&with, members, problem) { self.curve_name(curve).map(str::to_owned) } else { None }
     }
 
     /// The curve that best explains what these members leave, if one clearly does.
@@ -110,6 +118,24 @@ impl<'a> Lap<'a> {
         });
         let (criterion, runner) = best.min_by(|a, b| a.0.total_cmp(&b.0))?;
         (criterion < here - MARGIN).then_some(runner)
+    }
+
+    /// Whether a set with a curve foretells data that were held out better than one without it: what is at work is there on
+    /// the next glide, too; a wave that a few glides happened to meet is not.
+    pub(super) fn foretells(&self, with: &[usize], without: &[usize], problem: &impl Problem) -> bool {
+        let advantage =
+            holdout::advantage(&self.evidence, &self.fitted.noises, &self.held_out(without), &self.held_out(with));
+        advantage >= problem.least_advantage()
+    }
+
+    /// What a set leaves of the rows that its fit did not see.
+    fn held_out(&self, members: &[usize]) -> DVector<f64> {
+        let chosen = self.race().columns(members);
+        let mut evidence = self.evidence.clone();
+        evidence.prior.extend(chosen.iter().map(|column| (0.0, self.usual[*column])));
+        let members = self.columns.select_columns(&chosen);
+        let columns = side_by_side(evidence.residual.len(), &[&evidence.baseline, &members]);
+        holdout::residuals(&evidence, &self.fitted.noises, &columns, &evidence.residual)
     }
 
     pub(super) fn curve_name(&self, runner: usize) -> Option<&str> {
@@ -149,11 +175,12 @@ pub(super) fn curve_shapes(evidence: &Evidence) -> Vec<(&'static str, Vec<Vec<DM
         }
         let by_leg = DMatrix::from_fn(n, basis.ncols(), |i, j| basis[(i, j)] * evidence.leg[i]);
         let parts_of = |shape: DMatrix<f64>| -> Vec<DMatrix<f64>> {
-            // Each quantity in units of its own noise, and free of the others.
+            // Each quantity in units of its own noise, and free of the others. One unit for all its rows: what a row states
+            // of its error may go by its own measurement, and a curve must not know that.
             let part = |rows: &std::ops::Range<usize>| {
-                DMatrix::from_fn(n, shape.ncols(), |i, j| {
-                    if rows.contains(&i) { shape[(i, j)] * evidence.stated_sd[i] } else { 0.0 }
-                })
+                let sizes = &evidence.stated_sd[rows.clone()];
+                let unit = (sizes.iter().map(|sd| sd * sd).sum::<f64>() / sizes.len().max(1) as f64).sqrt();
+                DMatrix::from_fn(n, shape.ncols(), |i, j| if rows.contains(&i) { shape[(i, j)] * unit } else { 0.0 })
             };
             evidence.quantities.iter().map(|quantity| part(&quantity.rows)).collect()
         };
