@@ -85,6 +85,14 @@ pub struct Candidate {
     pub fixed: Vec<(&'static str, f64, &'static str)>,
 }
 
+impl Candidate {
+    /// Whether nature does not have this value of the first parameter, or nobody has seen it so far from neutral: further
+    /// than so many times its usual distance.
+    pub fn cannot_be(&self, value: f64, most_usual: f64) -> bool {
+        value < self.least || (value - self.neutral[0]).abs() > most_usual * self.usual[0]
+    }
+}
+
 /// Values of the baseline's and the candidates' parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
@@ -133,6 +141,11 @@ pub trait Problem {
     /// Probability by chance, corrected for the number of mechanisms, above which none is named.
     fn most_chance(&self) -> f64 {
         1.0
+    }
+
+    /// How many times its usual distance from neutral a mechanism's size may have.
+    fn most_usual(&self) -> f64 {
+        f64::INFINITY
     }
 
     /// Whether far from the truth the model bends so much that slopes mislead: then each mechanism is tried in full first.

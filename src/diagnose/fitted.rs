@@ -133,7 +133,8 @@ impl Fitted {
                 }
                 trial.noises = plain_noises(&trial.evidence);
             }
-            if trial.is_possible(candidates) {
+            let size = trial.point.candidates[i][0];
+            if trial.is_possible(candidates) && !candidates[i].cannot_be(size, problem.most_usual()) {
                 trials.push((weighted_squares(&trial.evidence, &plain), trial));
             }
         }

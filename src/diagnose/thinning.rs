@@ -105,7 +105,7 @@ impl Fitted {
     pub(super) fn drop_what_cannot_be(&mut self, problem: &impl Problem, baseline: &Fitted) {
         let is_impossible = |fitted: &Fitted, place: usize| {
             let member = fitted.included[place];
-            fitted.point.candidates[member][0] < problem.candidates()[member].least
+            problem.candidates()[member].cannot_be(fitted.point.candidates[member][0], problem.most_usual())
         };
         while let Some(place) = (0..self.included.len()).find(|place| is_impossible(self, *place)) {
             *self = self.without(problem, baseline, place);

@@ -65,7 +65,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "hull_compressibility",
         Motion,
         ["hull_compressibility_per_Pa"],
-        5e-10,
+        5e-10 from 0.0,
         "The hull loses volume with pressure",
         "Merckelbach et al. 2010",
         "grows with depth"
@@ -74,7 +74,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "thermal_expansion",
         Motion,
         ["hull_thermal_expansion_per_K"],
-        1e-4,
+        1e-4 from 0.0,
         "The hull gains volume with temperature",
         "Seaglider basestation",
         "across a thermocline"
@@ -173,7 +173,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "trapped_air",
         Motion,
         ["trapped_air_cc"],
-        150.0,
+        150.0 from 0.0,
         "Air carried down is compressed by Boyle's law",
         "ideal gas",
         "the first tens of metres"
@@ -200,7 +200,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "roll_drag",
         Motion,
         ["roll_drag_per_rad2"],
-        5.0,
+        5.0 from 0.0,
         "A rolled glider has more drag",
         "tilted lift, sideslip",
         "in turns"
@@ -209,7 +209,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "rudder_drag",
         Motion,
         ["rudder_drag_per_rad2"],
-        5.0,
+        5.0 from 0.0,
         "A deflected rudder has drag",
         "Williams, Bachmayer, deYoung 2007",
         "while steering"

@@ -66,6 +66,10 @@ const FAR_FROM_BELIEF: f64 = 2.0;
 /// that stays unexplained beside them: no sea is without.
 const PART_UNEXPLAINED: f64 = 0.1;
 
+/// How many times its usual size a mechanism may have: what needs more than three standard deviations of what is believed
+/// resembles it only.
+const MOST_USUAL: f64 = 3.0;
+
 /// Most times at which a jump of drag is looked for.
 const MAX_JUMPS: usize = 30;
 
@@ -312,6 +316,10 @@ impl Problem for SeaProblem {
 
     fn part_unexplained(&self) -> f64 {
         PART_UNEXPLAINED
+    }
+
+    fn most_usual(&self) -> f64 {
+        MOST_USUAL
     }
 
     fn evidence(&self, point: &Point) -> Evidence {
