@@ -77,21 +77,14 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
     present.alternate(problem, |lap| (lap.race().best_mechanisms().members, None));
     let curve = present
         .alternate(problem, |lap| decide(lap.race().best_mechanisms(), lap.race().best_with_curve(), lap, problem));
-    present.drop_what_does_not_predict(problem, &baseline);
-    present.drop_what_chance_explains(problem, &baseline);
-    let mut refuted = present.drop_what_needs_other_sizes(problem, &baseline);
-    present.drop_what_cannot_be(problem, &baseline);
-    present.drop_what_spoils(problem, &baseline);
-    if let Some(mut single) = single.filter(|single| single.predicts_as_well_as(&present)) {
-        // A set that was thinned out to no more than one mechanism, and predicts no better than that one alone, was a
-        // detour.
-        single.drop_what_does_not_predict(problem, &baseline);
-        single.drop_what_chance_explains(problem, &baseline);
-        let of_single = single.drop_what_needs_other_sizes(problem, &baseline);
-        single.drop_what_cannot_be(problem, &baseline);
-        single.drop_what_spoils(problem, &baseline);
-        if !single.included.is_empty() {
-            (present, refuted) = (single, of_single);
+    let mut refuted = present.thin_out(problem, &baseline);
+    // What was found in full, alone, stands where the slopes' choice does no better: in the place of one of its mechanisms,
+    // or of them all where it was thinned out to no more than one.
+    for mut rival in single.iter().flat_map(|single| present.rivals(single, problem)) {
+        let of_rival = rival.thin_out(problem, &baseline);
+        if !rival.included.is_empty() {
+            (present, refuted) = (rival, of_rival);
+            break;
         }
     }
     let curve = curve.or(refuted).or_else(|| Lap::new(candidates, &present).unnamed_curve(&present.included, problem));

@@ -162,6 +162,37 @@ impl Fitted {
         self.evidence.quantities.iter().map(of).sum()
     }
 
+    /// Sets that hold the one mechanism found in full and foretell no worse than this one, best first: that one alone where
+    /// this set has no more, and this set with that one in the place of each of its own.
+    pub(super) fn rivals(&self, single: &Fitted, problem: &impl Problem) -> Vec<Fitted> {
+        if self.included.iter().any(|member| single.included.contains(member)) {
+            return Vec::new();
+        }
+        let exchanged = (0..self.included.len()).filter(|_| self.included.len() > 1).map(|place| {
+            let mut point = single.point.clone();
+            let mut members = single.included.clone();
+            for other in self.included.iter().enumerate().filter(|(i, _)| *i != place).map(|(_, other)| *other) {
+                point.candidates[other].clone_from(&self.point.candidates[other]);
+                members.push(other);
+            }
+            members.sort_unstable();
+            let mut rival = Fitted::new(problem, point, members);
+            rival.settle(problem);
+            rival
+        });
+        let here = self.held_out();
+        let is_no_worse = |rival: &Fitted| {
+            holdout::advantage(&self.evidence, &self.noises, &rival.held_out(), &here) < problem.least_advantage()
+        };
+        let mut rivals: Vec<(f64, Fitted)> = exchanged
+            .filter(|rival| rival.is_possible(problem.candidates()) && is_no_worse(rival))
+            .chain(single.predicts_as_well_as(self).then(|| single.clone()))
+            .map(|rival| (rival.held_out_misfit(), rival))
+            .collect();
+        rivals.sort_by(|a, b| a.0.total_cmp(&b.0));
+        rivals.into_iter().map(|(_, rival)| rival).collect()
+    }
+
     /// Whether it is no larger than another set and leaves no more of the data that were held out.
     pub(super) fn predicts_as_well_as(&self, other: &Fitted) -> bool {
         self.included != other.included

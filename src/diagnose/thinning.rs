@@ -23,6 +23,16 @@ const LEAST_SPOILT_PERCENT: f64 = 2.0;
 const LEAST_EXCESS: f64 = 3.0;
 
 impl Fitted {
+    /// Drops everything that does not deserve its name; returns with what a refuted size goes.
+    pub(super) fn thin_out(&mut self, problem: &impl Problem, baseline: &Fitted) -> Option<String> {
+        self.drop_what_does_not_predict(problem, baseline);
+        self.drop_what_chance_explains(problem, baseline);
+        let refuted = self.drop_what_needs_other_sizes(problem, baseline);
+        self.drop_what_cannot_be(problem, baseline);
+        self.drop_what_spoils(problem, baseline);
+        refuted
+    }
+
     /// A mechanism that fits and does not predict is none: the one of least use goes, until all that are left predict.
     pub(super) fn drop_what_does_not_predict(&mut self, problem: &impl Problem, baseline: &Fitted) {
         while !self.included.is_empty() {
