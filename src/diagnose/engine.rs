@@ -87,7 +87,7 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
             break;
         }
     }
-    let curve = curve.or(refuted).or_else(|| Lap::new(candidates, &present).unnamed_curve(&present.included, problem));
+    let curve = curve.or(refuted).or_else(|| Lap::new(candidates, &present).unnamed_curve(&present.included));
     report(problem, &baseline, &present, curve)
 }
 
@@ -125,7 +125,7 @@ fn decide(
         Some(other)
             if other.criterion
                 < mechanisms.criterion.min(0.0) - MARGIN.max(problem.part_unexplained() * -mechanisms.criterion)
-                && lap.foretells(&other.members, &mechanisms.members, problem) =>
+                && lap.foretells(&other.members, &mechanisms.members) =>
         {
             // Beside something unknown a name needs evidence that the unknown cannot take over, and more of it than the
             // unknown has itself: what is unknown may bring along a bit of many a mechanism.

@@ -101,10 +101,10 @@ impl<'a> Lap<'a> {
     }
 
     /// The covariate of the curve that explains what these members leave, if one clearly does.
-    pub(super) fn unnamed_curve(&self, members: &[usize], problem: &impl Problem) -> Option<String> {
+    pub(super) fn unnamed_curve(&self, members: &[usize]) -> Option<String> {
         let curve = self.best_curve(members)?;
         let with: Vec<usize> = members.iter().copied().chain([curve]).collect();
-        if self.foretells(&with, members, problem) { self.curve_name(curve).map(str::to_owned) } else { None }
+        if self.foretells(&with, members) { self.curve_name(curve).map(str::to_owned) } else { None }
     }
 
     /// The curve that best explains what these members leave, if one clearly does.
@@ -120,12 +120,10 @@ impl<'a> Lap<'a> {
         (criterion < here - MARGIN).then_some(runner)
     }
 
-    /// Whether a set with a curve foretells data that were held out better than one without it: what is at work is there on
-    /// the next glide, too; a wave that a few glides happened to meet is not.
-    pub(super) fn foretells(&self, with: &[usize], without: &[usize], problem: &impl Problem) -> bool {
-        let advantage =
-            holdout::advantage(&self.evidence, &self.fitted.noises, &self.held_out(without), &self.held_out(with));
-        advantage >= problem.least_advantage()
+    /// Whether a set with a curve foretells data that were held out no worse than one without it: what is at work is there
+    /// on the next glide, too; a wave that a few glides happened to meet is not.
+    pub(super) fn foretells(&self, with: &[usize], without: &[usize]) -> bool {
+        holdout::advantage(&self.evidence, &self.fitted.noises, &self.held_out(without), &self.held_out(with)) > 0.0
     }
 
     /// What a set leaves of the rows that its fit did not see.

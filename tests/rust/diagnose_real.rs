@@ -1,0 +1,113 @@
+//! `glidepolar diagnose` on real logs, as a user runs it: what is known of each from outside is named, or not denied.
+
+use std::process::Command;
+
+use glidepolar_tests::{Built, measured_data};
+use serde_json::Value;
+
+/// The command's JSON; nothing where the program or the data are not there, which is said aloud by the helpers.
+fn diagnose(arguments: &[&str]) -> Option<Value> {
+    let (program, data) = (Built::Glidepolar.path()?, measured_data()?);
+    let output = Command::new(program)
+        .current_dir(data)
+        .arg("diagnose")
+        .args(arguments)
+        .args(["--json", "-"])
+        .output()
+        .expect("it starts");
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    Some(serde_json::from_slice(&output.stdout).expect("JSON and nothing else"))
+}
+
+/// The built-in Seaglider with these figures of its hull set to 0, as a file.
+fn seaglider_without(keys: &[&str]) -> Option<tempfile::NamedTempFile> {
+    let shown = Command::new(Built::Glidepolar.path()?).args(["vehicles", "seaglider"]).output().expect("it starts");
+    let text: String = String::from_utf8(shown.stdout)
+        .expect("text")
+        .lines()
+        .map(|line| match keys.iter().find(|key| line.starts_with(**key)) {
+            Some(key) => format!("{key} = 0.0\n"),
+            None => format!("{line}\n"),
+        })
+        .collect();
+    let file = tempfile::Builder::new().suffix(".toml").tempfile().expect("a file");
+    std::fs::write(file.path(), text).expect("the vehicle");
+    Some(file)
+}
+
+fn names(found: &Value) -> Vec<&str> {
+    found["causes"].as_array().expect("causes").iter().filter_map(|cause| cause["cause"].as_str()).collect()
+}
+
+fn size(found: &Value, cause: usize, parameter: &str) -> f64 {
+    found["causes"][cause]["parameters"][parameter]["value"].as_f64().expect("a value")
+}
+
+/// The trial was flown out of trim; an independent fit has -79 g, 33.2 to 5.4 mm/s.
+#[test]
+fn maria_is_heavy_and_nothing_else() {
+    let Some(found) = diagnose(&["maria997_2022_slocum_g3_glides.csv", "--vehicle", "slocum-049"]) else { return };
+    assert_eq!(names(&found), ["ballast_offset"]);
+    let offset_kg = size(&found, 0, "ballast_offset_kg");
+    assert!((-0.085..-0.070).contains(&offset_kg), "{offset_kg}");
+    assert!(found["gain"]["holdout_rms_after"].as_f64().expect("a number") <= 0.0058, "{}", found["gain"]);
+}
+
+/// One sample in 30 s tells less: the same name, and what looks like it beside it.
+#[test]
+fn maria_sample_by_sample_comes_to_the_same_name() {
+    let Some(found) = diagnose(&["maria997_2022_slocum_g3_samples.csv", "--vehicle", "slocum-049"]) else { return };
+    assert_eq!(names(&found), ["ballast_offset"]);
+    let offset_kg = size(&found, 0, "ballast_offset_kg");
+    assert!((-0.090..-0.070).contains(&offset_kg), "{offset_kg}");
+    let group = &found["causes"][0]["indistinguishable_from"];
+    assert!(group.as_array().expect("names").contains(&"climb_dive_asymmetry".into()), "{group}");
+}
+
+/// A density that is off by 1.6 kg/m3 would do as much; nobody has seen one.
+#[test]
+fn sg542_is_light_rather_than_in_denser_water() {
+    let Some(found) = diagnose(&["sg542_samples.csv", "--vehicle", "seaglider"]) else { return };
+    assert_eq!(names(&found), ["ballast_offset"]);
+}
+
+/// The basestation's figures for this hull: 4.18e-10 1/Pa and 0.705e-4 1/K.
+#[test]
+fn what_the_hull_of_sg542_does_is_found_by_name() {
+    let cases: [(&[&str], &[(&str, &str)]); 3] = [
+        (&["compressibility_per_Pa"], &[("hull_compressibility", "hull_compressibility_per_Pa")]),
+        (&["thermal_expansion_per_K"], &[("thermal_expansion", "hull_thermal_expansion_per_K")]),
+        (
+            &["compressibility_per_Pa", "thermal_expansion_per_K"],
+            &[
+                ("hull_compressibility", "hull_compressibility_per_Pa"),
+                ("thermal_expansion", "hull_thermal_expansion_per_K"),
+            ],
+        ),
+    ];
+    for (without, expected) in cases {
+        let Some(vehicle) = seaglider_without(without) else { return };
+        let path = vehicle.path().to_string_lossy();
+        let Some(found) = diagnose(&["sg542_samples.csv", "--vehicle", &path]) else { return };
+        for (place, (name, parameter)) in expected.iter().enumerate() {
+            assert_eq!(names(&found).get(place), Some(name), "{without:?}: {:?}", names(&found));
+            assert!(size(&found, place, parameter) > 0.0);
+        }
+    }
+    // The compressibility alone to within 15 %.
+    let Some(vehicle) = seaglider_without(&["compressibility_per_Pa"]) else { return };
+    let Some(found) = diagnose(&["sg542_samples.csv", "--vehicle", &vehicle.path().to_string_lossy()]) else { return };
+    let per_pa = size(&found, 0, "hull_compressibility_per_Pa");
+    assert!((per_pa / 4.18e-10 - 1.0).abs() < 0.15, "{per_pa}");
+}
+
+/// With the pitch as read the lift slope runs to what no glider has; that is said, with what would help.
+#[test]
+fn comet_with_its_raw_pitch_is_warned_of() {
+    let arguments = ["comet_2016_baltic_1hz.csv", "--vehicle", "slocum-graver", "--speed-column", "U_dvl_m_s"];
+    let Some(found) = diagnose(&arguments) else { return };
+    let warnings = found["warnings"].to_string();
+    assert!(warnings.contains("a_per_rad") && warnings.contains("scale of the pitch cannot be told apart"), "{warnings}");
+    // No mechanism far from what anybody has seen is blamed instead.
+    assert!(!names(&found).contains(&"pitch_scale"), "{:?}", names(&found));
+}
