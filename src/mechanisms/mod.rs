@@ -65,7 +65,8 @@ pub const AT_SEA: &[Mechanism] = &[
         "hull_compressibility",
         Motion,
         ["hull_compressibility_per_Pa"],
-        5e-10 from 0.0,
+        // A density evaluated at p = 0 looks like a hull that is stiffer by the compressibility of sea water, 4.4e-10 1/Pa.
+        5e-10 from -5e-10,
         "The hull loses volume with pressure",
         "Merckelbach et al. 2010",
         "grows with depth"
