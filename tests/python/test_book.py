@@ -182,8 +182,9 @@ def cargo(command: str, folder: Path, programs: Path) -> None:
         # What has run these tests is this very command.
         assert "GLIDEPOLAR_SKIPPED" in os.environ
         return
-    if "valgrind" in command and shutil.which("valgrind") is None:
-        pytest.skip(f"no valgrind, `apt-get install valgrind` gets it: {command}")
+    for word, needed, package in (("valgrind", "valgrind", "valgrind"), ("xtask fuzz", "c++", "g++")):
+        if word in command and shutil.which(needed) is None:
+            pytest.skip(f"no {needed}, `apt-get install {package}` gets it: {command}")
     words = [str(folder / word) if "." in word and (folder / word).is_file() else word for word in command.split(" ")]
     before = kept_files()
     shell(" ".join(words), ROOT, programs, PATIENCE_OF_CARGO_S)
