@@ -43,12 +43,18 @@ fn size(found: &Value, cause: usize, parameter: &str) -> f64 {
     found["causes"][cause]["parameters"][parameter]["value"].as_f64().expect("a value")
 }
 
+/// The diagnosis of maria's trial from one of its tables, and the ballast offset \[kg\], which alone must be named.
+fn maria(table: &str) -> Option<(Value, f64)> {
+    let found = diagnose(&[table, "--vehicle", "slocum-049"])?;
+    assert_eq!(names(&found), ["ballast_offset"]);
+    let offset_kg = size(&found, 0, "ballast_offset_kg");
+    Some((found, offset_kg))
+}
+
 /// The trial was flown out of trim; an independent fit has -79 g, 33.2 to 5.4 mm/s.
 #[test]
 fn maria_is_heavy_and_nothing_else() {
-    let Some(found) = diagnose(&["maria997_2022_slocum_g3_glides.csv", "--vehicle", "slocum-049"]) else { return };
-    assert_eq!(names(&found), ["ballast_offset"]);
-    let offset_kg = size(&found, 0, "ballast_offset_kg");
+    let Some((found, offset_kg)) = maria("maria997_2022_slocum_g3_glides.csv") else { return };
     assert!((-0.085..-0.070).contains(&offset_kg), "{offset_kg}");
     assert!(found["gain"]["holdout_rms_after"].as_f64().expect("a number") <= 0.0058, "{}", found["gain"]);
 }
@@ -56,9 +62,7 @@ fn maria_is_heavy_and_nothing_else() {
 /// One sample in 30 s tells less: the same name, and what looks like it beside it.
 #[test]
 fn maria_sample_by_sample_comes_to_the_same_name() {
-    let Some(found) = diagnose(&["maria997_2022_slocum_g3_samples.csv", "--vehicle", "slocum-049"]) else { return };
-    assert_eq!(names(&found), ["ballast_offset"]);
-    let offset_kg = size(&found, 0, "ballast_offset_kg");
+    let Some((found, offset_kg)) = maria("maria997_2022_slocum_g3_samples.csv") else { return };
     assert!((-0.090..-0.070).contains(&offset_kg), "{offset_kg}");
     let group = &found["causes"][0]["indistinguishable_from"];
     assert!(group.as_array().expect("names").contains(&"climb_dive_asymmetry".into()), "{group}");
