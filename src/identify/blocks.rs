@@ -1,5 +1,7 @@
 //! What a fit asks of its samples, whether they are steady glides or whole dives flown through time.
 
+use rayon::prelude::*;
+
 use super::data::Dive;
 use super::evaluate::{Tally, Weights, evaluate};
 use super::gram::Gram;
@@ -15,6 +17,9 @@ pub trait Blocks {
 
     /// Whether any sample has a measured speed.
     fn has_speed(&self) -> bool;
+
+    /// Takes the inertia of samples that stand alone as it is at these parameters.
+    fn settle(&mut self, _parameters: &Parameters<f64>) {}
 
     /// Residuals and slopes at these parameters, into one matrix a block; of every `every`-th sample where samples stand
     /// alone.
@@ -39,6 +44,10 @@ impl Blocks for &mut [Dive] {
 
     fn has_speed(&self) -> bool {
         self.iter().flat_map(|dive| &dive.observations).any(|o| o.speed_m_s.is_finite())
+    }
+
+    fn settle(&mut self, parameters: &Parameters<f64>) {
+        self.par_iter_mut().for_each(|dive| dive.settle(parameters));
     }
 
     fn evaluate(

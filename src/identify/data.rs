@@ -6,6 +6,8 @@
 
 use std::ops::Range;
 
+use super::inertia::{Inertia, inertia};
+use crate::dynamics::Parameters;
 use crate::log::Observation;
 
 /// One dive: the steady samples of a descent and the ascent after it.
@@ -15,6 +17,8 @@ pub struct Dive {
     pub observations: Vec<Observation>,
     /// Solutions for the parameters tried last, from which the next ones start.
     guesses: Vec<Option<[f64; 2]>>,
+    /// The inertia of each, by the parameters told last.
+    inertia: Vec<Inertia>,
     /// Root of the time that each sample stands for, against the mean.
     root_weights: Vec<f64>,
     /// Samples of the dives before, so that every n-th sample is one of the whole log, however short the dives.
@@ -26,6 +30,7 @@ impl Dive {
     fn new(observations: Vec<Observation>) -> Self {
         Dive {
             guesses: vec![None; observations.len()],
+            inertia: observations.iter().map(Inertia::none).collect(),
             root_weights: root_weights(&observations),
             before: 0,
             observations,
@@ -33,12 +38,17 @@ impl Dive {
     }
 
     /// Every `every`-th sample of the log with its first guess and the root of its weight.
-    pub(super) fn every(&mut self, every: usize) -> impl Iterator<Item = (&Observation, &mut Option<[f64; 2]>, f64)> {
-        let parts = self.observations.iter().zip(&mut self.guesses).zip(&self.root_weights);
+    pub(super) fn every(&mut self, every: usize) -> impl Iterator<Item = Sample<'_>> {
+        let parts = self.observations.iter().zip(&self.inertia).zip(&mut self.guesses).zip(&self.root_weights);
         parts
-            .map(|((observation, guess), root)| (observation, guess, *root))
+            .map(|(((observed, inertia), guess), root)| Sample { observed, inertia, guess, root_weight: *root })
             .skip((every - self.before % every) % every)
             .step_by(every)
+    }
+
+    /// Takes the inertia along each leg as it is at these parameters.
+    pub(super) fn settle(&mut self, parameters: &Parameters<f64>) {
+        self.inertia = inertia(parameters, &self.observations);
     }
 
     /// Every `every`-th sample of the log, as a dive; nothing where none is left.
@@ -52,11 +62,21 @@ impl Dive {
         let part = Dive {
             observations: kept().map(|i| self.observations[i]).collect(),
             guesses: kept().map(|i| self.guesses[i]).collect(),
+            inertia: kept().map(|i| self.inertia[i]).collect(),
             root_weights: kept().map(|i| self.root_weights[i]).collect(),
             before: self.before,
         };
         (!part.observations.is_empty()).then_some(part)
     }
+}
+
+/// One sample of a dive.
+pub(super) struct Sample<'d> {
+    pub observed: &'d Observation,
+    pub inertia: &'d Inertia,
+    /// The solution for the parameters tried last.
+    pub guess: &'d mut Option<[f64; 2]>,
+    pub root_weight: f64,
 }
 
 /// A sample stands for no more than this long, or this many times what is usual in its dive: a gap is no measurement.

@@ -6,7 +6,7 @@
 use num_dual::{Derivative, DualSVec64};
 use rayon::prelude::*;
 
-use super::data::Dive;
+use super::data::{Dive, Sample};
 use super::gram::Gram;
 use super::model::{Prediction, predict};
 use crate::dynamics::Parameters;
@@ -167,8 +167,8 @@ fn dive_rows<const N: usize>(
     every: usize,
 ) -> Tally {
     let mut rows = Rows::new(gram, n, weights);
-    for (observed, guess, root_weight) in dive.every(every) {
-        let predicted = predict(glider, observed, *guess);
+    for Sample { observed, inertia, guess, root_weight } in dive.every(every) {
+        let predicted = predict(glider, observed, inertia, *guess);
         *guess = predicted.map(|p: Prediction<_>| p.guess);
         rows.glide(observed, predicted.map(|p| (p.sink_m_s, p.speed_m_s)), root_weight);
     }

@@ -6,6 +6,7 @@
 //! sink     = V sin(alpha - pitch) + vertical current       sink read = sink / pressure_scale - lag d(sink read)/dt
 //! ```
 
+use super::inertia::Inertia;
 use crate::Number;
 use crate::dynamics::{Parameters, Surroundings};
 use crate::glide::{Attitude, Deflection, Glider};
@@ -28,20 +29,22 @@ pub struct Prediction<T> {
 pub fn predict<T: Number>(
     glider: &Glider<T>,
     observed: &Observation,
+    inertia: &Inertia,
     guess: Option<[f64; 2]>,
 ) -> Option<Prediction<T>> {
     let parameters = &glider.parameters;
     let water = surroundings(parameters, observed);
     let pitch_rad = true_pitch_rad(parameters, observed.pitch_rad);
-    let net_mass_kg = parameters.net_mass_kg(T::constant(observed.ballast_m3), &water);
+    let net_mass_kg = parameters.net_mass_kg(T::constant(observed.ballast_m3), &water) + inertia.net_mass_kg;
+    let turned_rad = pitch_rad + inertia.pitch_rad;
     let deflection = Deflection {
         roll_rad: T::constant(or_zero(observed.roll_rad)),
         rudder_rad: T::constant(or_zero(observed.rudder_rad)),
     };
-    let flight = glider.flight(&water, Attitude { pitch_rad, net_mass_kg }, deflection, guess).ok()?;
+    let flight = glider.flight(&water, Attitude { pitch_rad: turned_rad, net_mass_kg }, deflection, guess).ok()?;
     let through_water = flight.speed_m_s * (flight.angle_of_attack_rad - pitch_rad).sin();
     Some(Prediction {
-        sink_m_s: sink_read_m_s(parameters, through_water, observed.sink_rate_m_s2),
+        sink_m_s: sink_read_m_s(parameters, through_water, inertia.sink_rate_m_s2),
         speed_m_s: flight.speed_m_s,
         angle_of_attack_rad: flight.angle_of_attack_rad,
         guess: flight.guess,

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::inertia::inertia;
 use super::model::predict;
 use crate::dynamics::Parameters;
 use crate::glide::Glider;
@@ -36,8 +37,9 @@ pub fn residuals(parameters: &Parameters<f64>, observations: &[Observation]) -> 
     let mut guess = None;
     observations
         .iter()
-        .map(|observed| {
-            let predicted = predict(&glider, observed, guess);
+        .zip(inertia(parameters, observations))
+        .map(|(observed, inertia)| {
+            let predicted = predict(&glider, observed, &inertia, guess);
             guess = predicted.map(|p| p.guess);
             match predicted {
                 Some(p) => Residual {

@@ -63,7 +63,7 @@ fn sample_in(
     }
 }
 
-/// Steep, medium and shallow glides on both legs.
+/// Steep, medium and shallow glides on both legs, each held from its first sample to its last.
 fn campaign(p: &Parameters<f64>) -> Vec<Observation> {
     let mut all = Vec::new();
     for dive in 0..8u32 {
@@ -72,7 +72,7 @@ fn campaign(p: &Parameters<f64>) -> Vec<Observation> {
         for (leg, sign) in [(0, -1.0), (1, 1.0)] {
             for i in 0..6 {
                 let time = f64::from(dive) * 1000.0 + f64::from(leg) * 500.0 + f64::from(i) * 10.0;
-                all.push(sample(p, sign * (steep + 0.3 * f64::from(i)), speed + 0.004 * f64::from(i), dive, time));
+                all.push(sample(p, sign * steep, speed, dive, time));
             }
         }
     }

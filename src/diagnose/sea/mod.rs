@@ -14,6 +14,7 @@ mod model;
 mod whole;
 
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
+use crate::identify::inertia;
 use crate::log::Observation;
 use crate::mechanisms::{AT_SEA, Enters};
 
@@ -326,7 +327,8 @@ impl Problem for SeaProblem {
         let parameters = self.parameters_at(point);
         let (n_w, n_u) = (self.bins.len(), self.with_speed.len());
         let n = n_w + n_u;
-        let moving = model::inertia(&parameters, &self.bins);
+        let means: Vec<Observation> = self.bins.iter().map(|bin| bin.mean).collect();
+        let moving = inertia(&parameters, &means);
         let row_bins: Vec<&Bin> = self.bins.iter().chain(self.with_speed.iter().map(|i| &self.bins[*i])).collect();
 
         let mut residual = DVector::zeros(n);
@@ -334,7 +336,7 @@ impl Problem for SeaProblem {
         let mut speed_row = n_w;
         let vehicle = Vehicle::new(&parameters, &self.directions);
         for (row, (bin, inertia)) in self.bins.iter().zip(&moving).enumerate() {
-            let (sink, speed) = vehicle.fly(inertia);
+            let (sink, speed) = vehicle.fly(bin, inertia);
             residual[row] = bin.mean.sink_m_s - sink.0;
             slopes.row_mut(row).copy_from_slice(&sink.1[..self.directions.len()]);
             if self.with_speed.get(speed_row - n_w) == Some(&row) {

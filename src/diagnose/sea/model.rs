@@ -1,13 +1,12 @@
 //! The steady glide of one bin, with its slopes in every direction that a fit may go.
 
 use nalgebra::{Const, U1};
-use num_dual::{Derivative, DualNum, DualSVec64};
+use num_dual::{Derivative, DualSVec64};
 
 use super::bins::Bin;
-use crate::dynamics::{Parameters, Surroundings, parameter_index};
+use crate::dynamics::{Parameters, parameter_index};
 use crate::glide::Glider;
-use crate::identify::{Prediction, predict};
-use crate::log::{DBAR_PA, Observation};
+use crate::identify::{Inertia, predict};
 
 /// Most parameters that can be varied at once.
 pub const MAX_DIRECTIONS: usize = 24;
@@ -75,24 +74,19 @@ impl Vehicle {
 
     /// Vertical velocity and speed as the instruments would read them. Where no glide balances the glider stands still:
     /// no velocity, no slope.
-    pub fn fly(&self, inertia: &Inertia) -> (Slopes, Slopes) {
-        let mean = &inertia.bin.mean;
+    pub fn fly(&self, bin: &Bin, inertia: &Inertia) -> (Slopes, Slopes) {
+        let mean = &bin.mean;
         let glider = if mean.time_s < self.jump_s { &self.before } else { &self.after };
-        let still = (0.0, [0.0; MAX_DIRECTIONS]);
-        let Some(read) = predict(glider, mean, None) else {
-            return (still, still);
-        };
-        // Angle of attack and speed are those of the turned glide, the path is that of the pitch that is flown.
-        let p = &glider.parameters;
-        let turned = read.angle_of_attack_rad - (p.pitch_scale * mean.pitch_rad + p.pitch_offset_rad);
-        let flown = (turned + inertia.turned_rad).sin() - turned.sin();
-        (parts(read.sink_m_s + read.speed_m_s * flown / p.pressure_scale), parts(read.speed_m_s))
+        match predict(glider, mean, inertia, None) {
+            Some(read) => (parts(read.sink_m_s), parts(read.speed_m_s)),
+            None => ((0.0, [0.0; MAX_DIRECTIONS]), (0.0, [0.0; MAX_DIRECTIONS])),
+        }
     }
 }
 
 /// Whether the vehicle flies at all as this bin says.
 pub fn flies(parameters: &Parameters<f64>, bin: &Bin) -> bool {
-    predict(&Glider::new(*parameters), &bin.mean, None).is_some()
+    predict(&Glider::new(*parameters), &bin.mean, &Inertia::none(&bin.mean), None).is_some()
 }
 
 /// Largest share of the drag that the inertia may have where a glide counts as steady.
@@ -146,69 +140,6 @@ fn drag_N(parameters: &Parameters<f64>, bin: &Bin) -> f64 {
     let speed = bin.mean.sink_m_s / path_rad(bin).sin();
     let size = 0.5 * bin.mean.density_kg_m3 * parameters.frontal_area_m2 * USUAL_DRAG_COEFFICIENT;
     (size * speed * speed).max(f64::MIN_POSITIVE)
-}
-
-/// The inertia of one bin, as a change of the weight that it hangs on.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Inertia {
-    /// The bin with the ballast volume and the pitch at which a steady glide has its angle of attack and speed.
-    pub bin: Bin,
-    /// By how much that pitch is larger than the one that is flown \[rad\].
-    pub turned_rad: f64,
-}
-
-/// The inertia of each bin.
-///
-/// Across and along the path of steepness `s`, `L = m0 g cos s` and `D = m0 g sin s - M dV/dt`, with `M` the mass and its
-/// added mass along axis 1. Lift and drag are those of a steady glide that hangs on another weight: with
-/// `x = M V' / (m0 g)` it is `m0 hypot(cos s, sin s - x)`, turned by `atan2(sin s - x, cos s) - s`. `V'` is that of the model
-/// at these parameters, from bin to bin: the measured one holds the water's own accelerations, which carry the glider
-/// along. `w'` likewise is what a late pressure goes by.
-pub fn inertia(parameters: &Parameters<f64>, bins: &[Bin]) -> Vec<Inertia> {
-    let glider = Glider::new(*parameters);
-    let flown: Vec<Option<Prediction<f64>>> = bins.iter().map(|bin| predict(&glider, &bin.mean, None)).collect();
-    let mass = parameters.mass_kg() + parameters.added_mass_1_kg;
-    let reach_s = reach_s(bins);
-    (0..bins.len())
-        .map(|i| {
-            let mut found = Inertia { bin: bins[i], turned_rad: 0.0 };
-            let (low, high) = neighbours(bins, i, reach_s);
-            let (Some(before), Some(here), Some(after)) = (&flown[low], &flown[i], &flown[high]) else {
-                return found;
-            };
-            if high == low {
-                return found;
-            }
-            let span_s = bins[high].mean.time_s - bins[low].mean.time_s;
-            let mean = &mut found.bin.mean;
-            mean.sink_rate_m_s2 = (after.sink_m_s - before.sink_m_s) / span_s;
-            let net_kg = net_mass_kg(parameters, mean);
-            let steep = (mean.pitch_rad - here.angle_of_attack_rad).abs();
-            let along = (after.speed_m_s - before.speed_m_s) / span_s;
-            // Where it is no small correction any more the glide is not steady, and the bin tells little.
-            let x =
-                (mass * along / (net_kg.abs() * parameters.gravity_m_s2)).clamp(-0.5 * steep.sin(), 0.5 * steep.sin());
-            let (across, along) = (steep.cos(), steep.sin() - x);
-            found.turned_rad = (along.atan2(across) - steep) * mean.pitch_rad.signum();
-            mean.pitch_rad += found.turned_rad / parameters.pitch_scale;
-            // The volume that is read, so that a scale of the engine does not count twice.
-            mean.ballast_m3 += net_kg * (1.0 - across.hypot(along))
-                / (parameters.true_density_kg_m3(mean.density_kg_m3) * parameters.ballast_scale);
-            found
-        })
-        .collect()
-}
-
-/// Net mass in one bin, by the readings as they are.
-fn net_mass_kg(parameters: &Parameters<f64>, mean: &Observation) -> f64 {
-    let known = |value: f64, otherwise: f64| if value.is_finite() { value } else { otherwise };
-    let water = Surroundings {
-        density_kg_m3: mean.density_kg_m3,
-        pressure_Pa: parameters.pressure_scale * mean.pressure_dbar * DBAR_PA,
-        temperature_C: known(mean.temperature_C, parameters.reference_temperature_C),
-        time_s: mean.time_s,
-    };
-    parameters.net_mass_kg(mean.ballast_m3, &water)
 }
 
 /// The bins before and after one on the same leg, itself where there is none: what lies beyond a gap, as where the pump
