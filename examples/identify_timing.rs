@@ -40,13 +40,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut found = fit(&question, &mut by_dive(&observations))?;
     let mut best = f64::INFINITY;
     for _ in 0..RUNS {
-        let mut dives = by_dive(&observations);
         let start = Instant::now();
+        let mut dives = by_dive(&observations);
         found = fit(&question, &mut dives)?;
         best = best.min(start.elapsed().as_secs_f64());
     }
     println!(
-        "steady fit    {:8.1} ms, {} evaluations, w rms {:.2} mm/s",
+        "steady fit    {:8.1} ms, {} evaluations, w rms {:.2} mm/s over a minute",
         best * 1e3,
         found.evaluations,
         found.tally.sink.rms() * 1e3

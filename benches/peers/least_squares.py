@@ -1,8 +1,8 @@
-"""NumPy and SciPy on the same steady model and the same samples: least_squares.py SAMPLES.json.
+"""NumPy and SciPy on the same steady model and the same bins: least_squares.py BINS.json.
 
-a, b, c and a ballast offset by scipy.optimize.least_squares, residuals vectorised over all samples, slopes by finite
-differences: what one writes in an afternoon. Samples, baseline and weights come from the library's own fit, so that both
-minimise the same sum; the answer holds what was found, for comparison.
+a, b, c and a ballast offset by scipy.optimize.least_squares, residuals vectorised over all bins, slopes by finite
+differences: what one writes in an afternoon. Bins, their inertia, baseline and weights come from the library's own fit, so
+that both minimise the same sum; the answer holds what was found, for comparison.
 """
 
 import json
@@ -14,14 +14,16 @@ from scipy.optimize import least_squares
 from turns import serve
 
 GIVEN = json.load(open(sys.argv[1]))
-PITCH, DENSITY, NET, SINK, SPEED = (np.array(GIVEN[k], dtype=float) for k in ["pitch", "density", "net", "sink", "speed"])
+FLOWN, PITCH, DENSITY, NET, SINK, SPEED, ROOT = (
+    np.array(GIVEN[k], dtype=float) for k in ["flown_pitch", "pitch", "density", "net", "sink", "speed", "root_weight"]
+)
 HAS_SPEED = np.isfinite(SPEED) & np.isfinite(GIVEN["speed_sd"] or np.nan)
 AREA, GRAVITY, Q0, EXPONENT = (GIVEN[k] for k in ["area", "gravity", "q0", "exponent"])
 FREE = GIVEN["free"]
 
 
 def predict(values):
-    """Sink and speed of the steady glide at every sample: Newton for the angle of attack, all samples at once."""
+    """Sink and speed of the steady glide at every bin: Newton for the angle of attack, all bins at once."""
     p = {**GIVEN["baseline"], **dict(zip(FREE, values))}
     a, b0, c = p["a_per_rad"], p["b"], p["c_per_rad2"]
     weight = (NET + p["ballast_offset_kg"]) * GRAVITY
@@ -44,14 +46,14 @@ def predict(values):
         if np.max(np.abs(step)) < 1e-9 and moved < 1e-9:
             break
     speed = np.sqrt(2 * q / DENSITY)
-    return speed * np.sin(alpha - PITCH), speed
+    return speed * np.sin(alpha - FLOWN), speed
 
 
 def residuals(values):
     sink, speed = predict(values)
-    parts = [(SINK - sink) / GIVEN["sink_sd"]]
+    parts = [ROOT * (SINK - sink) / GIVEN["sink_sd"]]
     if HAS_SPEED.any():
-        parts.append((SPEED - speed)[HAS_SPEED] / GIVEN["speed_sd"])
+        parts.append((ROOT * (SPEED - speed))[HAS_SPEED] / GIVEN["speed_sd"])
     return np.concatenate(parts)
 
 

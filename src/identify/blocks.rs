@@ -12,13 +12,13 @@ pub trait Blocks {
     /// How many blocks there are.
     fn count(&self) -> usize;
 
-    /// How many samples there are in all.
+    /// How many bins, or samples, there are in all.
     fn samples(&self) -> usize;
 
     /// Whether any sample has a measured speed.
     fn has_speed(&self) -> bool;
 
-    /// Takes the inertia of samples that stand alone as it is at these parameters.
+    /// Takes the inertia of glides that are nearly steady as it is at these parameters.
     fn settle(&mut self, _parameters: &Parameters<f64>) {}
 
     /// Residuals and slopes at these parameters, into one matrix a block; of every `every`-th sample where samples stand
@@ -39,7 +39,7 @@ impl Blocks for &mut [Dive] {
     }
 
     fn samples(&self) -> usize {
-        self.iter().map(|dive| dive.observations.len()).sum()
+        self.iter().map(|dive| dive.bins.len()).sum()
     }
 
     fn has_speed(&self) -> bool {

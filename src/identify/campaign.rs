@@ -199,10 +199,7 @@ pub fn identify(
     }
     let doubts = doubts(vehicle, &baseline, &pinned);
 
-    let mut sums = ScoreSums::default();
-    for dive in &dives {
-        sums.add(&dive.observations, &residuals(&fitted.parameters, &dive.observations));
-    }
+    let score = score(&fitted.parameters, &dives);
     let held_out = hold_out(&question, &dives)?;
     let inflections = match &request.unsteady {
         Some(unsteady) => {
@@ -250,7 +247,7 @@ pub fn identify(
         question,
         dives,
         pinned,
-        score: sums.score(),
+        score,
         held_out,
         inflections,
         pitch_balance,
@@ -268,10 +265,19 @@ fn as_the_vehicle_has_it(vehicle: &Vehicle, carried: &Carried) -> Pin {
     Pin::new(value, Some(se.abs()), format!("vehicle `{}`", vehicle.name), reason)
 }
 
+/// How well parameters do on the samples of dives.
+fn score(parameters: &Parameters<f64>, dives: &[Dive]) -> Score {
+    let mut sums = ScoreSums::default();
+    for dive in dives {
+        sums.add(&dive.observations, &residuals(parameters, &dive.observations));
+    }
+    sums.score()
+}
+
 /// The tank paper's own comparison: each leg fitted with the trim as it is, then both with one offset.
 fn legs_apart(question: &Question, joint: &Fit, dives: &[Dive]) -> Option<LegsApart> {
     let offset = parameter_index("ballast_offset_kg")?;
-    let leg = |descends: bool| -> Option<(f64, f64, usize)> {
+    let leg = |descends: bool| -> Option<(f64, Score)> {
         let mut of_leg: Vec<Dive> =
             dives.iter().filter_map(|dive| dive.part(|_, o| o.descends() == descends)).collect();
         if of_leg.len() < 2 {
@@ -282,17 +288,18 @@ fn legs_apart(question: &Question, joint: &Fit, dives: &[Dive]) -> Option<LegsAp
         let free = vec![parameter_index("b")?];
         let apart = Question { baseline, free, use_speed: false, ..question.clone() };
         let found = fit(&apart, &mut of_leg).ok()?;
-        Some((found.parameters.b, found.tally.sink.sum_of_squares, found.tally.sink.n))
+        Some((found.parameters.b, score(&found.parameters, &of_leg)))
     };
     joint.free.contains(&offset).then_some(())?;
-    let (descent, ascent) = (leg(true)?, leg(false)?);
+    let ((descent_b, descent), (ascent_b, ascent)) = (leg(true)?, leg(false)?);
+    let squares = |score: &Score| score.n as f64 * score.w_rms_m_s.powi(2);
     Some(LegsApart {
-        descent_b: descent.0,
-        ascent_b: ascent.0,
-        w_rms_m_s: ((descent.1 + ascent.1) / (descent.2 + ascent.2) as f64).sqrt(),
+        descent_b,
+        ascent_b,
+        w_rms_m_s: ((squares(&descent) + squares(&ascent)) / (descent.n + ascent.n) as f64).sqrt(),
         joint_b: joint.parameters.b,
         ballast_offset_kg: joint.parameters.ballast_offset_kg,
-        joint_w_rms_m_s: joint.tally.sink.rms(),
+        joint_w_rms_m_s: score(&joint.parameters, dives).w_rms_m_s,
     })
 }
 
@@ -327,7 +334,7 @@ fn warn(warnings: &mut Vec<String>, fitted: &Fit, dives: &[Dive], has_speed: boo
     }
     if fitted.tally.unflyable > 0 {
         warnings.push(format!(
-            "at {} of {} samples no glide exists at the recorded pitch and net mass; they count as predicted at rest",
+            "at {} of {} stretches no glide exists at the recorded pitch and net mass; they count as predicted at rest",
             fitted.tally.unflyable, fitted.tally.sink.n
         ));
     }

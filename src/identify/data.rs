@@ -1,11 +1,12 @@
-//! The samples of a fit, dive by dive: the unit in which residuals are taken to be independent.
+//! The samples of a fit, dive by dive, and their means over bins, which are what is fitted.
 //!
-//! A sample weighs as much as the time it stands for. The water's own motion lasts for minutes: neighbours closer than
-//! that say the same thing again, and a glider that samples the upper water four times as often as the deep would
-//! otherwise have its hull constants from the upper water alone.
+//! A bin, and where samples themselves are fitted a sample, weighs as much as the time it stands for. The water's own motion
+//! lasts for minutes: neighbours closer than that say the same thing again, and a glider that samples the upper water four
+//! times as often as the deep would otherwise have its hull constants from the upper water alone.
 
 use std::ops::Range;
 
+use super::bins::bins;
 use super::inertia::{Inertia, inertia};
 use crate::dynamics::Parameters;
 use crate::log::Observation;
@@ -15,68 +16,78 @@ use crate::log::Observation;
 pub struct Dive {
     /// Its samples.
     pub observations: Vec<Observation>,
-    /// Solutions for the parameters tried last, from which the next ones start.
+    /// Their means over stretches of a leg: what is fitted.
+    pub bins: Vec<Observation>,
+    /// Solutions for the parameters tried last, from which the next ones start; one a bin.
     guesses: Vec<Option<[f64; 2]>>,
-    /// The inertia of each, by the parameters told last.
+    /// The inertia of each bin, by the parameters told last.
     inertia: Vec<Inertia>,
     /// Root of the time that each sample stands for, against the mean.
     root_weights: Vec<f64>,
-    /// Samples of the dives before, so that every n-th sample is one of the whole log, however short the dives.
-    before: usize,
+    /// Root of the time that each bin stands for, in the same measure.
+    pub bin_root_weights: Vec<f64>,
+    /// Samples and bins of the dives before, so that every n-th one is one of the whole log, however short the dives.
+    before: [usize; 2],
+}
+
+/// One bin of a dive, as a fit takes it.
+pub(super) struct Stretch<'d> {
+    pub bin: &'d Observation,
+    pub inertia: &'d Inertia,
+    /// The solution for the parameters tried last.
+    pub guess: &'d mut Option<[f64; 2]>,
+    pub root_weight: f64,
 }
 
 impl Dive {
-    /// The first dive of a log; [`by_dive`] gives each its place.
-    fn new(observations: Vec<Observation>) -> Self {
+    fn new(observations: Vec<Observation>, root_weights: Vec<f64>, before: [usize; 2]) -> Self {
+        let mut weights = root_weights.iter().map(|root| root * root);
+        let (bins, bin_weights): (Vec<Observation>, Vec<f64>) = bins(&observations, usize::MAX, 1)
+            .into_iter()
+            .map(|bin| (bin.mean, weights.by_ref().take(bin.samples).sum::<f64>()))
+            .unzip();
         Dive {
-            guesses: vec![None; observations.len()],
-            inertia: observations.iter().map(Inertia::none).collect(),
-            root_weights: root_weights(&observations),
-            before: 0,
+            guesses: vec![None; bins.len()],
+            inertia: vec![Inertia::NONE; bins.len()],
+            bin_root_weights: bin_weights.into_iter().map(f64::sqrt).collect(),
+            bins,
+            root_weights,
+            before,
             observations,
         }
     }
 
-    /// Every `every`-th sample of the log with its first guess and the root of its weight.
-    pub(super) fn every(&mut self, every: usize) -> impl Iterator<Item = Sample<'_>> {
-        let parts = self.observations.iter().zip(&self.inertia).zip(&mut self.guesses).zip(&self.root_weights);
-        parts
-            .map(|(((observed, inertia), guess), root)| Sample { observed, inertia, guess, root_weight: *root })
-            .skip((every - self.before % every) % every)
-            .step_by(every)
+    /// Every `every`-th bin of the log.
+    pub(super) fn stretches(&mut self, every: usize) -> impl Iterator<Item = Stretch<'_>> {
+        let parts = self.bins.iter().zip(&self.inertia).zip(&mut self.guesses).zip(&self.bin_root_weights);
+        let stretches =
+            parts.map(|(((bin, inertia), guess), root)| Stretch { bin, inertia, guess, root_weight: *root });
+        stretches.skip((every - self.before[1] % every) % every).step_by(every)
+    }
+
+    /// Every `every`-th sample of the log with the root of its weight.
+    pub(super) fn samples(&self, every: usize) -> impl Iterator<Item = (&Observation, f64)> {
+        let samples = self.observations.iter().zip(self.root_weights.iter().copied());
+        samples.skip((every - self.before[0] % every) % every).step_by(every)
     }
 
     /// Takes the inertia along each leg as it is at these parameters.
     pub(super) fn settle(&mut self, parameters: &Parameters<f64>) {
-        self.inertia = inertia(parameters, &self.observations);
+        self.inertia = inertia(parameters, &self.bins);
     }
 
     /// Every `every`-th sample of the log, as a dive; nothing where none is left.
     pub(super) fn thinned(&self, every: usize) -> Option<Dive> {
-        self.part(|i, _| (self.before + i).is_multiple_of(every))
+        self.part(|i, _| (self.before[0] + i).is_multiple_of(every))
     }
 
     /// The samples for which `keep` is true, their weights as they were; nothing where none is left.
     pub(super) fn part(&self, keep: impl Fn(usize, &Observation) -> bool) -> Option<Dive> {
         let kept = || (0..self.observations.len()).filter(|&i| keep(i, &self.observations[i]));
-        let part = Dive {
-            observations: kept().map(|i| self.observations[i]).collect(),
-            guesses: kept().map(|i| self.guesses[i]).collect(),
-            inertia: kept().map(|i| self.inertia[i]).collect(),
-            root_weights: kept().map(|i| self.root_weights[i]).collect(),
-            before: self.before,
-        };
-        (!part.observations.is_empty()).then_some(part)
+        let observations: Vec<Observation> = kept().map(|i| self.observations[i]).collect();
+        let root_weights = kept().map(|i| self.root_weights[i]).collect();
+        (!observations.is_empty()).then(|| Dive::new(observations, root_weights, self.before))
     }
-}
-
-/// One sample of a dive.
-pub(super) struct Sample<'d> {
-    pub observed: &'d Observation,
-    pub inertia: &'d Inertia,
-    /// The solution for the parameters tried last.
-    pub guess: &'d mut Option<[f64; 2]>,
-    pub root_weight: f64,
 }
 
 /// A sample stands for no more than this long, or this many times what is usual in its dive: a gap is no measurement.
@@ -86,7 +97,7 @@ const LONGEST: f64 = 5.0;
 /// Root of the time that each sample of a dive stands for, against their mean.
 pub(super) fn root_weights(observations: &[Observation]) -> Vec<f64> {
     let durations = durations_s(observations);
-    let mean_s = mean(&durations);
+    let mean_s = durations.iter().sum::<f64>() / durations.len() as f64;
     durations.iter().map(|duration| (duration / mean_s).sqrt()).collect()
 }
 
@@ -112,32 +123,26 @@ fn durations_s(observations: &[Observation]) -> Vec<f64> {
     durations
 }
 
-fn mean(values: &[f64]) -> f64 {
-    if values.is_empty() { 1.0 } else { values.iter().sum::<f64>() / values.len() as f64 }
-}
-
 /// The steady samples grouped by dive. Dives without any are left out.
 pub fn by_dive(observations: &[Observation]) -> Vec<Dive> {
-    let mut dives: Vec<Dive> = ranges(observations, |o| o.dive)
+    let dives: Vec<Vec<Observation>> = ranges(observations, |o| o.dive)
         .into_iter()
         .map(|range| observations[range].iter().filter(|o| o.steady).copied().collect::<Vec<_>>())
         .filter(|samples| !samples.is_empty())
-        .map(Dive::new)
         .collect();
     // Dives that were sampled more often than others weigh no more for it.
-    let means: Vec<f64> = dives.iter().map(|dive| mean(&durations_s(&dive.observations))).collect();
-    let samples: usize = dives.iter().map(|dive| dive.observations.len()).sum();
-    let time_s: f64 = dives.iter().zip(&means).map(|(dive, mean_s)| dive.observations.len() as f64 * mean_s).sum();
-    for (dive, mean_s) in dives.iter_mut().zip(means) {
-        let factor = (mean_s * samples as f64 / time_s).sqrt();
-        dive.root_weights.iter_mut().for_each(|root| *root *= factor);
-    }
-    let mut before = 0;
-    for dive in &mut dives {
-        dive.before = before;
-        before += dive.observations.len();
-    }
-    dives
+    let durations: Vec<Vec<f64>> = dives.iter().map(|dive| durations_s(dive)).collect();
+    let samples: usize = dives.iter().map(Vec::len).sum();
+    let mean_s = durations.iter().flatten().sum::<f64>() / samples as f64;
+    let mut before = [0, 0];
+    let placed = |(observations, durations): (Vec<Observation>, Vec<f64>)| {
+        let root_weights = durations.into_iter().map(|duration_s| (duration_s / mean_s).sqrt()).collect();
+        let dive = Dive::new(observations, root_weights, before);
+        before[0] += dive.observations.len();
+        before[1] += dive.bins.len();
+        dive
+    };
+    dives.into_iter().zip(durations).map(placed).collect()
 }
 
 /// Runs of samples with one value of a key.

@@ -1,20 +1,19 @@
 //! Residuals and their exact slopes over all dives, on all cores, without holding them.
 //!
-//! The parameters that are free carry derivatives (dual numbers) through the steady glide; a sample costs one solution
+//! The parameters that are free carry derivatives (dual numbers) through the steady glide; a bin costs one solution
 //! in plain numbers, from the last one nearby, and one evaluation with derivatives. Nothing is allocated.
 
 use num_dual::{Derivative, DualSVec64};
 use rayon::prelude::*;
 
-use super::data::{Dive, Sample};
+use super::data::{Dive, Stretch};
 use super::gram::Gram;
 use super::model::{Prediction, predict};
 use crate::dynamics::Parameters;
 use crate::glide::Glider;
 use crate::log::Observation;
 
-/// By how much one sample of each quantity scatters, the correlation of neighbours counted in: a residual divided by
-/// this weighs as much as an independent one of unit variance.
+/// By how much each quantity scatters: residuals are divided by it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Weights {
     /// Of the downward velocity \[m/s\].
@@ -98,7 +97,7 @@ impl Tally {
 /// Most parameters that can be free at once.
 pub const MOST_FREE: usize = 32;
 
-/// Residuals and slopes over the dives, into one matrix per dive; every `every`-th sample of a dive.
+/// Residuals and slopes over the dives, into one matrix per dive; every `every`-th bin of the log.
 ///
 /// `free` are rows of [`PARAMETERS`](crate::dynamics::PARAMETERS).
 ///
@@ -167,7 +166,7 @@ fn dive_rows<const N: usize>(
     every: usize,
 ) -> Tally {
     let mut rows = Rows::new(gram, n, weights);
-    for Sample { observed, inertia, guess, root_weight } in dive.every(every) {
+    for Stretch { bin: observed, inertia, guess, root_weight } in dive.stretches(every) {
         let predicted = predict(glider, observed, inertia, *guess);
         *guess = predicted.map(|p: Prediction<_>| p.guess);
         rows.glide(observed, predicted.map(|p| (p.sink_m_s, p.speed_m_s)), root_weight);

@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use super::data::Dive;
 use super::joint::{Fit, IdentifyError, Question, fit};
+use super::residuals::{Residual, residuals};
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
 
 /// How far a parameter must be known to count as identified: half of its 95 % interval against its own size, or
@@ -55,9 +56,6 @@ pub struct ProfilePoint {
     pub deviance: f64,
 }
 
-/// Most samples on which a profile is taken.
-const PROFILE_SAMPLES: usize = 3000;
-
 /// The profile of a parameter over the given values.
 ///
 /// # Errors
@@ -70,7 +68,7 @@ pub fn profile(
     dives: &[Dive],
 ) -> Result<Vec<ProfilePoint>, IdentifyError> {
     let row = parameter_index(name).ok_or_else(|| IdentifyError::UnknownParameter(name.to_owned()))?;
-    let mut dives = thinned(dives, PROFILE_SAMPLES);
+    let mut dives = dives.to_vec();
     let free: Vec<usize> = question.free.iter().copied().filter(|&free| free != row).collect();
     let mut points = Vec::new();
     let mut start = *best;
@@ -79,22 +77,18 @@ pub fn profile(
         let held = Question { baseline: start, free: free.clone(), several_starts: false, ..question.clone() };
         let found = fit(&held, &mut dives)?;
         start = found.parameters;
-        let speeds = dives.iter().flat_map(|dive| super::residuals(&found.parameters, &dive.observations));
-        let (n, sum) = speeds
-            .map(|r| r.predicted_speed_m_s)
-            .filter(|speed| speed.is_finite())
-            .fold((0usize, 0.0), |(n, sum), speed| (n + 1, sum + speed));
-        points.push((
-            ProfilePoint {
-                value,
-                w_rms_m_s: found.tally.sink.rms(),
-                mean_speed_m_s: sum / n as f64,
-                deviance: f64::NAN,
-            },
-            found.tally,
-        ));
+        let residuals: Vec<Residual> =
+            dives.iter().flat_map(|dive| residuals(&found.parameters, &dive.observations)).collect();
+        let mean = |of: fn(&Residual) -> f64| {
+            let known = residuals.iter().map(of).filter(|value| value.is_finite());
+            let (n, sum) = known.fold((0usize, 0.0), |(n, sum), value| (n + 1, sum + value));
+            sum / n as f64
+        };
+        let w_rms_m_s = mean(|r| r.sink_m_s * r.sink_m_s).sqrt();
+        let mean_speed_m_s = mean(|r| r.predicted_speed_m_s);
+        points.push((ProfilePoint { value, w_rms_m_s, mean_speed_m_s, deviance: f64::NAN }, found.tally));
     }
-    // The number of independent samples is that of the best point for all, so that only the fit makes the difference.
+    // The number of independent bins is that of the best point for all, so that only the fit makes the difference.
     let ratio = |s: &super::Scatter| s.n as f64 / s.correlated_samples();
     let best = points.iter().min_by(|x, y| x.0.w_rms_m_s.total_cmp(&y.0.w_rms_m_s)).map(|point| point.1);
     let Some(best) = best else { return Ok(Vec::new()) };

@@ -25,10 +25,8 @@ pub struct Inertia {
 }
 
 impl Inertia {
-    /// None, of a glide that is steady; the pressure is as late as the measured vertical velocity says.
-    pub fn none(observed: &Observation) -> Inertia {
-        Inertia { net_mass_kg: 0.0, pitch_rad: 0.0, sink_rate_m_s2: observed.sink_rate_m_s2 }
-    }
+    /// That of a glide which is steady.
+    pub const NONE: Inertia = Inertia { net_mass_kg: 0.0, pitch_rad: 0.0, sink_rate_m_s2: 0.0 };
 }
 
 /// Rates of change are taken over the neighbours so near, and at least over the next ones \[s\].
@@ -41,7 +39,7 @@ pub fn inertia(parameters: &Parameters<f64>, observations: &[Observation]) -> Ve
     let flown: Vec<Option<Flown>> = observations
         .iter()
         .map(|observed| {
-            let steady = predict(&glider, observed, &Inertia::none(observed), guess);
+            let steady = predict(&glider, observed, &Inertia::NONE, guess);
             guess = steady.map(|p| p.guess);
             steady.map(|p| Flown {
                 time_s: observed.time_s,
@@ -66,8 +64,7 @@ pub fn inertia(parameters: &Parameters<f64>, observations: &[Observation]) -> Ve
             while high < observations.len() && is_near(high) {
                 high += 1;
             }
-            of_one(parameters, &observations[i], flown[i].as_ref(), &flown[low..high])
-                .unwrap_or_else(|| Inertia::none(&observations[i]))
+            of_one(parameters, &observations[i], flown[i].as_ref(), &flown[low..high]).unwrap_or(Inertia::NONE)
         })
         .collect()
 }
@@ -162,7 +159,7 @@ mod tests {
             .collect();
         let glider = Glider::new(p);
         for (o, inertia) in leg.iter().zip(inertia(&p, &leg)) {
-            let steady = predict(&glider, o, &Inertia::none(o), None).unwrap();
+            let steady = predict(&glider, o, &Inertia::NONE, None).unwrap();
             let found = predict(&glider, o, &inertia, None).unwrap();
             // Nothing is left but the difference between V' of the glide and that of the steady one.
             let [before, after] = [steady, found].map(|f| (f.speed_m_s - o.speed_m_s).abs());

@@ -1,11 +1,12 @@
-//! The joint identification: any of the model's parameters, from all samples at once, by nonlinear least squares.
+//! The joint identification: any of the model's parameters, from all dives at once, by nonlinear least squares.
 //!
 //! ```text
-//! minimise  sum ((w - w_model) / s_w)^2 + sum ((U - U_model) / s_U)^2
+//! minimise  sum t ((w - w_model) / s_w)^2 + sum t ((U - U_model) / s_U)^2
 //! ```
-//! `s` is the scatter of a quantity times the root of the number of neighbouring samples that say together what one
-//! independent sample would; both are estimated from the residuals and the fit repeated. Levenberg-Marquardt from
-//! several starts, on a part of the samples first. Standard errors: [`Fit::covariance`].
+//! over bins about a minute long; `t` is the time that a bin stands for and `s` the scatter of a quantity, estimated from the
+//! residuals and the fit repeated, as is the inertia along each leg. That residuals are correlated is left to the standard
+//! errors ([`Fit::covariance`]): weights by their correlation gain little where the model is right, and lose where it is
+//! not. Levenberg-Marquardt from several starts, on a part of the bins first.
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::{DMatrix, DVector};
@@ -91,12 +92,12 @@ pub enum IdentifyError {
     },
     /// The glider that the baseline describes does not fly the way the log does.
     #[error(
-        "at {unflyable} of {samples} samples no glide exists at the recorded pitch and the vehicle's net mass: the baseline is far from this glider; check mass and volume of the vehicle, or use --trim neutral"
+        "at {unflyable} of {samples} stretches no glide exists at the recorded pitch and the vehicle's net mass: the baseline is far from this glider; check mass and volume of the vehicle, or use --trim neutral"
     )]
     CannotFly {
-        /// Samples without a glide.
+        /// Bins without a glide.
         unflyable: usize,
-        /// All samples.
+        /// All bins.
         samples: usize,
     },
 }
@@ -166,8 +167,8 @@ impl Fit {
     }
 }
 
-/// Samples per quantity on which the starts are tried.
-const SAMPLES_OF_A_START: usize = 400;
+/// Bins on which the starts are tried.
+const BINS_OF_A_START: usize = 400;
 
 /// Fits the parameters to the dives.
 ///
@@ -176,8 +177,8 @@ const SAMPLES_OF_A_START: usize = 400;
 pub fn fit(question: &Question, dives: &mut [Dive]) -> Result<Fit, IdentifyError> {
     let mut dives = dives;
     let mut solver = Solver::new(question, &mut dives)?;
-    // Coarse: every start on a few samples, then the best one with the scatter that it shows.
-    let every = (solver.samples.samples() / SAMPLES_OF_A_START).max(1);
+    // Coarse: every start on a part of the bins, then the best one with the scatter and the inertia that it shows.
+    let every = (solver.samples.samples() / BINS_OF_A_START).max(1);
     let mut best = solver.best_start(every);
     solver.weights = scatter(solver.tally(&best, every), solver.weights);
     solver.samples.settle(&best);
@@ -197,7 +198,7 @@ pub(super) fn refine(question: &Question, samples: &mut dyn Blocks) -> Result<Fi
     solver.finish(question.baseline)
 }
 
-/// The weights that the residuals themselves suggest, correlation of neighbours included.
+/// The weights that the residuals themselves suggest.
 fn scatter(tally: Tally, before: Weights) -> Weights {
     let effective = |s: &super::evaluate::Scatter, before: f64| {
         if s.n < 2 || !before.is_finite() {

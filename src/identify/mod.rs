@@ -9,6 +9,7 @@
 //!
 //! Works on [`Observation`](crate::log::Observation)s and [`Parameters`](crate::dynamics::Parameters); knows no files.
 
+mod bins;
 mod blocks;
 pub mod campaign;
 mod data;
@@ -32,6 +33,7 @@ mod trim;
 pub mod uncertainty;
 pub mod unsteady;
 
+pub use bins::{Bin, bins};
 pub use campaign::{Given, Identification, Request, identify};
 pub use data::{Dive, by_dive, ranges};
 pub use evaluate::{MOST_FREE, Scatter, Tally, Weights, evaluate};

@@ -4,7 +4,7 @@
 //! angle, speed, lift and drag then follow from the balance of forces alone, as the paper has them:
 //! `xi = pitch - alpha`, `V = w / sin |xi|`, `CL = W cos xi / (q A)`, `CD = W sin |xi| / (q A)`.
 
-use super::inertia::Inertia;
+use super::inertia::inertia;
 use super::model::{predict, surroundings};
 use super::paper::{MeanGlide, SolvedGlide};
 use super::ranges;
@@ -68,8 +68,9 @@ fn point(glider: &Glider<f64>, leg: &[Observation]) -> Option<PolarPoint> {
     let p = &glider.parameters;
     let (mut n, mut sums, mut speeds) = (0usize, [0.0; 6], (0usize, 0.0));
     let mut guess = None;
-    for o in leg.iter().filter(|o| o.steady) {
-        let Some(predicted) = predict(glider, o, &Inertia::none(o), guess) else { continue };
+    let steady: Vec<Observation> = leg.iter().filter(|o| o.steady).copied().collect();
+    for (o, inertia) in steady.iter().zip(inertia(p, &steady)) {
+        let Some(predicted) = predict(glider, o, &inertia, guess) else { continue };
         guess = Some(predicted.guess);
         let weight = p.net_mass_kg(o.ballast_m3, &surroundings(p, o)) * p.gravity_m_s2;
         let pitch: f64 = p.pitch_scale * o.pitch_rad + p.pitch_offset_rad;

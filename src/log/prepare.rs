@@ -23,7 +23,8 @@ pub struct Settings {
     pub least_leg_dbar: f64,
     /// Pressure above which the glider is taken to be at the surface \[dbar\].
     pub surface_dbar: f64,
-    /// Time after a turn, or after a move of the ballast, from which the glide is steady \[s\].
+    /// Time after a turn, or after a move of the ballast, from which the glide is steady \[s\]: some time constants of the
+    /// surge, `m/(rho A CD V)`, which is 10 to 25 s.
     pub settle_s: f64,
     /// Time before a turn up to which it is \[s\].
     pub before_turn_s: f64,
@@ -43,7 +44,7 @@ impl Default for Settings {
             half_window_s: 4.0,
             least_leg_dbar: 4.0,
             surface_dbar: 5.0,
-            settle_s: 60.0,
+            settle_s: 90.0,
             before_turn_s: 8.0,
             motor_margin_s: 6.0,
             longest_fill_s: 120.0,

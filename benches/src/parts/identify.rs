@@ -8,7 +8,7 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, ensure};
 use glidepolar::dynamics::Parameters;
 use glidepolar::dynamics::parameters::DRAG_REFERENCE_SPEED_M_S;
-use glidepolar::identify::{Dive, Fit, Question, by_dive, fit};
+use glidepolar::identify::{Dive, Fit, Inertia, Question, by_dive, fit, inertia};
 use glidepolar::log::{DBAR_PA, Observation};
 use serde_json::{Value, json};
 
@@ -25,9 +25,9 @@ const PEER_DATA: &str = "data/gliderflight/gliderflight_data.npy";
 pub fn measure(context: &Context<'_>) -> Result<Part> {
     let mut part = Part::new(
         "Identification",
-        "A fit is what the data tell, on all steady samples: a, b and a ballast offset on comet, b, c and the offset on \
+        "A fit is what the data tell, from all steady samples: their means over a minute, and of these a, b and a ballast offset on comet, b, c and the offset on \
          sg542, which has no speed; from several starts, with standard errors; the whole command reads the log, fits, leaves dives out and fits again, \
-         profiles. SciPy gets the same samples, the same model, baseline and weights, from one start, and must find \
+         profiles. SciPy gets the means, the same model with its inertia, baseline and weights, from one start, and must find \
          the same values. gliderflight calibrates drag and mass on its own data, the same flight as comet.",
     );
     for log in [COMET, SG542] {
@@ -48,16 +48,16 @@ fn steady(context: &Context<'_>, part: &mut Part, log: &Log) -> Result<()> {
     let found = fit(&question, &mut dives.clone())?;
     let single = Question { several_starts: false, ..question.clone() };
 
-    let samples = context.work(&format!("{}-samples.json", log.name));
-    write_samples(&samples, &question, &dives, &found)?;
-    let mut peer = Peer::start(context.python(), context.root(), "least_squares.py", &[&samples]);
+    let bins = context.work(&format!("{}-bins.json", log.name));
+    write_bins(&bins, &question, &dives, &found)?;
+    let mut peer = Peer::start(context.python(), context.root(), "least_squares.py", &[&bins]);
     let mut first = None;
     let rounds = context.choice.size(Sized { quick: 2, usual: 7, full: 15 });
     let [ours, one_start, theirs] = contest(
         rounds,
         [
-            Contender::timed("glidepolar", 1, || Ok(fit(&question, &mut dives.clone()).map(drop)?)),
-            Contender::timed("glidepolar, one start", 1, || Ok(fit(&single, &mut dives.clone()).map(drop)?)),
+            Contender::timed("glidepolar", 1, || Ok(fit(&question, &mut by_dive(&observations)).map(drop)?)),
+            Contender::timed("glidepolar, one start", 1, || Ok(fit(&single, &mut by_dive(&observations)).map(drop)?)),
             Contender::new("SciPy", || {
                 let peer = peer.as_mut().map_err(|e| anyhow::anyhow!("{e:#}"))?;
                 let answer = peer.ask(&json!({}))?;
@@ -107,11 +107,17 @@ fn agreement(found: &Fit, free: &[&str], answer: &Value) -> Result<String> {
 }
 
 /// What SciPy needs to minimise the very same sum.
-fn write_samples(file: &Path, question: &Question, dives: &[Dive], found: &Fit) -> Result<()> {
+fn write_bins(file: &Path, question: &Question, dives: &[Dive], found: &Fit) -> Result<()> {
     let baseline: &Parameters<f64> = &question.baseline;
-    let samples: Vec<&Observation> = dives.iter().flat_map(|dive| &dive.observations).collect();
+    let bins: Vec<(&Observation, Inertia, f64)> = dives
+        .iter()
+        .flat_map(|dive| {
+            let moving = inertia(&found.parameters, &dive.bins);
+            dive.bins.iter().zip(moving).zip(&dive.bin_root_weights).map(|((bin, inertia), root)| (bin, inertia, *root))
+        })
+        .collect();
     let column = |value: &dyn Fn(&Observation) -> f64| -> Vec<Option<f64>> {
-        samples.iter().map(|o| Some(value(o)).filter(|v| v.is_finite())).collect()
+        bins.iter().map(|(o, ..)| Some(value(o)).filter(|v| v.is_finite())).collect()
     };
     // Without the offset, which is fitted.
     let neutral = Parameters { ballast_offset_kg: 0.0, ..*baseline };
@@ -128,9 +134,11 @@ fn write_samples(file: &Path, question: &Question, dives: &[Dive], found: &Fit) 
     let q0 = 0.5 * baseline.reference_density_kg_m3 * DRAG_REFERENCE_SPEED_M_S * DRAG_REFERENCE_SPEED_M_S;
     let free: Vec<&str> = question.free.iter().map(|row| glidepolar::dynamics::PARAMETERS[*row].name).collect();
     let text = json!({
-        "pitch": column(&|o| o.pitch_rad),
+        "flown_pitch": column(&|o| o.pitch_rad),
+        "pitch": bins.iter().map(|(o, inertia, _)| o.pitch_rad + inertia.pitch_rad).collect::<Vec<_>>(),
         "density": column(&|o| o.density_kg_m3),
-        "net": column(&net_mass),
+        "net": bins.iter().map(|(o, inertia, _)| net_mass(o) + inertia.net_mass_kg).collect::<Vec<_>>(),
+        "root_weight": bins.iter().map(|(.., root)| *root).collect::<Vec<_>>(),
         "sink": column(&|o| o.sink_m_s),
         "speed": column(&|o| o.speed_m_s),
         "sink_sd": found.weights.sink_m_s,

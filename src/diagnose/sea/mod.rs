@@ -1,27 +1,24 @@
 //! The diagnosis at sea: what a flight log says against the steady glide of a vehicle.
 //!
-//! Samples of a steady glide are averaged over bins of one leg, about a minute long: long against the filter of the
-//! vertical velocity, short against a leg. In each bin the model flies the pitch, ballast and water that were read, and
+//! Samples of a steady glide are averaged over [bins](crate::identify::bins()) of one leg. In each bin the model flies the pitch, ballast and water that were read, and
 //! its vertical velocity and speed stand against those measured. Candidates are the mechanisms of
 //! [`crate::mechanisms`] whose parameters are rows of the table of parameters, differentiated by dual numbers through
 //! the very equations of the simulation.
 //!
 //! Knows the engine, the steady glide and observations; no files.
 
-mod bins;
 pub mod consistency;
 mod model;
 mod whole;
 
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
-use crate::identify::inertia;
+use crate::identify::{Bin, bins, inertia};
 use crate::log::Observation;
 use crate::mechanisms::{AT_SEA, Enters};
 
 use super::evidence::{Candidate, Covariate, Evidence, Point, Problem, Quantity};
 use super::findings::{Check, Checked};
 use super::smooth::Kind;
-use bins::Bin;
 use model::{Directions, MAX_DIRECTIONS, Vehicle};
 use nalgebra::{DMatrix, DVector};
 pub use whole::{SeaDiagnosis, diagnose_log};
@@ -73,6 +70,9 @@ const MOST_USUAL: f64 = 3.0;
 
 /// Most times at which a jump of drag is looked for.
 const MAX_JUMPS: usize = 30;
+
+/// Samples that a bin must hold at least.
+const MIN_SAMPLES: usize = 3;
 
 /// Fewest bins of a quantity from which a diagnosis is tried.
 const MIN_BINS: usize = 12;
@@ -131,7 +131,8 @@ impl SeaProblem {
             ascent_d_ratio: 1.0,
             ..*parameters
         };
-        let mut bins = bins::bins(observations, settings.max_bins);
+        let usable: Vec<Observation> = observations.iter().copied().filter(is_usable).collect();
+        let mut bins = bins(&usable, settings.max_bins, MIN_SAMPLES);
         let is_steady = model::steady(parameters, &bins);
         let mut keep = is_steady.into_iter();
         bins.retain(|bin| keep.next().unwrap_or(false) && model::flies(parameters, bin));
@@ -249,6 +250,19 @@ impl SeaProblem {
     }
 }
 
+fn is_usable(o: &Observation) -> bool {
+    o.steady
+        && [o.time_s, o.pressure_dbar, o.density_kg_m3, o.pitch_rad, o.ballast_m3, o.sink_m_s]
+            .iter()
+            .all(|value| value.is_finite())
+}
+
+/// The times at which legs begin.
+fn leg_starts(bins: &[Bin]) -> Vec<f64> {
+    let new_leg = |pair: &[Bin]| (pair[0].mean.leg != pair[1].mean.leg).then(|| pair[1].mean.time_s - 0.5);
+    bins.windows(2).filter_map(new_leg).collect()
+}
+
 /// The mechanisms that these data could show, with the row of their parameter and the time of a jump.
 fn candidates_of(bins: &[Bin], parameters: &Parameters<f64>) -> Vec<(Candidate, usize, Option<f64>)> {
     let varies = |value: fn(&Bin) -> f64| bins.iter().any(|bin| value(bin).is_finite() && value(bin).abs() > 1e-4);
@@ -268,7 +282,7 @@ fn candidates_of(bins: &[Bin], parameters: &Parameters<f64>) -> Vec<(Candidate, 
         }
         let row = &PARAMETERS[index];
         let jumps: Vec<Option<f64>> = if mechanism.name == "drag_step" {
-            let starts = bins::leg_starts(bins);
+            let starts = leg_starts(bins);
             let every = starts.len().div_ceil(MAX_JUMPS).max(1);
             starts.into_iter().skip(2).step_by(every).map(Some).collect()
         } else {

@@ -3,10 +3,9 @@
 use nalgebra::{Const, U1};
 use num_dual::{Derivative, DualSVec64};
 
-use super::bins::Bin;
 use crate::dynamics::{Parameters, parameter_index};
 use crate::glide::Glider;
-use crate::identify::{Inertia, predict};
+use crate::identify::{Bin, Inertia, predict};
 
 /// Most parameters that can be varied at once.
 pub const MAX_DIRECTIONS: usize = 24;
@@ -86,7 +85,7 @@ impl Vehicle {
 
 /// Whether the vehicle flies at all as this bin says.
 pub fn flies(parameters: &Parameters<f64>, bin: &Bin) -> bool {
-    predict(&Glider::new(*parameters), &bin.mean, &Inertia::none(&bin.mean), None).is_some()
+    predict(&Glider::new(*parameters), &bin.mean, &Inertia::NONE, None).is_some()
 }
 
 /// Largest share of the drag that the inertia may have where a glide counts as steady.

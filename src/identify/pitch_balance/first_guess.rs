@@ -21,7 +21,7 @@ pub(super) fn first_guess(
     let glider = Glider::new(*polar);
     for o in dives.iter().flat_map(|dive| &dive.observations) {
         let pitch: f64 = true_pitch_rad(polar, o.pitch_rad);
-        let Some(flown) = predict(&glider, o, &Inertia::none(o), None).filter(|_| pitch.cos() > 0.1) else { continue };
+        let Some(flown) = predict(&glider, o, &Inertia::NONE, None).filter(|_| pitch.cos() > 0.1) else { continue };
         let force = 0.5 * o.density_kg_m3 * flown.speed_m_s.powi(2) * polar.frontal_area_m2 * polar.length_m;
         let moment_kg_m = force * flown.angle_of_attack_rad / (polar.gravity_m_s2 * pitch.cos());
         let ballast_kg = if ballast { polar.ballast_mass_kg(o.ballast_m3) } else { 0.0 };

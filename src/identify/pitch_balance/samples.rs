@@ -6,7 +6,7 @@ use crate::Number;
 use crate::dynamics::Parameters;
 use crate::glide::{Attitude, at_pitch};
 use crate::identify::blocks::Blocks;
-use crate::identify::data::{Dive, Sample};
+use crate::identify::data::Dive;
 use crate::identify::evaluate::{Rows, Tally, Weights, by_block, by_size, with_derivatives};
 use crate::identify::gram::Gram;
 use crate::identify::model::{surroundings, true_pitch_rad};
@@ -95,7 +95,7 @@ fn rows<const N: usize>(
 ) -> Tally {
     let with_slope = lifted.map(|value| Dual64::from(value.re));
     let mut rows = Rows::new(gram, n, weights);
-    for Sample { observed, root_weight, .. } in dive.every(every) {
+    for (observed, root_weight) in dive.samples(every) {
         let near = true_pitch_rad(lifted, observed.pitch_rad).re;
         // Where no pitch balances, level flight is what is predicted: nothing is gained by being unable to fly.
         let predicted = predicted_pitch_rad(lifted, &with_slope, observed, near);

@@ -36,8 +36,8 @@ fn legs_turn_where_the_pressure_turns_and_steady_samples_have_the_known_velocity
     assert_eq!(found.iter().map(|o| o.leg).max(), Some(5));
     assert_eq!(found.iter().map(|o| o.dive).max(), Some(2));
     let steady: Vec<&Observation> = found.iter().filter(|o| o.steady).collect();
-    // Of 300 s a leg, 60 s after the turn, 8 s before it and what lies above 5 dbar are no steady glide.
-    assert!(steady.len() > 6 * 200 && steady.len() < 6 * 233, "{}", steady.len());
+    // Of 300 s a leg, 90 s after the turn, 8 s before it and what lies above 5 dbar are no steady glide.
+    assert!(steady.len() > 6 * 190 && steady.len() < 6 * 203, "{}", steady.len());
     let expected = SINK_DBAR_S * 1e4 / (1025.0 * 9.81);
     for o in steady {
         let sign = if o.pitch_rad < 0.0 { 1.0 } else { -1.0 };

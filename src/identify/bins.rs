@@ -1,12 +1,13 @@
-//! Averages of steady samples over stretches of one leg.
+//! Averages of steady samples over stretches of one leg, about a minute long: long against the filter of the vertical
+//! velocity, short against a leg.
+//!
+//! The filter makes neighbouring samples say the same thing again, in a way that no simple law of noise describes; bins say
+//! it once.
 
 use crate::log::Observation;
 
 /// Length of a bin where the log is short enough \[s\].
 const BIN_S: f64 = 60.0;
-
-/// Samples that a bin must hold at least.
-const MIN_SAMPLES: usize = 3;
 
 /// Standard error of a vertical velocity that comes without one, in a table of whole legs \[m/s\]. It only weighs rows
 /// against each other; their scatter is estimated.
@@ -21,26 +22,27 @@ pub struct Bin {
     /// Means of its samples; roll and rudder are root mean squares, since drag goes by their squares. What was not
     /// measured is NaN.
     pub mean: Observation,
+    /// How many they are.
+    pub samples: usize,
     /// Standard deviation of the mean vertical velocity, by its measurement alone \[m/s\].
     pub sink_sd_m_s: f64,
     /// Standard deviation of the mean speed, by its measurement alone \[m/s\].
     pub speed_sd_m_s: f64,
 }
 
-/// The bins of a log in the order of time, at most about `max_bins` of them.
-pub fn bins(observations: &[Observation], max_bins: usize) -> Vec<Bin> {
-    let usable: Vec<&Observation> = observations.iter().filter(|o| is_usable(o)).collect();
-    let length_s = BIN_S.max(covered_s(&usable) / max_bins.max(1) as f64);
+/// The bins of steady samples in the order of time, at most about `most` of them, none of fewer than `least_samples`
+/// unless it is alone on its leg: then it is the mean of a leg already, from a table of glides.
+pub fn bins(steady: &[Observation], most: usize, least_samples: usize) -> Vec<Bin> {
+    let length_s = BIN_S.max(covered_s(steady) / most.max(1) as f64);
     let mut found = Vec::new();
     let mut start = 0;
-    for end in 1..=usable.len() {
-        let closes = end == usable.len()
-            || usable[end].leg != usable[start].leg
-            || usable[end].time_s - usable[start].time_s >= length_s;
+    for end in 1..=steady.len() {
+        let closes = end == steady.len()
+            || steady[end].leg != steady[start].leg
+            || steady[end].time_s - steady[start].time_s >= length_s;
         if closes {
-            // A row alone on its leg is the mean of a leg already, from a table of glides.
-            if end - start >= MIN_SAMPLES || is_alone(&usable, start) {
-                found.push(mean(&usable[start..end]));
+            if end - start >= least_samples || is_alone(steady, start) {
+                found.push(mean(&steady[start..end]));
             }
             start = end;
         }
@@ -48,32 +50,19 @@ pub fn bins(observations: &[Observation], max_bins: usize) -> Vec<Bin> {
     found
 }
 
-/// The times at which legs begin.
-pub fn leg_starts(bins: &[Bin]) -> Vec<f64> {
-    let new_leg = |pair: &[Bin]| (pair[0].mean.leg != pair[1].mean.leg).then(|| pair[1].mean.time_s - 0.5);
-    bins.windows(2).filter_map(new_leg).collect()
-}
-
-fn is_usable(o: &Observation) -> bool {
-    o.steady
-        && [o.time_s, o.pressure_dbar, o.density_kg_m3, o.pitch_rad, o.ballast_m3, o.sink_m_s]
-            .iter()
-            .all(|value| value.is_finite())
-}
-
-fn is_alone(usable: &[&Observation], i: usize) -> bool {
-    let leg = usable[i].leg;
-    (i == 0 || usable[i - 1].leg != leg) && usable.get(i + 1).is_none_or(|next| next.leg != leg)
+fn is_alone(steady: &[Observation], i: usize) -> bool {
+    let leg = steady[i].leg;
+    (i == 0 || steady[i - 1].leg != leg) && steady.get(i + 1).is_none_or(|next| next.leg != leg)
 }
 
 /// Time spent in steady glide \[s\].
-fn covered_s(usable: &[&Observation]) -> f64 {
-    usable.windows(2).filter(|pair| pair[0].leg == pair[1].leg).map(|pair| pair[1].time_s - pair[0].time_s).sum()
+fn covered_s(steady: &[Observation]) -> f64 {
+    steady.windows(2).filter(|pair| pair[0].leg == pair[1].leg).map(|pair| pair[1].time_s - pair[0].time_s).sum()
 }
 
-fn mean(samples: &[&Observation]) -> Bin {
+fn mean(samples: &[Observation]) -> Bin {
     let n = samples.len() as f64;
-    let of = |value: fn(&Observation) -> f64| samples.iter().map(|o| value(o)).sum::<f64>() / n;
+    let of = |value: fn(&Observation) -> f64| samples.iter().map(value).sum::<f64>() / n;
     let square_se = of(|o| if o.sink_se_m_s > 0.0 { o.sink_se_m_s.powi(2) } else { USUAL_SE_M_S * USUAL_SE_M_S });
     let speeds: Vec<f64> = samples.iter().map(|o| o.speed_m_s).filter(|speed| speed.is_finite()).collect();
     let n_speeds = speeds.len() as f64;
@@ -89,6 +78,7 @@ fn mean(samples: &[&Observation]) -> Bin {
             speed_m_s,
             ..samples[0].with(of)
         },
+        samples: samples.len(),
         sink_sd_m_s: (square_se / n).sqrt().max(1e-4),
         speed_sd_m_s: (scatter.sqrt() / n_speeds.sqrt()).max(LEAST_SPEED_SD_M_S / n_speeds.sqrt()),
     }
