@@ -195,6 +195,11 @@ fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
             println!("    these data cannot tell it from: {}", alike.join(", "));
         }
     }
+    for set in &found.alternatives {
+        let sizes: Vec<String> =
+            set.iter().flat_map(|other| &other.parameters).map(|(name, estimate)| size(name, estimate)).collect();
+        println!("  these data cannot tell all of that from: {}", sizes.join(", "));
+    }
     if let Some(unexplained) = &found.unexplained {
         println!("  unexplained: what is left goes with {}", unexplained.depends_on.join(", "));
     }

@@ -89,6 +89,14 @@ fn cause(found: &Diagnosis) -> String {
             format!("{}: {sizes}{alike}.", capital(&words(&cause.cause)))
         })
         .collect();
+    for set in &found.alternatives {
+        let sizes: Vec<String> = set
+            .iter()
+            .flat_map(|other| &other.parameters)
+            .map(|(name, e)| format!("{name} = {}{}", significant(e.value, 3), unit(e)))
+            .collect();
+        sentences.push(format!("These data cannot tell all of that from {} together.", sizes.join(", ")));
+    }
     if let Some(left) = &found.unexplained {
         sentences.push(format!(
             "What is left goes with {}, and no known mechanism explains it.",

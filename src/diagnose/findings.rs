@@ -81,6 +81,15 @@ pub struct Cause {
     pub indistinguishable_from: Vec<String>,
 }
 
+/// A mechanism of a set that could stand in the place of the named one.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Alternative {
+    /// The mechanism.
+    pub cause: String,
+    /// Its parameters, as the set asks for them.
+    pub parameters: BTreeMap<String, Estimate>,
+}
+
 /// A mechanism that was tried and not named.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Rejected {
@@ -133,6 +142,9 @@ pub struct Diagnosis {
     pub wrong: Vec<Wrong>,
     /// The named mechanisms, strongest first.
     pub causes: Vec<Cause>,
+    /// Sets of two and more that these data cannot tell from the named one; those that differ from it by one mechanism stand
+    /// beside that one.
+    pub alternatives: Vec<Vec<Alternative>>,
     /// The others.
     pub rejected: Vec<Rejected>,
     /// What is left without a name.

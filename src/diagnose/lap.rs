@@ -123,7 +123,12 @@ impl<'a> Lap<'a> {
     /// Whether a set with a curve foretells data that were held out no worse than one without it: what is at work is there
     /// on the next glide, too; a wave that a few glides happened to meet is not.
     pub(super) fn foretells(&self, with: &[usize], without: &[usize]) -> bool {
-        holdout::advantage(&self.evidence, &self.fitted.noises, &self.held_out(without), &self.held_out(with)) > 0.0
+        self.advantage(with, without) > 0.0
+    }
+
+    /// How sure it is that a set foretells data that were held out better than another.
+    pub(super) fn advantage(&self, with: &[usize], without: &[usize]) -> f64 {
+        holdout::advantage(&self.evidence, &self.fitted.noises, &self.held_out(without), &self.held_out(with))
     }
 
     /// What a set leaves of the rows that its fit did not see.

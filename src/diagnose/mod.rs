@@ -8,6 +8,7 @@
 //! - [`engine`]: the four answers in their order, with what it is made of: a fit, what is thinned out of it, one lap of the
 //!   search, what is told.
 
+mod alternatives;
 pub mod engine;
 pub mod evidence;
 pub mod findings;
@@ -26,7 +27,7 @@ mod told;
 
 pub use engine::{Outcome, Stage, diagnose, diagnose_in_full};
 pub use evidence::{Candidate, Covariate, Evidence, Headline, Point, Problem, Quantity};
-pub use findings::{Cause, Check, Checked, Diagnosis, Gain, Rejected, Unexplained, Verdict, Wrong};
+pub use findings::{Alternative, Cause, Check, Checked, Diagnosis, Gain, Rejected, Unexplained, Verdict, Wrong};
 
 #[cfg(test)]
 mod tests;

@@ -96,7 +96,22 @@ impl<'a> Race<'a> {
     /// The best set of mechanisms alone: all singles and pairs, larger sets grown from the best ones.
     pub fn best_mechanisms(&self) -> Choice {
         let named: Vec<usize> = (0..self.runners.len()).filter(|i| !self.runners[*i].is_curve).collect();
-        self.grow(vec![Choice { members: Vec::new(), criterion: 0.0 }], &named, MAX_MEMBERS)
+        self.grow(vec![Choice { members: Vec::new(), criterion: 0.0 }], &named, MAX_MEMBERS, &mut |_| ())
+    }
+
+    /// The sets of mechanisms alone whose criterion is below a limit, of those that a search for the best one meets, the best
+    /// first.
+    pub fn within(&self, criterion: f64, max_members: usize) -> Vec<Choice> {
+        let named: Vec<usize> = (0..self.runners.len()).filter(|i| !self.runners[*i].is_curve).collect();
+        let mut found: Vec<Choice> = Vec::new();
+        let start = vec![Choice { members: Vec::new(), criterion: 0.0 }];
+        self.grow(start, &named, max_members, &mut |choice| {
+            if choice.criterion < criterion {
+                found.push(choice.clone());
+            }
+        });
+        found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        found
     }
 
     /// The best set with one curve in it.
@@ -108,7 +123,7 @@ impl<'a> Race<'a> {
         let mut starts: Vec<Choice> = curves.collect();
         starts.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
         starts.truncate(BEAM);
-        (!starts.is_empty()).then(|| self.grow(starts, &named, 3))
+        (!starts.is_empty()).then(|| self.grow(starts, &named, 3, &mut |_| ()))
     }
 
     /// The members that could stand in one member's place with a criterion at most `margin` worse, best first.
@@ -130,7 +145,8 @@ impl<'a> Race<'a> {
         found.into_iter().map(|(_, other)| other).collect()
     }
 
-    fn grow(&self, starts: Vec<Choice>, named: &[usize], max_members: usize) -> Choice {
+    /// Grows sets by one member after the other; `met` is shown each of them.
+    fn grow(&self, starts: Vec<Choice>, named: &[usize], max_members: usize, met: &mut impl FnMut(&Choice)) -> Choice {
         let mut best = starts
             .iter()
             .min_by(|a, b| a.criterion.total_cmp(&b.criterion))
@@ -152,7 +168,9 @@ impl<'a> Race<'a> {
                         continue;
                     }
                     let criterion = self.criterion(&members);
-                    next.push(Choice { members, criterion });
+                    let choice = Choice { members, criterion };
+                    met(&choice);
+                    next.push(choice);
                 }
             }
             next.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));

@@ -1,6 +1,7 @@
 //! The engine on made-up models whose truth is known: it must name what is there, and nothing else.
 
 use super::*;
+use crate::estimate::Estimate;
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rand_distr::StandardNormal;
@@ -174,4 +175,41 @@ fn an_effect_without_a_name_stays_without_one() {
     }
     assert!(wrong <= 3, "a wrong name in {wrong} of 30");
     assert!(told >= 25, "told in {told} of 30");
+}
+
+/// Of four mechanisms any two explain what two of them did: the pair that is not named is told with its own sizes.
+#[test]
+fn a_pair_that_explains_as_much_is_told_beside_the_named_one() {
+    let trace = |toy: &Toy, i: usize| (toy.columns[0][i], toy.columns[1][i]);
+    for seed in 700..705 {
+        let mut toy = Toy::new(seed, |i, toy| {
+            let (u, v) = trace(toy, i);
+            6.0 * (u + v) + 3.0 * (u - v)
+        });
+        let (u, v) = (toy.columns[0].clone(), toy.columns[1].clone());
+        (toy.columns[0], toy.columns[1], toy.columns[2], toy.columns[3]) = (&u + &v, &u - &v, u, v);
+        // 9 u + 3 v, written in each pair.
+        let pairs = [
+            [("offset", 6.0), ("compression", 3.0)],
+            [("leak", 9.0), ("expansion", 3.0)],
+            [("offset", 3.0), ("leak", 6.0)],
+            [("compression", 9.0), ("expansion", 12.0)],
+            [("offset", 9.0), ("expansion", -6.0)],
+            [("compression", -3.0), ("leak", 12.0)],
+        ];
+        let found = diagnose(&toy).0;
+        let named: Vec<&str> = found.causes.iter().map(|cause| cause.cause.as_str()).collect();
+        assert_eq!(named.len(), 2, "seed {seed}: {named:?}");
+        let other = pairs.iter().find(|pair| pair.iter().all(|(name, _)| !named.contains(name))).expect("a pair");
+        let told = found.alternatives.iter().any(|set| {
+            set.len() == 2
+                && other.iter().all(|(name, size)| {
+                    set.iter().any(|told| {
+                        let Estimate { value, se, .. } = told.parameters.values().next().expect("a size").clone();
+                        told.cause == *name && (value - size).abs() < 4.0 * se
+                    })
+                })
+        });
+        assert!(told, "seed {seed}: beside {named:?} no {other:?} in {:?}", found.alternatives);
+    }
 }

@@ -3,6 +3,7 @@
 use nalgebra::DVector;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
+use super::alternatives::alternatives;
 use super::engine::{MARGIN, Outcome, gains};
 use super::evidence::{Candidate, Headline, Problem};
 use super::findings::{Cause, Diagnosis, Rejected, Unexplained, Verdict, Wrong};
@@ -48,6 +49,7 @@ pub(super) fn report(problem: &impl Problem, baseline: &Fitted, extended: &Fitte
         consistency: Vec::new(),
         warnings: Vec::new(),
         wrong: wrong(candidates, baseline),
+        alternatives: alternatives(problem, extended, &lap),
         rejected: rejected(candidates, extended, &lap, &race, &causes),
         causes,
         unexplained,

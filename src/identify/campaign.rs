@@ -92,6 +92,9 @@ pub struct LegsApart {
     pub joint_w_rms_m_s: f64,
 }
 
+/// Largest c that is published of a glider, on its frontal area \[1/rad2\]: 29, of a Slocum (docs/inverse.md).
+const LARGEST_C: f64 = 30.0;
+
 /// Short names of the rows that people know under them.
 pub const SHORT_NAMES: &[(&str, &str)] = &[("a", "a_per_rad"), ("c", "c_per_rad2"), ("d", "d_per_rad")];
 
@@ -352,6 +355,12 @@ fn warn(warnings: &mut Vec<String>, fitted: &Fit, dives: &[Dive], has_speed: boo
         let (value, info) = (fitted.value(row), &PARAMETERS[row]);
         if value <= info.min || value >= info.max {
             warnings.push(format!("`{}` ran to its bound {value}", info.name));
+        }
+        if info.name == "c_per_rad2" && value - 2.0 * fitted.se(i) > LARGEST_C {
+            warnings.push(format!(
+                "c = {value:.0} +- {:.0} per rad2 is more than gliders are known to have ({LARGEST_C:.0}): drag that falls with speed (--free drag_exponent) and a wrong scale of the ballast (--free ballast_scale) look like it",
+                fitted.se(i)
+            ));
         }
         if info.name == "a_per_rad" && (value <= 1.0 || value >= 60.0) {
             warnings.push(format!(

@@ -56,10 +56,11 @@ pub struct ProfilePoint {
     pub deviance: f64,
 }
 
-/// The profile of a parameter over the given values.
+/// The profile of a parameter over the given values, from the best one outwards on both sides as far as the others can be
+/// fitted beside it.
 ///
 /// # Errors
-/// As [`fit`].
+/// A name that is no parameter.
 pub fn profile(
     question: &Question,
     best: &Parameters<f64>,
@@ -68,26 +69,31 @@ pub fn profile(
     dives: &[Dive],
 ) -> Result<Vec<ProfilePoint>, IdentifyError> {
     let row = parameter_index(name).ok_or_else(|| IdentifyError::UnknownParameter(name.to_owned()))?;
-    let mut dives = dives.to_vec();
     let free: Vec<usize> = question.free.iter().copied().filter(|&free| free != row).collect();
-    let mut points = Vec::new();
-    let mut start = *best;
-    for &value in values {
-        *start.at(row) = value;
-        let held = Question { baseline: start, free: free.clone(), several_starts: false, ..question.clone() };
-        let found = fit(&held, &mut dives)?;
-        start = found.parameters;
-        let residuals: Vec<Residual> =
-            dives.iter().flat_map(|dive| residuals(&found.parameters, &dive.observations)).collect();
-        let mean = |of: fn(&Residual) -> f64| {
-            let known = residuals.iter().map(of).filter(|value| value.is_finite());
-            let (n, sum) = known.fold((0usize, 0.0), |(n, sum), value| (n + 1, sum + value));
-            sum / n as f64
-        };
-        let w_rms_m_s = mean(|r| r.sink_m_s * r.sink_m_s).sqrt();
-        let mean_speed_m_s = mean(|r| r.predicted_speed_m_s);
-        points.push((ProfilePoint { value, w_rms_m_s, mean_speed_m_s, deviance: f64::NAN }, found.tally));
-    }
+    let question = Question { free, several_starts: false, ..question.clone() };
+    let mut dives = dives.to_vec();
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let (below, above) = sorted.split_at(sorted.partition_point(|value| *value < best.as_array()[row]));
+    let mut side = |values: &mut dyn Iterator<Item = &f64>| {
+        let mut start = *best;
+        let mut points: Vec<(ProfilePoint, super::Tally)> = Vec::new();
+        for &value in values {
+            if name == "a_per_rad" && question.free.iter().any(|&free| PARAMETERS[free].name == "c_per_rad2") {
+                // Drag due to lift goes with the square of the slope: from there the fit finds a glide.
+                start.c_per_rad2 *= (value / start.a_per_rad).powi(2);
+            }
+            *start.at(row) = value;
+            // Where it cannot be fitted, as where the glider cannot fly as the log does, it cannot be further out.
+            let Ok(found) = fit(&Question { baseline: start, ..question.clone() }, &mut dives) else { break };
+            start = found.parameters;
+            points.push((point(value, &start, &dives), found.tally));
+        }
+        points
+    };
+    let mut points = side(&mut below.iter().rev());
+    points.reverse();
+    points.extend(side(&mut above.iter()));
     // The number of independent bins is that of the best point for all, so that only the fit makes the difference.
     let ratio = |s: &super::Scatter| s.n as f64 / s.correlated_samples();
     let best = points.iter().min_by(|x, y| x.0.w_rms_m_s.total_cmp(&y.0.w_rms_m_s)).map(|point| point.1);
@@ -103,6 +109,18 @@ pub fn profile(
         .into_iter()
         .map(|(point, tally)| ProfilePoint { deviance: log_likelihood(&tally) - least, ..point })
         .collect())
+}
+
+/// A point without its deviance.
+fn point(value: f64, parameters: &Parameters<f64>, dives: &[Dive]) -> ProfilePoint {
+    let residuals: Vec<Residual> = dives.iter().flat_map(|dive| residuals(parameters, &dive.observations)).collect();
+    let mean = |of: fn(&Residual) -> f64| {
+        let known = residuals.iter().map(of).filter(|value| value.is_finite());
+        let (n, sum) = known.fold((0usize, 0.0), |(n, sum), value| (n + 1, sum + value));
+        sum / n as f64
+    };
+    let w_rms_m_s = mean(|r| r.sink_m_s * r.sink_m_s).sqrt();
+    ProfilePoint { value, w_rms_m_s, mean_speed_m_s: mean(|r| r.predicted_speed_m_s), deviance: f64::NAN }
 }
 
 /// Dives of which only every so many samples are kept.

@@ -99,6 +99,29 @@ fn what_the_hull_of_sg542_does_is_found_by_name() {
     }
 }
 
+/// With the lift slope of the build-up the record is explained, and a scale of the pitch is in sets that explain it as well.
+#[test]
+fn comet_with_the_lift_slope_of_the_build_up_says_how_large_a_pitch_scale_may_be() {
+    let arguments = ["comet_2016_baltic_1hz.csv", "--vehicle", "slocum-graver", "--speed-column", "U_dvl_m_s"];
+    let Some(found) = diagnose(&[&arguments[..], &["--pin-lift=21"]].concat()) else { return };
+    assert_eq!(found["verdict"], "explained");
+    for gain in found["gains"].as_array().expect("gains") {
+        assert!(gain["reduction_percent"].as_f64().expect("a number") > 5.0, "{gain}");
+    }
+    let sets = found["alternatives"].as_array().expect("sets").iter();
+    let scales: Vec<&Value> = sets
+        .flat_map(|set| set.as_array().expect("a set"))
+        .filter(|other| other["cause"] == "pitch_scale")
+        .map(|other| &other["parameters"]["pitch_scale"])
+        .collect();
+    assert!(!scales.is_empty(), "{}", found["alternatives"]);
+    // The owners' own correction is 0.86.
+    for scale in scales {
+        let (low, high) = (scale["ci95"][0].as_f64(), scale["ci95"][1].as_f64());
+        assert!(low.is_some_and(|low| low < 0.88) && high.is_some_and(|high| high < 1.0), "{scale}");
+    }
+}
+
 /// With the pitch as read the lift slope runs to what no glider has; that is said, with what would help.
 #[test]
 fn comet_with_its_raw_pitch_is_warned_of() {

@@ -70,11 +70,11 @@ fn comet_without_speed_does_not_tell_the_lift_slope() {
     let Some(found) = run(&["identify", COMET[1], "--vehicle", "slocum-graver", COMET[6], COMET[7]]) else { return };
     assert_eq!(found["identifiable"]["a"], false);
     let pin = &found["pinned"]["a"];
-    // The error of the build-up goes to b, whose interval then holds what the measured speed says.
+    // The error of the build-up goes to b and c, most of it to c; b's interval then holds what the measured speed says.
     let Some(with_speed) = run(&COMET) else { return };
     let (b, told) = (&found["parameters"]["b"]["ci95"], number(&with_speed["parameters"]["b"]["value"]));
     assert!(number(&b[0]) < told && told < number(&b[1]), "{told} in {b}");
-    assert!(number(&pin["se"]) > 2.0 && number(&pin["moves"]["b"]).abs() > 0.01, "{pin}");
+    assert!(number(&pin["se"]) > 2.0 && number(&pin["moves"]["c"]) > 5.0, "{pin}");
     assert!((number(&pin["value"]) - 21.0).abs() < 1.0 && pin["reason"].as_str().is_some(), "{pin}");
     // The profile shows why: from 0.8 to 2.6 times that lift slope w hardly changes while the speed goes.
     let profile = found["lift_slope_profile"].as_array().expect("a profile");

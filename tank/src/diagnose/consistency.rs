@@ -62,6 +62,7 @@ pub fn signs(hulls: &[HullResults]) -> Option<Diagnosis> {
         verdict: Verdict::Explained,
         wrong: vec![wrong],
         causes: vec![cause],
+        alternatives: Vec::new(),
         rejected: Vec::new(),
         unexplained: None,
         gain: nothing.clone(),

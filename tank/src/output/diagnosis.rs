@@ -16,6 +16,11 @@ const TWO_SIDED: f64 = 1.96;
 pub fn sentences(diagnosis: &Diagnosis) -> Vec<String> {
     let mut sentences = vec![wrong(diagnosis)];
     sentences.extend(diagnosis.causes.iter().map(cause));
+    for set in &diagnosis.alternatives {
+        let sizes: Vec<String> =
+            set.iter().flat_map(|other| &other.parameters).map(|(name, size)| shown(name, size)).collect();
+        sentences.push(format!("These runs cannot tell all of that from {} together.", sizes.join(", ")));
+    }
     if diagnosis.causes.is_empty() && diagnosis.verdict == Verdict::Unexplained {
         sentences.push("No known mechanism explains it.".to_owned());
     }

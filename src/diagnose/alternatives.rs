@@ -1,0 +1,80 @@
+//! Other sets of mechanisms that these data cannot tell from the named one.
+//!
+//! What could stand in the place of one mechanism alone is told beside it ([`super::told`]). Two or more may be exchanged
+//! together as well: a reader who knows more of the glider than the log says may know which set it was.
+
+use std::collections::BTreeMap;
+
+use super::engine::MARGIN;
+use super::evidence::Problem;
+use super::findings::Alternative;
+use super::fitted::Fitted;
+use super::lap::Lap;
+use super::search::Race;
+use crate::estimate::Estimate;
+
+/// Most sets that are told.
+const MOST_SETS: usize = 3;
+
+/// Most sets that are held against data that were held out.
+const MOST_TRIED: usize = 12;
+
+/// The sets that explain as much as the named one, within the margin of a stand-in, and foretell no worse; the best first,
+/// of those that differ by one member the best alone.
+pub(super) fn alternatives(problem: &impl Problem, extended: &Fitted, lap: &Lap<'_>) -> Vec<Vec<Alternative>> {
+    // A single mechanism has its stand-ins, and any two explain more than one.
+    if extended.included.len() < 2 {
+        return Vec::new();
+    }
+    let race = lap.race();
+    let apart = |a: &[usize], b: &[usize]| a.iter().filter(|member| !has_family(lap, b, **member)).count();
+    let mut told: Vec<Vec<usize>> = Vec::new();
+    let mut tried = 0;
+    for choice in race.within(race.criterion(&extended.included) + MARGIN, extended.included.len() + 1) {
+        let is_new = told.iter().chain([&extended.included]).all(|known| apart(&choice.members, known) >= 2);
+        if !is_new || !is_possible(problem, lap, &race, &choice.members) {
+            continue;
+        }
+        tried += 1;
+        if lap.advantage(&choice.members, &extended.included) > -problem.least_advantage() {
+            told.push(choice.members);
+        }
+        if told.len() == MOST_SETS || tried == MOST_TRIED {
+            break;
+        }
+    }
+    told.iter().map(|members| sizes(problem, lap, &race, members)).collect()
+}
+
+fn has_family(lap: &Lap<'_>, members: &[usize], member: usize) -> bool {
+    members.iter().any(|other| lap.runners[*other].family == lap.runners[member].family)
+}
+
+fn is_possible(problem: &impl Problem, lap: &Lap<'_>, race: &Race<'_>, members: &[usize]) -> bool {
+    let fit = lap.score.fit(&race.columns(members));
+    let mut steps = fit.step.iter();
+    members.iter().all(|member| {
+        let candidate = &problem.candidates()[*member];
+        let sizes: Vec<f64> = candidate.neutral.iter().zip(&mut steps).map(|(neutral, step)| neutral + step).collect();
+        !candidate.cannot_be(sizes[0], problem.most_usual())
+    })
+}
+
+/// The members of a set with their sizes, by the slopes at the named one.
+fn sizes(problem: &impl Problem, lap: &Lap<'_>, race: &Race<'_>, members: &[usize]) -> Vec<Alternative> {
+    let fit = lap.score.fit(&race.columns(members));
+    let mut place = 0..fit.step.len();
+    let of = |member: &usize| {
+        let candidate = &problem.candidates()[*member];
+        let mut parameters: BTreeMap<String, Estimate> = BTreeMap::new();
+        for (((name, unit), neutral), i) in candidate.parameters.iter().zip(&candidate.neutral).zip(&mut place) {
+            let se = fit.covariance[(i, i)].max(0.0).sqrt();
+            parameters.insert((*name).to_owned(), Estimate::normal(neutral + fit.step[i], se, unit));
+        }
+        for (name, value, unit) in &candidate.fixed {
+            parameters.insert((*name).to_owned(), Estimate::normal(*value, 0.0, unit));
+        }
+        Alternative { cause: candidate.name.to_owned(), parameters }
+    };
+    members.iter().map(of).collect()
+}
