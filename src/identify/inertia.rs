@@ -57,7 +57,7 @@ pub fn inertia(parameters: &Parameters<f64>, observations: &[Observation]) -> Ve
                 let (here, there) = (&observations[i], &observations[j]);
                 here.leg == there.leg && (here.time_s - there.time_s).abs() <= near_s
             };
-            while !is_near(low) {
+            while low < i && !is_near(low) {
                 low += 1;
             }
             high = high.max(i + 1);
