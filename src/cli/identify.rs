@@ -319,7 +319,8 @@ impl From<IdentifyError> for CliError {
 }
 
 fn print(report: &Report, found: &Identification) {
-    println!("{} glides, {} steady samples, {} dives", report.n_glides, report.n_samples, found.dives.len());
+    let kind = if report.unsteady.is_some() { "samples" } else { "steady samples" };
+    println!("{} glides, {} {kind}, {} dives", report.n_glides, report.n_samples, found.dives.len());
     println!("baseline: {}", report.trim_meaning);
     println!();
     println!("{:<30} {:>12} {:>11}   {:>12} {:>12}  unit", "parameter", "value", "se", "95 % from", "to");

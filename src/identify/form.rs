@@ -31,7 +31,7 @@ pub struct Report {
     pub trim_meaning: &'static str,
     /// Legs with steady samples.
     pub n_glides: usize,
-    /// Steady samples.
+    /// Steady samples; in the unsteady mode all that are flown through.
     pub n_samples: usize,
     /// Identified parameters; `d` is null where it was not.
     pub parameters: BTreeMap<String, Option<Estimate>>,
