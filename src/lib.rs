@@ -31,6 +31,8 @@ pub mod input;
 #[cfg(feature = "sea")]
 pub mod log;
 pub mod mechanisms;
+#[cfg(any(feature = "diagnosis", feature = "sea"))]
+pub mod noise;
 pub mod number;
 #[cfg(feature = "report")]
 pub mod output;

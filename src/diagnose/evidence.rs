@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::noise::Series;
 use super::smooth::Kind;
+use crate::noise::Series;
 
 /// One measured quantity: a run of rows in the order of time.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,9 +7,9 @@ use super::engine::Stage;
 use super::evidence::{Candidate, Evidence, Point, Problem};
 use super::holdout::{self, least_squares};
 use super::lap::Lap;
-use super::noise::{self, Noise};
 use super::score::{whiten, whiten_with_prior};
 use super::told::names;
+use crate::noise::{self, Lasting, Noise};
 
 /// Steps of Gauss and Newton to one fit.
 const MAX_FIT_STEPS: usize = 12;
@@ -325,7 +325,12 @@ pub(super) fn noises(problem: &impl Problem, evidence: &Evidence, included: &[us
             let spare = rows.len() as f64 > problem.rows_per_column() * reaching as f64;
             let explained = if spare { &many } else { &few };
             let residual = evidence.residual.rows(rows.start, rows.len()).into_owned();
-            noise::estimate(evidence.series(quantity), &residual, &explained.rows(rows.start, rows.len()).into_owned())
+            noise::estimate(
+                evidence.series(quantity),
+                Lasting::MinutesAndHours,
+                &residual,
+                &explained.rows(rows.start, rows.len()).into_owned(),
+            )
         })
         .collect()
 }

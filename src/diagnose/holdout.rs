@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
 use super::evidence::Evidence;
-use super::noise::Noise;
 use super::score::whiten_with_prior;
+use crate::noise::Noise;
 
 /// In how many parts the blocks are split; each is held out once.
 const FOLDS: usize = 4;

@@ -1,7 +1,7 @@
 //! Diagnosis: what the model gets wrong, why, the extension, the gain. One engine for the tank and the sea.
 //!
 //! - [`evidence`]: what the engine is given: residuals and sensitivities at a point, by a [`Problem`].
-//! - [`noise`]: what is left when the model is right, so that correlated residuals count for as little as they tell.
+//! - [`crate::noise`]: what is left when the model is right, so that correlated residuals count for as little as they tell.
 //! - [`score`], [`search`]: what each set of mechanisms explains, and which set is worth its cost.
 //! - [`smooth`]: curves without a name that run in the same race; where one wins, no mechanism is named.
 //! - [`holdout`]: the gain on data that no fit saw.
@@ -15,7 +15,6 @@ pub mod findings;
 mod fitted;
 pub mod holdout;
 mod lap;
-pub mod noise;
 pub mod regimes;
 pub mod score;
 #[cfg(feature = "sea")]

@@ -7,9 +7,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::evidence::Evidence;
-use super::noise::Noise;
 use super::score::Score;
 use super::smooth::Kind;
+use crate::noise::Noise;
 
 /// A regime in which a mechanism would need another size.
 #[derive(Debug, Clone, PartialEq)]

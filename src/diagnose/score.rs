@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::evidence::Evidence;
-use super::noise::{self, Noise};
+use crate::noise::{self, Noise, orthonormal};
 
 /// A column whose part outside the baseline is smaller than this, relative to the whole, is seen as baseline alone.
 const UNSEEN: f64 = 1e-4;
@@ -150,29 +150,4 @@ fn effective_rows(evidence: &Evidence, noises: &[Noise]) -> f64 {
         effective += information * variance / rows.len().max(1) as f64;
     }
     effective.clamp(2.0, n as f64)
-}
-
-/// An orthonormal basis of the space of these columns, without the directions that add nothing.
-pub fn orthonormal(mut columns: DMatrix<f64>) -> DMatrix<f64> {
-    for mut column in columns.column_iter_mut() {
-        let size = column.norm();
-        if size > 0.0 {
-            column.unscale_mut(size);
-        }
-    }
-    let mut kept: Vec<DVector<f64>> = Vec::new();
-    for column in columns.column_iter() {
-        let mut rest = column.into_owned();
-        for _ in 0..2 {
-            for direction in &kept {
-                let inside = direction.dot(&rest);
-                rest.axpy(-inside, direction, 1.0);
-            }
-        }
-        let size = rest.norm();
-        if size > 1e-9 {
-            kept.push(rest / size);
-        }
-    }
-    DMatrix::from_fn(columns.nrows(), kept.len(), |row, column| kept[column][row])
 }

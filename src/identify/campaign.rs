@@ -11,6 +11,7 @@ use super::holdout::hold_out;
 use super::identifiability::{ProfilePoint, is_identified, profile};
 use super::inflections::{Inflections, UNSTEADY_ONLY, Unsteady, inflections};
 use super::joint::{Fit, IdentifyError, Question, fit};
+use super::otherwise::{Otherwise, otherwise};
 use super::outside::{Pin, doubts, from_outside};
 use super::pitch_balance::{PitchBalance, pitch_balance};
 use super::residuals::{Score, ScoreSums, residuals};
@@ -234,6 +235,17 @@ pub fn identify(
     let profile = profile(&question, &fitted.parameters, "a_per_rad", &values, &dives).unwrap_or_default();
 
     warn(&mut warnings, &fitted, &dives, has_speed);
+    for Otherwise { position, value } in otherwise(&fitted, &mut dives) {
+        let (info, by_time) = (&PARAMETERS[fitted.free[position]], fitted.value(fitted.free[position]));
+        let shown = |value: f64| if value.abs() < 1e-2 { format!("{value:.2e}") } else { format!("{value:.3}") };
+        warnings.push(format!(
+            "`{}` depends on how the data are weighed: {} by time, as above, {} {} by their correlated noise. Where the model is right both agree; something that goes with it is missing, and its interval does not know that",
+            short_name(info.name),
+            shown(by_time),
+            shown(value),
+            info.unit
+        ));
+    }
     if let Some(carried) = fitted.carried.iter().find(|carried| carried.doubt.name == "a") {
         warnings.push(speed_in_doubt(&fitted, carried, &dives));
     }

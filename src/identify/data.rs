@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use super::bins::bins;
+use super::bins::{Bin, bins};
 use super::inertia::{Inertia, inertia};
 use crate::dynamics::Parameters;
 use crate::log::Observation;
@@ -17,7 +17,7 @@ pub struct Dive {
     /// Its samples.
     pub observations: Vec<Observation>,
     /// Their means over stretches of a leg: what is fitted.
-    pub bins: Vec<Observation>,
+    pub bins: Vec<Bin>,
     /// Solutions for the parameters tried last, from which the next ones start; one a bin.
     guesses: Vec<Option<[f64; 2]>>,
     /// The inertia of each bin, by the parameters told last.
@@ -32,7 +32,7 @@ pub struct Dive {
 
 /// One bin of a dive, as a fit takes it.
 pub(super) struct Stretch<'d> {
-    pub bin: &'d Observation,
+    pub bin: &'d Bin,
     pub inertia: &'d Inertia,
     /// The solution for the parameters tried last.
     pub guess: &'d mut Option<[f64; 2]>,
@@ -42,10 +42,8 @@ pub(super) struct Stretch<'d> {
 impl Dive {
     fn new(observations: Vec<Observation>, root_weights: Vec<f64>, before: [usize; 2]) -> Self {
         let mut weights = root_weights.iter().map(|root| root * root);
-        let (bins, bin_weights): (Vec<Observation>, Vec<f64>) = bins(&observations, usize::MAX, 1)
-            .into_iter()
-            .map(|bin| (bin.mean, weights.by_ref().take(bin.samples).sum::<f64>()))
-            .unzip();
+        let bins = bins(&observations, usize::MAX, 1);
+        let bin_weights: Vec<f64> = bins.iter().map(|bin| weights.by_ref().take(bin.samples).sum()).collect();
         Dive {
             guesses: vec![None; bins.len()],
             inertia: vec![Inertia::NONE; bins.len()],
@@ -73,7 +71,8 @@ impl Dive {
 
     /// Takes the inertia along each leg as it is at these parameters.
     pub(super) fn settle(&mut self, parameters: &Parameters<f64>) {
-        self.inertia = inertia(parameters, &self.bins);
+        let means: Vec<Observation> = self.bins.iter().map(|bin| bin.mean).collect();
+        self.inertia = inertia(parameters, &means);
     }
 
     /// Every `every`-th sample of the log, as a dive; nothing where none is left.

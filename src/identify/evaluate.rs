@@ -166,7 +166,8 @@ fn dive_rows<const N: usize>(
     every: usize,
 ) -> Tally {
     let mut rows = Rows::new(gram, n, weights);
-    for Stretch { bin: observed, inertia, guess, root_weight } in dive.stretches(every) {
+    for Stretch { bin, inertia, guess, root_weight } in dive.stretches(every) {
+        let observed = &bin.mean;
         let predicted = predict(glider, observed, inertia, *guess);
         *guess = predicted.map(|p: Prediction<_>| p.guess);
         rows.glide(observed, predicted.map(|p| (p.sink_m_s, p.speed_m_s)), root_weight);

@@ -23,6 +23,7 @@ mod inertia;
 pub mod inflections;
 pub mod joint;
 pub mod model;
+mod otherwise;
 pub mod outside;
 pub mod paper;
 pub mod paper_form;

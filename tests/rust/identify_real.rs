@@ -114,6 +114,9 @@ fn sg542_hull_and_balance_of_moments() {
     // A Seaglider's oil bladder sits aft.
     assert!(value("ballast_forward_m") < -0.1);
     assert_eq!(found["identifiable"]["d"], true);
+    // The expansion comes out half again as large as aluminium's. That its interval cannot be trusted is said, too.
+    let warnings = found["warnings"].to_string();
+    assert!(warnings.contains("`hull_thermal_expansion_per_K` depends on how the data are weighed"), "{warnings}");
 }
 
 #[test]

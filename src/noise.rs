@@ -14,6 +14,8 @@
 //! The numbers are those of greatest restricted likelihood (Patterson and Thompson 1971), with every candidate's
 //! sensitivities projected out, so that an effect yet unexplained does not count as noise. A process is taken where it
 //! raises the logarithm of that likelihood by more than its two numbers cost (Akaike 1974).
+//!
+//! Knows rows of one quantity in the order of time; neither tank nor sea.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -179,9 +181,18 @@ impl Shape {
     }
 }
 
+/// Which slow processes a noise may have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lasting {
+    /// What lasts for minutes.
+    Minutes,
+    /// That, and what lasts for hours.
+    MinutesAndHours,
+}
+
 /// The noise of greatest restricted likelihood. `residual` is what the present model leaves, `explained` the
 /// sensitivities to everything that could explain it.
-pub fn estimate(series: Series<'_>, residual: &DVector<f64>, explained: &DMatrix<f64>) -> Noise {
+pub fn estimate(series: Series<'_>, lasting: Lasting, residual: &DVector<f64>, explained: &DMatrix<f64>) -> Noise {
     let n = residual.len();
     let mut steps: Vec<f64> =
         series.time_s.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
@@ -203,7 +214,8 @@ pub fn estimate(series: Series<'_>, residual: &DVector<f64>, explained: &DMatrix
         if is_short { at(shape).filter(|(_, scale)| *scale <= most) } else { None }
     };
     let mut best = white;
-    for process in 0..2 {
+    let processes = if lasting == Lasting::Minutes { 1 } else { 2 };
+    for process in 0..processes {
         let free = 1.0 - best.shares[0];
         let mut found = (likelihood, scale, best);
         // The second process is slow, and a small part of what the first one left.
@@ -265,11 +277,36 @@ fn refine(found: &mut (f64, f64, Shape), processes: usize, at: &impl Fn(&Shape) 
 /// The directions of the explained columns, each once and of unit size, with the residual behind them. Sensitivities
 /// come in all units, and many are nearly alike: the restricted likelihood only asks for the space that they span.
 fn stacked(explained: &DMatrix<f64>, residual: &DVector<f64>) -> DMatrix<f64> {
-    let basis = super::score::orthonormal(explained.clone());
+    let basis = orthonormal(explained.clone());
     let k = basis.ncols();
     let mut columns = basis.insert_column(k, 0.0);
     columns.column_mut(k).copy_from(residual);
     columns
+}
+
+/// An orthonormal basis of the space of these columns, without the directions that add nothing.
+pub fn orthonormal(mut columns: DMatrix<f64>) -> DMatrix<f64> {
+    for mut column in columns.column_iter_mut() {
+        let size = column.norm();
+        if size > 0.0 {
+            column.unscale_mut(size);
+        }
+    }
+    let mut kept: Vec<DVector<f64>> = Vec::new();
+    for column in columns.column_iter() {
+        let mut rest = column.into_owned();
+        for _ in 0..2 {
+            for direction in &kept {
+                let inside = direction.dot(&rest);
+                rest.axpy(-inside, direction, 1.0);
+            }
+        }
+        let size = rest.norm();
+        if size > 1e-9 {
+            kept.push(rest / size);
+        }
+    }
+    DMatrix::from_fn(columns.nrows(), kept.len(), |row, column| kept[column][row])
 }
 
 /// Restricted log-likelihood of a shape with its best scale, and that scale. The last column is the residual.
@@ -353,7 +390,12 @@ mod tests {
         for seed in 0..20 {
             let (time_s, stated_sd, residual) = sample(700, &truth, seed);
             let trend = DMatrix::from_fn(700, 2, |i, j| if j == 0 { 1.0 } else { i as f64 });
-            let found = estimate(Series { time_s: &time_s, stated_sd: &stated_sd, place: &[] }, &residual, &trend);
+            let found = estimate(
+                Series { time_s: &time_s, stated_sd: &stated_sd, place: &[] },
+                Lasting::MinutesAndHours,
+                &residual,
+                &trend,
+            );
             sds += found.sd(0.003) / 20.0;
             times += found.slow[0].correlation_time_s.ln() / 20.0;
         }

@@ -1,0 +1,153 @@
+//! The same fit weighed otherwise, as a test of the model (Hausman 1978).
+//!
+//! Weighed by the time that bins stand for, a fit asks for the level of the residuals; by their correlated noise
+//! (generalised least squares), for the answer to quick changes. Where the model is right both have the same truth, and the
+//! difference scatters about zero; where something that goes with a parameter is missing, as a lag, it does not:
+//! ```text
+//! D = t(noise) - t(time),      z = D / se(D),   se(D) by leaving out one dive at a time in both
+//! ```
+//! Knows a fit and its dives; what is to be said about it others decide.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::data::Dive;
+use super::evaluate::{by_size, with_derivatives};
+use super::gram::Gram;
+use super::joint::Fit;
+use super::model::predict;
+use super::uncertainty::solve_symmetric;
+use crate::glide::Glider;
+use crate::noise::{Lasting, Series, estimate, whiten};
+
+/// More bins than this are not weighed twice: the noise is estimated from all of them at once.
+const MOST_BINS: usize = 20_000;
+
+/// Fewest dives whose scatter says what a difference is worth.
+const LEAST_DIVES: usize = 8;
+
+/// A difference of so many of its standard errors is one: a probability of one in a hundred with 14 dives, to the safe side
+/// for being looked for in each parameter.
+const DIFFERENT: f64 = 3.5;
+
+/// A parameter that depends on the weighing, by more than its 95 % interval allows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Otherwise {
+    /// Its place among the free ones.
+    pub position: usize,
+    /// Its value by the correlated noise.
+    pub value: f64,
+}
+
+/// The free parameters of a fit that depend on the weighing.
+pub(super) fn otherwise(fit: &Fit, dives: &mut [Dive]) -> Vec<Otherwise> {
+    let bins: usize = dives.iter().map(|dive| dive.bins.len()).sum();
+    if dives.len() < LEAST_DIVES || bins > MOST_BINS || fit.free.is_empty() {
+        return Vec::new();
+    }
+    let Some(by_noise) = weighed_by_noise(fit, dives) else { return Vec::new() };
+    let (of_time, of_noise) = (Steps::new(fit.free.len(), &fit.grams), Steps::new(fit.free.len(), &by_noise));
+    let (Some(of_time), Some(of_noise)) = (of_time, of_noise) else { return Vec::new() };
+    (0..fit.free.len())
+        .filter_map(|i| {
+            let difference = of_noise.whole[i] - of_time.whole[i];
+            let without: Vec<f64> = of_noise.without.iter().zip(&of_time.without).map(|(n, t)| n[i] - t[i]).collect();
+            let count = without.len() as f64;
+            let mean = without.iter().sum::<f64>() / count;
+            let scatter: f64 = without.iter().map(|one| (one - mean).powi(2)).sum();
+            let se = (scatter * (count - 1.0) / count).sqrt();
+            let [low, high] = [-1.96, 1.96].map(|z| z * fit.se(i));
+            (difference.abs() > DIFFERENT * se && !(low..=high).contains(&difference))
+                .then_some(Otherwise { position: i, value: fit.value(fit.free[i]) + difference })
+        })
+        .collect()
+}
+
+/// Steps of Gauss and Newton from a fit, with all dives and without each.
+struct Steps {
+    whole: DVector<f64>,
+    without: Vec<DVector<f64>>,
+}
+
+impl Steps {
+    fn new(n: usize, grams: &[Gram]) -> Option<Steps> {
+        let all = Gram::sum(n, grams);
+        let (normal, gradient) = (all.normal_matrix(), all.gradient());
+        let without = |gram: &Gram| -solve_symmetric(&(&normal - gram.normal_matrix()), &(&gradient - gram.gradient()));
+        let steps = Steps {
+            whole: -solve_symmetric(&normal, &gradient),
+            without: grams.iter().filter(|gram| gram.rows > 0).map(without).collect(),
+        };
+        let is_finite = |step: &DVector<f64>| step.iter().all(|x| x.is_finite());
+        let all_are = is_finite(&steps.whole) && steps.without.iter().all(is_finite);
+        all_are.then_some(steps)
+    }
+}
+
+/// Residuals and slopes at the fit, whitened by the noise of each quantity, into one matrix a dive.
+fn weighed_by_noise(fit: &Fit, dives: &mut [Dive]) -> Option<Vec<Gram>> {
+    let n = fit.free.len();
+    let mut grams = vec![Gram::new(n); dives.len()];
+    for quantity in rows(fit, dives) {
+        if quantity.residual.is_empty() {
+            continue;
+        }
+        if quantity.residual.len() < 4 * (n + 1) {
+            return None;
+        }
+        let slopes = DMatrix::from_row_slice(quantity.residual.len(), n, &quantity.slopes);
+        let residual = DVector::from_vec(quantity.residual);
+        let series = Series { time_s: &quantity.time_s, stated_sd: &quantity.stated_sd, place: &[] };
+        let noise = estimate(series, Lasting::Minutes, &residual, &slopes);
+        let mut columns = slopes.insert_column(n, 0.0);
+        columns.column_mut(n).copy_from(&residual);
+        whiten(series, &noise, &mut columns);
+        for (row, dive) in columns.row_iter().zip(&quantity.dive) {
+            // The residual's own slope is less the prediction's.
+            let row: Vec<f64> = row.iter().enumerate().map(|(j, x)| if j < n { -x } else { *x }).collect();
+            grams[*dive].add_row(&row);
+        }
+    }
+    Some(grams)
+}
+
+/// The rows of one quantity in the order of time.
+#[derive(Default)]
+struct Rows {
+    dive: Vec<usize>,
+    time_s: Vec<f64>,
+    stated_sd: Vec<f64>,
+    residual: Vec<f64>,
+    /// Of the prediction, row by row.
+    slopes: Vec<f64>,
+}
+
+/// Downward velocity, and speed where it took part.
+fn rows(fit: &Fit, dives: &mut [Dive]) -> [Rows; 2] {
+    let mut found = [Rows::default(), Rows::default()];
+    by_size!(fit.free.len(), [6, 12, 32], N => {
+        let lifted = Glider::new(with_derivatives::<N>(&fit.parameters, &fit.free));
+        for (dive, stretches) in dives.iter_mut().enumerate() {
+            for stretch in stretches.stretches(1) {
+                let mean = &stretch.bin.mean;
+                let Some(predicted) = predict(&lifted, mean, stretch.inertia, *stretch.guess) else { continue };
+                let takes_speed = fit.weights.speed_m_s.is_finite();
+                for (rows, measured, predicted, stated_sd) in [
+                    (0, mean.sink_m_s, predicted.sink_m_s, stretch.bin.sink_sd_m_s),
+                    (1, if takes_speed { mean.speed_m_s } else { f64::NAN }, predicted.speed_m_s, stretch.bin.speed_sd_m_s),
+                ]
+                .into_iter()
+                .filter(|row| row.1.is_finite())
+                {
+                    let rows = &mut found[rows];
+                    rows.dive.push(dive);
+                    rows.time_s.push(mean.time_s);
+                    rows.stated_sd.push(stated_sd);
+                    rows.residual.push(measured - predicted.re);
+                    let slopes = predicted.eps.0.unwrap_or_else(nalgebra::SVector::zeros);
+                    rows.slopes.extend(slopes.iter().take(fit.free.len()));
+                }
+            }
+        }
+    });
+    found
+}
