@@ -2,6 +2,7 @@
 //!
 //! - [`identify()`]: the whole identification of one log, with what it cannot tell.
 //! - [`joint`]: any parameters from all samples at once, exact slopes, standard errors by dives.
+//! - [`inertia()`]: what the inertia of a nearly steady glide adds to its balance.
 //! - [`unsteady`]: the same on dives flown through time, turns and all.
 //! - [`held`]: the errors of what was held, carried to what was fitted.
 //! - [`pitch_balance`]: d and the height of the centre of gravity from battery, ballast and pitch.
