@@ -19,7 +19,7 @@ use super::uncertainty::solve_symmetric;
 use crate::glide::Glider;
 use crate::noise::{Lasting, Series, estimate, whiten};
 
-/// More bins than this are not weighed twice: the noise is estimated from all of them at once.
+/// Of more bins than this whole dives are left out, evenly: the noise is estimated from all of them at once.
 const MOST_BINS: usize = 20_000;
 
 /// Fewest dives whose scatter says what a difference is worth.
@@ -41,11 +41,14 @@ pub(super) struct Otherwise {
 /// The free parameters of a fit that depend on the weighing.
 pub(super) fn otherwise(fit: &Fit, dives: &mut [Dive]) -> Vec<Otherwise> {
     let bins: usize = dives.iter().map(|dive| dive.bins.len()).sum();
-    if dives.len() < LEAST_DIVES || bins > MOST_BINS || fit.free.is_empty() {
+    let every = bins.div_ceil(MOST_BINS).max(1);
+    let by_time: Vec<Gram> = fit.grams.iter().step_by(every).cloned().collect();
+    let mut chosen: Vec<&mut Dive> = dives.iter_mut().step_by(every).collect();
+    if chosen.len() < LEAST_DIVES || fit.free.is_empty() {
         return Vec::new();
     }
-    let Some(by_noise) = weighed_by_noise(fit, dives) else { return Vec::new() };
-    let (of_time, of_noise) = (Steps::new(fit.free.len(), &fit.grams), Steps::new(fit.free.len(), &by_noise));
+    let Some(by_noise) = weighed_by_noise(fit, &mut chosen) else { return Vec::new() };
+    let (of_time, of_noise) = (Steps::new(fit.free.len(), &by_time), Steps::new(fit.free.len(), &by_noise));
     let (Some(of_time), Some(of_noise)) = (of_time, of_noise) else { return Vec::new() };
     (0..fit.free.len())
         .filter_map(|i| {
@@ -84,7 +87,7 @@ impl Steps {
 }
 
 /// Residuals and slopes at the fit, whitened by the noise of each quantity, into one matrix a dive.
-fn weighed_by_noise(fit: &Fit, dives: &mut [Dive]) -> Option<Vec<Gram>> {
+fn weighed_by_noise(fit: &Fit, dives: &mut [&mut Dive]) -> Option<Vec<Gram>> {
     let n = fit.free.len();
     let mut grams = vec![Gram::new(n); dives.len()];
     for quantity in rows(fit, dives) {
@@ -122,7 +125,7 @@ struct Rows {
 }
 
 /// Downward velocity, and speed where it took part.
-fn rows(fit: &Fit, dives: &mut [Dive]) -> [Rows; 2] {
+fn rows(fit: &Fit, dives: &mut [&mut Dive]) -> [Rows; 2] {
     let mut found = [Rows::default(), Rows::default()];
     by_size!(fit.free.len(), [6, 12, 32], N => {
         let lifted = Glider::new(with_derivatives::<N>(&fit.parameters, &fit.free));
