@@ -3,15 +3,11 @@
 //! What could stand in the place of one mechanism alone is told beside it ([`super::told`]). Two or more may be exchanged
 //! together as well: a reader who knows more of the glider than the log says may know which set it was.
 
-use std::collections::BTreeMap;
-
 use super::engine::MARGIN;
 use super::evidence::Problem;
 use super::findings::Alternative;
 use super::fitted::Fitted;
 use super::lap::Lap;
-use super::search::Race;
-use crate::estimate::Estimate;
 
 /// Most sets that are told.
 const MOST_SETS: usize = 3;
@@ -32,7 +28,7 @@ pub(super) fn alternatives(problem: &impl Problem, extended: &Fitted, lap: &Lap<
     let mut tried = 0;
     for choice in race.within(race.criterion(&extended.included) + MARGIN, extended.included.len() + 1) {
         let is_new = told.iter().chain([&extended.included]).all(|known| apart(&choice.members, known) >= 2);
-        if !is_new || !is_possible(problem, lap, &race, &choice.members) {
+        if !is_new || !is_possible(problem, lap, &choice.members) {
             continue;
         }
         tried += 1;
@@ -43,37 +39,29 @@ pub(super) fn alternatives(problem: &impl Problem, extended: &Fitted, lap: &Lap<
             break;
         }
     }
-    told.iter().map(|members| sizes(problem, lap, &race, members)).collect()
+    told.iter().map(|members| sizes(problem, lap, members)).collect()
 }
 
 fn has_family(lap: &Lap<'_>, members: &[usize], member: usize) -> bool {
     members.iter().any(|other| lap.runners[*other].family == lap.runners[member].family)
 }
 
-fn is_possible(problem: &impl Problem, lap: &Lap<'_>, race: &Race<'_>, members: &[usize]) -> bool {
-    let fit = lap.score.fit(&race.columns(members));
-    let mut steps = fit.step.iter();
-    members.iter().all(|member| {
-        let candidate = &problem.candidates()[*member];
-        let sizes: Vec<f64> = candidate.neutral.iter().zip(&mut steps).map(|(neutral, step)| neutral + step).collect();
-        !candidate.cannot_be(sizes[0], problem.most_usual())
-    })
+fn is_possible(problem: &impl Problem, lap: &Lap<'_>, members: &[usize]) -> bool {
+    let point = lap.point_of(members, problem);
+    let cannot_be =
+        |member: &usize| problem.candidates()[*member].cannot_be(point.candidates[*member][0], problem.most_usual());
+    !members.iter().any(cannot_be)
 }
 
 /// The members of a set with their sizes, by the slopes at the named one.
-fn sizes(problem: &impl Problem, lap: &Lap<'_>, race: &Race<'_>, members: &[usize]) -> Vec<Alternative> {
-    let fit = lap.score.fit(&race.columns(members));
-    let mut place = 0..fit.step.len();
+fn sizes(problem: &impl Problem, lap: &Lap<'_>, members: &[usize]) -> Vec<Alternative> {
+    let point = lap.point_of(members, problem);
+    let fit = lap.score.fit(&lap.race().columns(members));
+    let mut first = 0;
     let of = |member: &usize| {
         let candidate = &problem.candidates()[*member];
-        let mut parameters: BTreeMap<String, Estimate> = BTreeMap::new();
-        for (((name, unit), neutral), i) in candidate.parameters.iter().zip(&candidate.neutral).zip(&mut place) {
-            let se = fit.covariance[(i, i)].max(0.0).sqrt();
-            parameters.insert((*name).to_owned(), Estimate::normal(neutral + fit.step[i], se, unit));
-        }
-        for (name, value, unit) in &candidate.fixed {
-            parameters.insert((*name).to_owned(), Estimate::normal(*value, 0.0, unit));
-        }
+        let parameters = candidate.estimates(&point.candidates[*member], |i| fit.se(first + i));
+        first += candidate.parameters.len();
         Alternative { cause: candidate.name.to_owned(), parameters }
     };
     members.iter().map(of).collect()

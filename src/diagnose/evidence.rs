@@ -1,10 +1,12 @@
 //! What a diagnosis works on: residuals, and how each candidate would change them. Knows neither tank nor sea.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
 use super::smooth::Kind;
+use crate::estimate::Estimate;
 use crate::noise::Series;
 
 /// One measured quantity: a run of rows in the order of time.
@@ -90,6 +92,17 @@ impl Candidate {
     /// than so many times its usual distance.
     pub fn cannot_be(&self, value: f64, most_usual: f64) -> bool {
         value < self.least || (value - self.neutral[0]).abs() > most_usual * self.usual[0]
+    }
+
+    /// Its parameters by their names: these values, each with its standard error, and what is fixed.
+    pub fn estimates(&self, values: &[f64], se: impl Fn(usize) -> f64) -> BTreeMap<String, Estimate> {
+        let fitted = self.parameters.iter().zip(values).enumerate();
+        let fitted =
+            fitted.map(|(i, ((name, unit), value))| ((*name).to_owned(), Estimate::normal(*value, se(i), unit)));
+        let fixed = self.fixed.iter();
+        fitted
+            .chain(fixed.map(|(name, value, unit)| ((*name).to_owned(), Estimate::normal(*value, 0.0, unit))))
+            .collect()
     }
 }
 

@@ -59,6 +59,13 @@ pub fn whiten(evidence: &Evidence, noises: &[Noise], columns: &mut DMatrix<f64>)
     }
 }
 
+impl Fit {
+    /// Standard error of a step.
+    pub fn se(&self, i: usize) -> f64 {
+        self.covariance[(i, i)].max(0.0).sqrt()
+    }
+}
+
 impl Score {
     /// The products for these columns, side by side in the order in which sets will name them; `usual` is the standard
     /// deviation of what is believed of each beforehand, infinite where nothing is.

@@ -11,7 +11,6 @@ use super::fitted::{Fitted, expected_rms};
 use super::holdout;
 use super::lap::Lap;
 use super::search::Race;
-use crate::estimate::Estimate;
 
 /// Share of a mechanism's trace beside the baseline's parameters below which it hardly shows.
 const HARDLY_SHOWN: f64 = 0.1;
@@ -107,18 +106,7 @@ pub(super) fn cause(
     let gain = fit.gain - if others.is_empty() { 0.0 } else { lap.score.fit(&race.columns(&others)).gain };
     let df = lap.runners[member].columns.len();
     let first = all.iter().position(|column| Some(column) == lap.runners[member].columns.first()).unwrap_or(0);
-    let mut parameters: std::collections::BTreeMap<String, Estimate> = candidate
-        .parameters
-        .iter()
-        .enumerate()
-        .map(|(i, (name, unit))| {
-            let se = fit.covariance[(first + i, first + i)].max(0.0).sqrt();
-            ((*name).to_owned(), Estimate::normal(extended.point.candidates[member][i], se, unit))
-        })
-        .collect();
-    for (name, value, unit) in &candidate.fixed {
-        parameters.insert((*name).to_owned(), Estimate::normal(*value, 0.0, unit));
-    }
+    let parameters = candidate.estimates(&extended.point.candidates[member], |i| fit.se(first + i));
 
     let mut stand_ins: Vec<String> = Vec::new();
     for other in race.stand_ins(&extended.included, place, MARGIN) {

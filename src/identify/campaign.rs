@@ -11,10 +11,10 @@ use super::holdout::hold_out;
 use super::identifiability::{ProfilePoint, is_identified, profile};
 use super::inflections::{Inflections, UNSTEADY_ONLY, Unsteady, inflections};
 use super::joint::{Fit, IdentifyError, Question, fit};
-use super::otherwise::{Otherwise, otherwise};
 use super::outside::{Pin, doubts, from_outside};
 use super::pitch_balance::{PitchBalance, pitch_balance};
 use super::residuals::{Score, ScoreSums, residuals};
+use super::reweighed::{Reweighed, reweighed};
 use super::trim::Trim;
 use super::uncertainty::condition_number;
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
@@ -235,7 +235,7 @@ pub fn identify(
     let profile = profile(&question, &fitted.parameters, "a_per_rad", &values, &dives).unwrap_or_default();
 
     warn(&mut warnings, &fitted, &dives, has_speed);
-    for Otherwise { position, value } in otherwise(&fitted, &mut dives) {
+    for Reweighed { position, value } in reweighed(&fitted, &mut dives) {
         let (info, by_time) = (&PARAMETERS[fitted.free[position]], fitted.value(fitted.free[position]));
         let shown = |value: f64| if value.abs() < 1e-2 { format!("{value:.2e}") } else { format!("{value:.3}") };
         warnings.push(format!(

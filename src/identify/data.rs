@@ -71,8 +71,7 @@ impl Dive {
 
     /// Takes the inertia along each leg as it is at these parameters.
     pub(super) fn settle(&mut self, parameters: &Parameters<f64>) {
-        let means: Vec<Observation> = self.bins.iter().map(|bin| bin.mean).collect();
-        self.inertia = inertia(parameters, &means);
+        self.inertia = inertia(parameters, self.bins.iter().map(|bin| &bin.mean));
     }
 
     /// Every `every`-th sample of the log, as a dive; nothing where none is left.

@@ -33,7 +33,11 @@ impl Inertia {
 const NEAR_S: f64 = 30.0;
 
 /// The inertia of each sample at these parameters; none where no glide exists or the sample is alone.
-pub fn inertia(parameters: &Parameters<f64>, observations: &[Observation]) -> Vec<Inertia> {
+pub fn inertia<'o>(
+    parameters: &Parameters<f64>,
+    observations: impl IntoIterator<Item = &'o Observation>,
+) -> Vec<Inertia> {
+    let observations: Vec<&Observation> = observations.into_iter().collect();
     let glider = Glider::new(*parameters);
     let mut guess = None;
     let flown: Vec<Option<Flown>> = observations
@@ -49,12 +53,12 @@ pub fn inertia(parameters: &Parameters<f64>, observations: &[Observation]) -> Ve
             })
         })
         .collect();
-    let near_s = NEAR_S.max(1.5 * usual_step_s(observations));
+    let near_s = NEAR_S.max(1.5 * usual_step_s(observations.iter().copied()));
     let (mut low, mut high) = (0, 0);
     (0..observations.len())
         .map(|i| {
             let is_near = |j: usize| {
-                let (here, there) = (&observations[i], &observations[j]);
+                let (here, there) = (observations[i], observations[j]);
                 here.leg == there.leg && (here.time_s - there.time_s).abs() <= near_s
             };
             while low < i && !is_near(low) {
@@ -64,7 +68,7 @@ pub fn inertia(parameters: &Parameters<f64>, observations: &[Observation]) -> Ve
             while high < observations.len() && is_near(high) {
                 high += 1;
             }
-            of_one(parameters, &observations[i], flown[i].as_ref(), &flown[low..high]).unwrap_or(Inertia::NONE)
+            of_one(parameters, observations[i], flown[i].as_ref(), &flown[low..high]).unwrap_or(Inertia::NONE)
         })
         .collect()
 }
@@ -117,10 +121,10 @@ fn rates(near: &[Option<Flown>], about_s: f64) -> Option<[f64; 2]> {
     (spread > 0.0).then(|| [0, 1].map(|i| (n * tv[i] - t * v[i]) / spread))
 }
 
-/// Median time from one sample to the next of its leg \[s\].
-fn usual_step_s(observations: &[Observation]) -> f64 {
-    let on_a_leg = observations.windows(2).filter(|pair| pair[0].leg == pair[1].leg);
-    let mut steps: Vec<f64> = on_a_leg.map(|pair| pair[1].time_s - pair[0].time_s).collect();
+/// Median time from one sample to the next of its leg \[s\]; none where no two are on one leg.
+pub fn usual_step_s<'o>(observations: impl Iterator<Item = &'o Observation> + Clone) -> f64 {
+    let pairs = observations.clone().zip(observations.skip(1));
+    let mut steps: Vec<f64> = pairs.filter(|(a, b)| a.leg == b.leg).map(|(a, b)| b.time_s - a.time_s).collect();
     if steps.is_empty() { 0.0 } else { crate::log::median(&mut steps) }
 }
 

@@ -1,7 +1,7 @@
 //! The inverse process: coefficients, trim and other parameters of the model from what a glider recorded.
 //!
 //! - [`identify()`]: the whole identification of one log, with what it cannot tell.
-//! - [`joint`]: any parameters from all samples at once, exact slopes, standard errors by dives.
+//! - [`joint`]: any parameters from all dives at once, exact slopes, standard errors by dives.
 //! - [`inertia()`]: what the inertia of a nearly steady glide adds to its balance.
 //! - [`unsteady`]: the same on dives flown through time, turns and all.
 //! - [`held`]: the errors of what was held, carried to what was fitted.
@@ -24,13 +24,13 @@ mod inertia;
 pub mod inflections;
 pub mod joint;
 pub mod model;
-mod otherwise;
 pub mod outside;
 pub mod paper;
 pub mod paper_form;
 pub mod pitch_balance;
 pub mod polar_points;
 mod residuals;
+mod reweighed;
 mod trim;
 pub mod uncertainty;
 pub mod unsteady;
@@ -42,7 +42,7 @@ pub use evaluate::{MOST_FREE, Scatter, Tally, Weights, evaluate};
 pub use form::{CorrelationTable, FitQuality, Report};
 pub use gram::Gram;
 pub use held::{Carried, Doubt};
-pub use inertia::{Inertia, inertia};
+pub use inertia::{Inertia, inertia, usual_step_s};
 pub use inflections::Unsteady;
 pub use joint::{Fit, IdentifyError, Question, fit};
 pub use model::{Prediction, predict};

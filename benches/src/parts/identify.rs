@@ -109,17 +109,12 @@ fn agreement(found: &Fit, free: &[&str], answer: &Value) -> Result<String> {
 /// What SciPy needs to minimise the very same sum.
 fn write_bins(file: &Path, question: &Question, dives: &[Dive], found: &Fit) -> Result<()> {
     let baseline: &Parameters<f64> = &question.baseline;
-    let bins: Vec<(Observation, Inertia, f64)> = dives
+    let bins: Vec<(&Observation, Inertia, f64)> = dives
         .iter()
         .flat_map(|dive| {
-            let means: Vec<Observation> = dive.bins.iter().map(|bin| bin.mean).collect();
-            let moving = inertia(&found.parameters, &means);
-            means
-                .into_iter()
-                .zip(moving)
-                .zip(&dive.bin_root_weights)
-                .map(|((bin, inertia), root)| (bin, inertia, *root))
-                .collect::<Vec<_>>()
+            let moving = inertia(&found.parameters, dive.bins.iter().map(|bin| &bin.mean));
+            let weighed = dive.bins.iter().zip(moving).zip(&dive.bin_root_weights);
+            weighed.map(|((bin, inertia), root)| (&bin.mean, inertia, *root))
         })
         .collect();
     let column = |value: &dyn Fn(&Observation) -> f64| -> Vec<Option<f64>> {

@@ -1,9 +1,9 @@
 //! The diagnosis at sea: what a flight log says against the steady glide of a vehicle.
 //!
-//! Samples of a steady glide are averaged over [bins](crate::identify::bins()) of one leg. In each bin the model flies the pitch, ballast and water that were read, and
-//! its vertical velocity and speed stand against those measured. Candidates are the mechanisms of
-//! [`crate::mechanisms`] whose parameters are rows of the table of parameters, differentiated by dual numbers through
-//! the very equations of the simulation.
+//! Samples of a steady glide are averaged over [bins](crate::identify::bins()) of one leg. In each bin the model flies the
+//! pitch, ballast and water that were read, and its vertical velocity and speed stand against those measured. Candidates
+//! are the mechanisms of [`crate::mechanisms`] whose parameters are rows of the table of parameters, differentiated by dual
+//! numbers through the very equations of the simulation.
 //!
 //! Knows the engine, the steady glide and observations; no files.
 
@@ -341,8 +341,7 @@ impl Problem for SeaProblem {
         let parameters = self.parameters_at(point);
         let (n_w, n_u) = (self.bins.len(), self.with_speed.len());
         let n = n_w + n_u;
-        let means: Vec<Observation> = self.bins.iter().map(|bin| bin.mean).collect();
-        let moving = inertia(&parameters, &means);
+        let moving = inertia(&parameters, self.bins.iter().map(|bin| &bin.mean));
         let row_bins: Vec<&Bin> = self.bins.iter().chain(self.with_speed.iter().map(|i| &self.bins[*i])).collect();
 
         let mut residual = DVector::zeros(n);

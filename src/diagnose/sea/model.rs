@@ -5,7 +5,7 @@ use num_dual::{Derivative, DualSVec64};
 
 use crate::dynamics::{Parameters, parameter_index};
 use crate::glide::Glider;
-use crate::identify::{Bin, Inertia, predict};
+use crate::identify::{Bin, Inertia, predict, usual_step_s};
 
 /// Most parameters that can be varied at once.
 pub const MAX_DIRECTIONS: usize = 24;
@@ -155,10 +155,7 @@ fn neighbours(bins: &[Bin], i: usize, reach_s: f64) -> (usize, usize) {
 
 /// Longest time between neighbours \[s\]: one and a half times the usual.
 fn reach_s(bins: &[Bin]) -> f64 {
-    let on_a_leg = bins.windows(2).filter(|pair| pair[0].mean.leg == pair[1].mean.leg);
-    let mut steps: Vec<f64> = on_a_leg.map(|pair| pair[1].mean.time_s - pair[0].mean.time_s).collect();
-    steps.sort_by(f64::total_cmp);
-    1.5 * steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY)
+    1.5 * usual_step_s(bins.iter().map(|bin| &bin.mean))
 }
 
 fn parts(value: Dual) -> Slopes {

@@ -1,4 +1,4 @@
-//! The same fit weighed otherwise, as a test of the model (Hausman 1978).
+//! The same fit weighed once more, otherwise, as a test of the model (Hausman 1978).
 //!
 //! Weighed by the time that bins stand for, a fit asks for the level of the residuals; by their correlated noise
 //! (generalised least squares), for the answer to quick changes. Where the model is right both have the same truth, and the
@@ -8,9 +8,10 @@
 //! ```
 //! Knows a fit and its dives; what is to be said about it others decide.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, SVector};
+use num_dual::DualSVec64;
 
-use super::data::Dive;
+use super::data::{Dive, Stretch};
 use super::evaluate::{by_size, with_derivatives};
 use super::gram::Gram;
 use super::joint::Fit;
@@ -31,7 +32,7 @@ const DIFFERENT: f64 = 3.5;
 
 /// A parameter that depends on the weighing, by more than its 95 % interval allows.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Otherwise {
+pub(super) struct Reweighed {
     /// Its place among the free ones.
     pub position: usize,
     /// Its value by the correlated noise.
@@ -39,7 +40,7 @@ pub(super) struct Otherwise {
 }
 
 /// The free parameters of a fit that depend on the weighing.
-pub(super) fn otherwise(fit: &Fit, dives: &mut [Dive]) -> Vec<Otherwise> {
+pub(super) fn reweighed(fit: &Fit, dives: &mut [Dive]) -> Vec<Reweighed> {
     let bins: usize = dives.iter().map(|dive| dive.bins.len()).sum();
     let every = bins.div_ceil(MOST_BINS).max(1);
     let by_time: Vec<Gram> = fit.grams.iter().step_by(every).cloned().collect();
@@ -60,7 +61,7 @@ pub(super) fn otherwise(fit: &Fit, dives: &mut [Dive]) -> Vec<Otherwise> {
             let se = (scatter * (count - 1.0) / count).sqrt();
             let [low, high] = [-1.96, 1.96].map(|z| z * fit.se(i));
             (difference.abs() > DIFFERENT * se && !(low..=high).contains(&difference))
-                .then_some(Otherwise { position: i, value: fit.value(fit.free[i]) + difference })
+                .then_some(Reweighed { position: i, value: fit.value(fit.free[i]) + difference })
         })
         .collect()
 }
@@ -76,10 +77,7 @@ impl Steps {
         let all = Gram::sum(n, grams);
         let (normal, gradient) = (all.normal_matrix(), all.gradient());
         let without = |gram: &Gram| -solve_symmetric(&(&normal - gram.normal_matrix()), &(&gradient - gram.gradient()));
-        let steps = Steps {
-            whole: -solve_symmetric(&normal, &gradient),
-            without: grams.iter().filter(|gram| gram.rows > 0).map(without).collect(),
-        };
+        let steps = Steps { whole: -solve_symmetric(&normal, &gradient), without: grams.iter().map(without).collect() };
         let is_finite = |step: &DVector<f64>| step.iter().all(|x| x.is_finite());
         let all_are = is_finite(&steps.whole) && steps.without.iter().all(is_finite);
         all_are.then_some(steps)
@@ -126,31 +124,26 @@ struct Rows {
 
 /// Downward velocity, and speed where it took part.
 fn rows(fit: &Fit, dives: &mut [&mut Dive]) -> [Rows; 2] {
-    let mut found = [Rows::default(), Rows::default()];
+    let (mut sink, mut speed) = (Rows::default(), Rows::default());
     by_size!(fit.free.len(), [6, 12, 32], N => {
         let lifted = Glider::new(with_derivatives::<N>(&fit.parameters, &fit.free));
-        for (dive, stretches) in dives.iter_mut().enumerate() {
-            for stretch in stretches.stretches(1) {
-                let mean = &stretch.bin.mean;
-                let Some(predicted) = predict(&lifted, mean, stretch.inertia, *stretch.guess) else { continue };
-                let takes_speed = fit.weights.speed_m_s.is_finite();
-                for (rows, measured, predicted, stated_sd) in [
-                    (0, mean.sink_m_s, predicted.sink_m_s, stretch.bin.sink_sd_m_s),
-                    (1, if takes_speed { mean.speed_m_s } else { f64::NAN }, predicted.speed_m_s, stretch.bin.speed_sd_m_s),
-                ]
-                .into_iter()
-                .filter(|row| row.1.is_finite())
-                {
-                    let rows = &mut found[rows];
+        for (dive, of_dive) in dives.iter_mut().enumerate() {
+            for Stretch { bin, inertia, guess, .. } in of_dive.stretches(1) {
+                let Some(predicted) = predict(&lifted, &bin.mean, inertia, *guess) else { continue };
+                let add = |rows: &mut Rows, measured: f64, predicted: &DualSVec64<N>, stated_sd: f64| {
                     rows.dive.push(dive);
-                    rows.time_s.push(mean.time_s);
+                    rows.time_s.push(bin.mean.time_s);
                     rows.stated_sd.push(stated_sd);
                     rows.residual.push(measured - predicted.re);
-                    let slopes = predicted.eps.0.unwrap_or_else(nalgebra::SVector::zeros);
+                    let slopes = predicted.eps.0.unwrap_or_else(SVector::zeros);
                     rows.slopes.extend(slopes.iter().take(fit.free.len()));
+                };
+                add(&mut sink, bin.mean.sink_m_s, &predicted.sink_m_s, bin.sink_sd_m_s);
+                if fit.weights.speed_m_s.is_finite() && bin.mean.speed_m_s.is_finite() {
+                    add(&mut speed, bin.mean.speed_m_s, &predicted.speed_m_s, bin.speed_sd_m_s);
                 }
             }
         }
     });
-    found
+    [sink, speed]
 }
