@@ -8,6 +8,7 @@ use super::evidence::Problem;
 use super::findings::Alternative;
 use super::fitted::Fitted;
 use super::lap::Lap;
+use super::versions;
 
 /// Most sets that are told.
 const MOST_SETS: usize = 3;
@@ -56,13 +57,9 @@ fn is_possible(problem: &impl Problem, lap: &Lap<'_>, members: &[usize]) -> bool
 /// The members of a set with their sizes, by the slopes at the named one.
 fn sizes(problem: &impl Problem, lap: &Lap<'_>, members: &[usize]) -> Vec<Alternative> {
     let point = lap.point_of(members, problem);
-    let fit = lap.score.fit(&lap.race().columns(members));
-    let mut first = 0;
-    let of = |member: &usize| {
-        let candidate = &problem.candidates()[*member];
-        let parameters = candidate.estimates(&point.candidates[*member], |i| fit.se(first + i));
-        first += candidate.parameters.len();
-        Alternative { cause: candidate.name.to_owned(), parameters }
+    let of = |(place, member): (usize, &usize)| Alternative {
+        cause: problem.candidates()[*member].name.to_owned(),
+        parameters: versions::estimates(problem, lap, members, place, &point),
     };
-    members.iter().map(of).collect()
+    members.iter().enumerate().map(of).collect()
 }

@@ -1,12 +1,10 @@
 //! What a diagnosis works on: residuals, and how each candidate would change them. Knows neither tank nor sea.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
 use super::smooth::Kind;
-use crate::estimate::Estimate;
 use crate::noise::Series;
 
 /// One measured quantity: a run of rows in the order of time.
@@ -83,8 +81,21 @@ pub struct Candidate {
     pub bounds: Vec<(f64, f64)>,
     /// The least first parameter that nature has: what a fit puts below it is refused.
     pub least: f64,
-    /// What else goes with this version, unfitted: name, value, unit.
-    pub fixed: Vec<(&'static str, f64, &'static str)>,
+    /// What sets this version apart from the others of its name; none where there is only one.
+    pub version: Option<Version>,
+}
+
+/// A parameter that is not fitted but chosen: each version of a mechanism has a value of its own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Version {
+    /// Name of the parameter.
+    pub name: &'static str,
+    /// Its value in this version.
+    pub value: f64,
+    /// The values that these data cannot tell from it.
+    pub between: [f64; 2],
+    /// Its unit.
+    pub unit: &'static str,
 }
 
 impl Candidate {
@@ -92,17 +103,6 @@ impl Candidate {
     /// than so many times its usual distance.
     pub fn cannot_be(&self, value: f64, most_usual: f64) -> bool {
         value < self.least || (value - self.neutral[0]).abs() > most_usual * self.usual[0]
-    }
-
-    /// Its parameters by their names: these values, each with its standard error, and what is fixed.
-    pub fn estimates(&self, values: &[f64], se: impl Fn(usize) -> f64) -> BTreeMap<String, Estimate> {
-        let fitted = self.parameters.iter().zip(values).enumerate();
-        let fitted =
-            fitted.map(|(i, ((name, unit), value))| ((*name).to_owned(), Estimate::normal(*value, se(i), unit)));
-        let fixed = self.fixed.iter();
-        fitted
-            .chain(fixed.map(|(name, value, unit)| ((*name).to_owned(), Estimate::normal(*value, 0.0, unit))))
-            .collect()
     }
 }
 

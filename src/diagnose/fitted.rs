@@ -122,7 +122,7 @@ impl Fitted {
         });
         let candidates = problem.candidates();
         let mut trials: Vec<(f64, Fitted)> = Vec::new();
-        for (i, _) in candidates.iter().enumerate().filter(|(_, candidate)| is_gross && candidate.fixed.is_empty()) {
+        for (i, _) in candidates.iter().enumerate().filter(|(_, candidate)| is_gross && candidate.version.is_none()) {
             let evidence = believing(problem, problem.evidence(&self.point), &self.point, &[i]);
             let mut trial = Fitted { point: self.point.clone(), included: vec![i], evidence, noises: plain.clone() };
             // At first all of the misfit counts as noise, beside which beliefs about sizes weigh too much: once more with

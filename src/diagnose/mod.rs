@@ -23,9 +23,10 @@ pub mod search;
 pub mod smooth;
 mod thinning;
 mod told;
+mod versions;
 
 pub use engine::{Outcome, Stage, diagnose, diagnose_in_full};
-pub use evidence::{Candidate, Covariate, Evidence, Headline, Point, Problem, Quantity};
+pub use evidence::{Candidate, Covariate, Evidence, Headline, Point, Problem, Quantity, Version};
 pub use findings::{Alternative, Cause, Check, Checked, Diagnosis, Gain, Rejected, Unexplained, Verdict, Wrong};
 
 #[cfg(test)]

@@ -46,7 +46,7 @@ impl Toy {
             usual: vec![100.0],
             bounds: Vec::new(),
             least: f64::NEG_INFINITY,
-            fixed: Vec::new(),
+            version: None,
         };
         let candidates = ["offset", "compression", "leak", "expansion", "air"].map(named).to_vec();
         let covariates = vec![

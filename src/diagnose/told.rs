@@ -11,6 +11,7 @@ use super::fitted::{Fitted, expected_rms};
 use super::holdout;
 use super::lap::Lap;
 use super::search::Race;
+use super::versions;
 
 /// Share of a mechanism's trace beside the baseline's parameters below which it hardly shows.
 const HARDLY_SHOWN: f64 = 0.1;
@@ -100,13 +101,11 @@ pub(super) fn cause(
     let candidates = problem.candidates();
     let member = extended.included[place];
     let candidate = &candidates[member];
-    let all = race.columns(&extended.included);
-    let fit = lap.score.fit(&all);
+    let fit = lap.score.fit(&race.columns(&extended.included));
     let others: Vec<usize> = extended.included.iter().copied().filter(|other| *other != member).collect();
     let gain = fit.gain - if others.is_empty() { 0.0 } else { lap.score.fit(&race.columns(&others)).gain };
     let df = lap.runners[member].columns.len();
-    let first = all.iter().position(|column| Some(column) == lap.runners[member].columns.first()).unwrap_or(0);
-    let parameters = candidate.estimates(&extended.point.candidates[member], |i| fit.se(first + i));
+    let parameters = versions::estimates(problem, lap, &extended.included, place, &extended.point);
 
     let mut stand_ins: Vec<String> = Vec::new();
     for other in race.stand_ins(&extended.included, place, MARGIN) {

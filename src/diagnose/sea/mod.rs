@@ -8,6 +8,7 @@
 //! Knows the engine, the steady glide and observations; no files.
 
 pub mod consistency;
+mod jumps;
 mod model;
 mod whole;
 
@@ -16,9 +17,10 @@ use crate::identify::{Bin, bins, inertia};
 use crate::log::Observation;
 use crate::mechanisms::{AT_SEA, Enters};
 
-use super::evidence::{Candidate, Covariate, Evidence, Point, Problem, Quantity};
+use super::evidence::{Candidate, Covariate, Evidence, Point, Problem, Quantity, Version};
 use super::findings::{Check, Checked};
 use super::smooth::Kind;
+use jumps::Jump;
 use model::{Directions, MAX_DIRECTIONS, Vehicle};
 use nalgebra::{DMatrix, DVector};
 pub use whole::{SeaDiagnosis, diagnose_log};
@@ -68,9 +70,6 @@ const PART_UNEXPLAINED: f64 = 0.1;
 /// resembles it only.
 const MOST_USUAL: f64 = 3.0;
 
-/// Most times at which a jump of drag is looked for.
-const MAX_JUMPS: usize = 30;
-
 /// Samples that a bin must hold at least.
 const MIN_SAMPLES: usize = 3;
 
@@ -99,6 +98,7 @@ fn wrong(checks: &[Check]) -> String {
 }
 
 /// A log against a vehicle.
+#[derive(Clone)]
 pub struct SeaProblem {
     bins: Vec<Bin>,
     /// Rows of the speed, as indices into the bins.
@@ -108,8 +108,8 @@ pub struct SeaProblem {
     baseline: Vec<(&'static str, &'static str)>,
     baseline_index: Vec<usize>,
     candidates: Vec<Candidate>,
-    /// For each candidate its parameter's direction, and the time of its jump where it has one.
-    shapes: Vec<(usize, Option<f64>)>,
+    /// For each candidate its parameter's direction.
+    shapes: Vec<usize>,
     directions: Directions,
 }
 
@@ -152,36 +152,54 @@ impl SeaProblem {
         let baseline_index: Vec<usize> = names.iter().filter_map(|name| parameter_index(name)).collect();
         let baseline = baseline_index.iter().map(|i| (PARAMETERS[*i].name, PARAMETERS[*i].unit)).collect();
 
-        let mut directions = Directions::new(&baseline_index);
-        let (mut candidates, mut shapes) = (Vec::new(), Vec::new());
-        for (candidate, index, jump_s) in candidates_of(&bins, parameters) {
-            // Whoever knows the lift slope holds the law of lift: a bend of it would let the slope go again.
-            if settings.lift != Lift::Fitted && candidate.name == "nonlinear_lift" {
-                continue;
-            }
-            // Vertical velocity alone cannot tell a scale of the pitch from the polar: what it would be called is something
-            // else.
-            if with_speed.is_empty() && candidate.name == "pitch_scale" {
-                continue;
-            }
-            let Some(direction) = directions.of(index) else {
-                continue;
-            };
-            candidates.push(candidate);
-            shapes.push((direction, jump_s));
-        }
-        debug_assert!(directions.len() <= MAX_DIRECTIONS);
-        Ok(SeaProblem {
+        let mut problem = SeaProblem {
+            directions: Directions::new(&baseline_index),
             bins,
             with_speed,
             parameters: *parameters,
             lift: settings.lift,
             baseline,
             baseline_index,
-            candidates,
-            shapes,
-            directions,
+            candidates: Vec::new(),
+            shapes: Vec::new(),
+        };
+        let jumps = Jump::between_legs(&problem.bins);
+        problem.look_for(&jumps);
+        Ok(problem)
+    }
+
+    /// The same problem with the jump of the drag looked for between any two bins around a time at which one was found; none
+    /// where these jumps are known already.
+    pub fn with_jumps_about(&self, time_s: f64) -> Option<SeaProblem> {
+        let coarse = Jump::between_legs(&self.bins);
+        let jumps = Jump::between_bins(&self.bins, &coarse, time_s);
+        (jumps.len() > coarse.len()).then(|| {
+            let mut finer = self.clone();
+            finer.look_for(&jumps);
+            finer
         })
+    }
+
+    /// Takes what these data could show for candidates, with these jumps.
+    fn look_for(&mut self, jumps: &[Jump]) {
+        (self.candidates, self.shapes) = (Vec::new(), Vec::new());
+        for (candidate, index) in candidates_of(&self.bins, jumps, &self.parameters) {
+            // Whoever knows the lift slope holds the law of lift: a bend of it would let the slope go again.
+            if self.lift != Lift::Fitted && candidate.name == "nonlinear_lift" {
+                continue;
+            }
+            // Vertical velocity alone cannot tell a scale of the pitch from the polar: what it would be called is something
+            // else.
+            if !self.has_speed() && candidate.name == "pitch_scale" {
+                continue;
+            }
+            let Some(direction) = self.directions.of(index) else {
+                continue;
+            };
+            self.candidates.push(candidate);
+            self.shapes.push(direction);
+        }
+        debug_assert!(self.directions.len() <= MAX_DIRECTIONS);
     }
 
     /// Whether measured speed has a vote.
@@ -236,13 +254,11 @@ impl SeaProblem {
         for (index, value) in self.baseline_index.iter().zip(&point.baseline) {
             *parameters.at(*index) = *value;
         }
-        for ((candidate, values), (direction, jump_s)) in
-            self.candidates.iter().zip(&point.candidates).zip(&self.shapes)
-        {
+        for ((candidate, values), direction) in self.candidates.iter().zip(&point.candidates).zip(&self.shapes) {
             if *values != candidate.neutral {
                 *parameters.at(self.directions.parameter(*direction)) = values[0];
-                if let Some(jump_s) = jump_s {
-                    parameters.step_time_s = *jump_s;
+                if let Some(jump) = candidate.version {
+                    parameters.step_time_s = jump.value;
                 }
             }
         }
@@ -257,14 +273,8 @@ fn is_usable(o: &Observation) -> bool {
             .all(|value| value.is_finite())
 }
 
-/// The times at which legs begin.
-fn leg_starts(bins: &[Bin]) -> Vec<f64> {
-    let new_leg = |pair: &[Bin]| (pair[0].mean.leg != pair[1].mean.leg).then(|| pair[1].mean.time_s - 0.5);
-    bins.windows(2).filter_map(new_leg).collect()
-}
-
-/// The mechanisms that these data could show, with the row of their parameter and the time of a jump.
-fn candidates_of(bins: &[Bin], parameters: &Parameters<f64>) -> Vec<(Candidate, usize, Option<f64>)> {
+/// The mechanisms that these data could show, with the row of their parameter.
+fn candidates_of(bins: &[Bin], jumps: &[Jump], parameters: &Parameters<f64>) -> Vec<(Candidate, usize)> {
     let varies = |value: fn(&Bin) -> f64| bins.iter().any(|bin| value(bin).is_finite() && value(bin).abs() > 1e-4);
     let mut found = Vec::new();
     for mechanism in AT_SEA {
@@ -281,14 +291,12 @@ fn candidates_of(bins: &[Bin], parameters: &Parameters<f64>) -> Vec<(Candidate, 
             continue;
         }
         let row = &PARAMETERS[index];
-        let jumps: Vec<Option<f64>> = if mechanism.name == "drag_step" {
-            let starts = leg_starts(bins);
-            let every = starts.len().div_ceil(MAX_JUMPS).max(1);
-            starts.into_iter().skip(2).step_by(every).map(Some).collect()
-        } else {
-            vec![None]
+        let version = |jump: &Jump| {
+            Some(Version { name: "step_time_s", value: jump.time_s, between: jump.between_s, unit: "s" })
         };
-        for jump_s in jumps {
+        let versions: Vec<Option<Version>> =
+            if mechanism.name == "drag_step" { jumps.iter().map(version).collect() } else { vec![None] };
+        for version in versions {
             let candidate = Candidate {
                 name: mechanism.name,
                 parameters: vec![(row.name, row.unit)],
@@ -296,9 +304,9 @@ fn candidates_of(bins: &[Bin], parameters: &Parameters<f64>) -> Vec<(Candidate, 
                 usual: vec![mechanism.usual],
                 bounds: vec![(row.min, row.max)],
                 least: mechanism.least,
-                fixed: jump_s.map(|jump_s| ("step_time_s", jump_s, "s")).into_iter().collect(),
+                version,
             };
-            found.push((candidate, index, jump_s));
+            found.push((candidate, index));
         }
     }
     found
@@ -363,8 +371,9 @@ impl Problem for SeaProblem {
         let candidates = self
             .shapes
             .iter()
-            .map(|(direction, jump_s)| {
-                let after = |row: usize| jump_s.is_none_or(|jump_s| row_bins[row].mean.time_s >= jump_s);
+            .zip(&self.candidates)
+            .map(|(direction, candidate)| {
+                let after = |row: usize| candidate.version.is_none_or(|jump| row_bins[row].mean.time_s >= jump.value);
                 DMatrix::from_fn(n, 1, |row, _| if after(row) { slopes[(row, *direction)] } else { 0.0 })
             })
             .collect();

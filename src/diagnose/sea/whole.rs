@@ -47,12 +47,12 @@ pub fn diagnose_log(
     let (problem, baseline, mut told) = match error {
         None => {
             let (problem, baseline) = as_read(observations)?;
-            let told = engine::diagnose_in_full(&problem);
+            let (problem, told) = in_full(problem);
             (problem, baseline, told)
         }
         Some(error) => {
             let (problem, baseline) = as_read(&consistency::mended(observations, error))?;
-            let mut told = engine::diagnose_in_full(&problem);
+            let (problem, mut told) = in_full(problem);
             // The density as it was read may fit no glide at all: then there is no misfit to compare with.
             if let Ok((raw, _)) = as_read(observations) {
                 put_before(&mut told, &problem, &raw);
@@ -73,6 +73,19 @@ pub fn diagnose_log(
     told.diagnosis.warnings = problem.doubts(&told.after.point);
     let evidence = problem.evidence(&told.after.point);
     Ok(SeaDiagnosis { told, evidence, problem, baseline })
+}
+
+/// Diagnoses a problem; once more, where the drag jumped, with the time of the jump looked for more closely.
+fn in_full(problem: SeaProblem) -> (SeaProblem, Outcome) {
+    let told = engine::diagnose_in_full(&problem);
+    let jump = told.named.iter().find_map(|named| problem.candidates()[*named].version);
+    match jump.and_then(|jump| problem.with_jumps_about(jump.value)) {
+        Some(finer) => {
+            let told = engine::diagnose_in_full(&finer);
+            (finer, told)
+        }
+        None => (problem, told),
+    }
 }
 
 /// Puts the misfit of the log as it was read in place of the mended log's baseline, row by row.

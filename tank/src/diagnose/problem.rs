@@ -266,7 +266,7 @@ impl<'a> TankProblem<'a> {
             usual: parameters.iter().map(|p| usual(p)).collect(),
             bounds: parameters.iter().map(|p| p.bounds).collect(),
             least: f64::NEG_INFINITY,
-            fixed: Vec::new(),
+            version: None,
         };
         if let Shape::Drift(_, channel) = shape {
             candidate.usual[0] = 0.1 * self.largest(channel);

@@ -1,0 +1,48 @@
+//! The times at which the drag may have jumped.
+//!
+//! Between legs first: few enough to be tried beside everything else. Around the one that is found, between any two bins: what
+//! is caught on the way down jumps in the middle of a leg. Knows bins alone.
+
+use crate::identify::Bin;
+
+/// Most jumps between legs that are tried.
+const MOST_BETWEEN_LEGS: usize = 30;
+
+/// Legs before the first jump: what the drag was before it has to be known.
+const LEGS_BEFORE: usize = 2;
+
+/// A time at which the drag may have jumped.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Jump {
+    /// The time \[s\].
+    pub time_s: f64,
+    /// The bins before and after it \[s\]: no row tells one time between them from another.
+    pub between_s: [f64; 2],
+}
+
+impl Jump {
+    /// The jumps between legs, evenly chosen where there are many.
+    pub fn between_legs(bins: &[Bin]) -> Vec<Jump> {
+        let turns: Vec<Jump> =
+            bins.windows(2).filter(|pair| pair[0].mean.leg != pair[1].mean.leg).map(Jump::between).collect();
+        let every = turns.len().div_ceil(MOST_BETWEEN_LEGS).max(1);
+        turns.into_iter().skip(LEGS_BEFORE).step_by(every).collect()
+    }
+
+    /// These jumps, and those between any two bins from the one before a time to the one after it.
+    pub fn between_bins(bins: &[Bin], coarse: &[Jump], time_s: f64) -> Vec<Jump> {
+        let before = coarse.iter().rev().map(|jump| jump.time_s).find(|other| *other < time_s);
+        let after = coarse.iter().map(|jump| jump.time_s).find(|other| *other > time_s);
+        let (before, after) = (before.unwrap_or(f64::NEG_INFINITY), after.unwrap_or(f64::INFINITY));
+        let is_far = |jump: &&Jump| jump.time_s <= before || jump.time_s >= after;
+        let near = bins.windows(2).map(Jump::between).filter(|jump| !is_far(&jump));
+        let mut jumps: Vec<Jump> = near.chain(coarse.iter().filter(is_far).copied()).collect();
+        jumps.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+        jumps
+    }
+
+    fn between(pair: &[Bin]) -> Jump {
+        let between_s = [pair[0].mean.time_s, pair[1].mean.time_s];
+        Jump { time_s: 0.5 * (between_s[0] + between_s[1]), between_s }
+    }
+}
