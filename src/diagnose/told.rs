@@ -1,6 +1,6 @@
 //! What is said of a fit: causes with their stand-ins, what was rejected and why, where the baseline misses the data.
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::alternatives::alternatives;
@@ -12,6 +12,7 @@ use super::holdout;
 use super::lap::Lap;
 use super::search::Race;
 use super::versions;
+use crate::estimate::Estimate;
 
 /// Share of a mechanism's trace beside the baseline's parameters below which it hardly shows.
 const HARDLY_SHOWN: f64 = 0.1;
@@ -28,8 +29,10 @@ pub(super) fn report(problem: &impl Problem, baseline: &Fitted, extended: &Fitte
     let lap = Lap::new(candidates, extended);
     let race = lap.race();
     let n_names = names(candidates).len() as f64;
+    let after_stage = extended.stage(after.clone());
+    let by_blocks = &after_stage.covariance_by_blocks;
     let mut named: Vec<Named> =
-        (0..extended.included.len()).map(|place| cause(problem, extended, &lap, &race, place, n_names)).collect();
+        (0..extended.included.len()).map(|place| cause(problem, extended, &lap, &race, place, n_names, by_blocks)).collect();
     named.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let causes: Vec<Cause> = named.iter().map(|named| named.cause.clone()).collect();
 
@@ -60,7 +63,7 @@ pub(super) fn report(problem: &impl Problem, baseline: &Fitted, extended: &Fitte
     Outcome {
         diagnosis,
         before: baseline.stage(before),
-        after: extended.stage(after),
+        after: after_stage,
         fitted: extended.included.clone(),
         named: named.iter().map(|named| named.candidate).collect(),
         gains: named.iter().map(|named| named.gain).collect(),
@@ -97,6 +100,7 @@ pub(super) fn cause(
     race: &Race<'_>,
     place: usize,
     n_names: f64,
+    by_blocks: &DMatrix<f64>,
 ) -> Named {
     let candidates = problem.candidates();
     let member = extended.included[place];
@@ -105,7 +109,16 @@ pub(super) fn cause(
     let others: Vec<usize> = extended.included.iter().copied().filter(|other| *other != member).collect();
     let gain = fit.gain - if others.is_empty() { 0.0 } else { lap.score.fit(&race.columns(&others)).gain };
     let df = lap.runners[member].columns.len();
-    let parameters = versions::estimates(problem, lap, &extended.included, place, &extended.point);
+    let first = extended.evidence.baseline.ncols()
+        + extended.included[..place].iter().map(|i| candidates[*i].usual.len()).sum::<usize>();
+    let mut parameters = versions::estimates(problem, lap, &extended.included, place, &extended.point);
+    for (i, (name, unit)) in candidate.parameters.iter().enumerate() {
+        let of_blocks = by_blocks[(first + i, first + i)].max(0.0).sqrt();
+        let size = parameters.get_mut(*name).filter(|size| size.se < of_blocks);
+        if let Some(size) = size {
+            *size = Estimate::normal(size.value, of_blocks, unit);
+        }
+    }
 
     let mut stand_ins: Vec<String> = Vec::new();
     for other in race.stand_ins(&extended.included, place, MARGIN) {
@@ -117,9 +130,7 @@ pub(super) fn cause(
 
     let mut without = extended.clone();
     without.included = others;
-    let after_baseline = extended.evidence.baseline.ncols()
-        + extended.included[..place].iter().map(|i| candidates[*i].usual.len()).sum::<usize>();
-    without.evidence.prior.drain(after_baseline..after_baseline + candidate.usual.len());
+    without.evidence.prior.drain(first..first + candidate.usual.len());
     without.evidence.residual += &extended.evidence.candidates[member]
         * DVector::from_iterator(
             df,

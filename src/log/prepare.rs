@@ -7,7 +7,7 @@ use super::channels::{Channel, FlightLog};
 use super::clean::{Notes, despike, fill, fill_angle, median_step, order};
 use super::density::{densities_kg_m3, practical_salinity};
 use super::observation::{DBAR_PA, Observation};
-use super::segment::legs;
+use super::segment::{Leg, legs};
 use super::vertical_velocity::vertical_velocity;
 
 /// What the preparation goes by.
@@ -23,8 +23,8 @@ pub struct Settings {
     pub least_leg_dbar: f64,
     /// Pressure above which the glider is taken to be at the surface \[dbar\].
     pub surface_dbar: f64,
-    /// Time after a turn, or after a move of the ballast, from which the glide is steady \[s\]: some time constants of the
-    /// surge, `m/(rho A CD V)`, which is 10 to 25 s.
+    /// Time after a turn, the pitching into the leg, or a move of the ballast, from which the glide is steady \[s\]: some
+    /// time constants of the surge, `m/(rho A CD V)`, which is 10 to 25 s.
     pub settle_s: f64,
     /// Time before a turn up to which it is \[s\].
     pub before_turn_s: f64,
@@ -52,6 +52,9 @@ impl Default for Settings {
         }
     }
 }
+
+/// So near to the usual pitch of its leg a glider has turned into it \[rad\].
+const PITCHED_WITHIN_RAD: f64 = 0.05;
 
 /// Rate of the ballast volume from which on its pump is taken to run \[cc/s\].
 const BALLAST_MOVES_CC_S: f64 = 0.5;
@@ -214,7 +217,7 @@ impl Preparation {
         let mut dropped = 0;
         for leg in &legs {
             self.counters.open_leg(leg.descends, &log, leg.first);
-            let (start_s, end_s) = (time[leg.first], time[leg.end - 1]);
+            let (start_s, end_s) = (turned_s(&log, leg), time[leg.end - 1]);
             let first = if leg.first == 0 { 0 } else { leg.first + 1 };
             for i in first..leg.end {
                 let per_dbar = DBAR_PA / (density[i] * s.gravity_m_s2);
@@ -354,6 +357,15 @@ fn density_kg_m3(log: &FlightLog, teos10: &[[f64; 2]], settings: &Settings) -> V
     }
     fill(log.column(Channel::Time), &mut density, settings.longest_fill_s);
     density
+}
+
+/// When a glider has turned into a leg: past the turning point, and pitched as it is on the leg \[s\].
+fn turned_s(log: &FlightLog, leg: &Leg) -> f64 {
+    let pitch = |i: usize| log.at(Channel::Pitch, i);
+    let mut known: Vec<f64> = (leg.first..leg.end).map(pitch).filter(|pitch| pitch.is_finite()).collect();
+    let usual = if known.is_empty() { f64::NAN } else { super::median(&mut known) };
+    let turned = (leg.first..leg.end).find(|&i| (pitch(i) - usual).abs() <= PITCHED_WITHIN_RAD);
+    log.column(Channel::Time)[turned.unwrap_or(leg.first)]
 }
 
 /// Rows at which a motor moves or has just moved.

@@ -130,6 +130,19 @@ fn samples_while_a_motor_moves_are_not_steady() {
 }
 
 #[test]
+fn a_glide_is_steady_after_it_has_pitched_into_its_leg() {
+    let mut log = saw_tooth(1);
+    let n = log.len();
+    // The second leg's pitch takes 60 s to come up.
+    let pitch = |i: usize| if i < 300 { -0.45 } else { (-0.45 + 0.015 * (i - 300) as f64).min(0.45) };
+    log.set(Channel::Pitch, (0..n).map(pitch).collect());
+    let (found, _) = prepared(log);
+    let first = found.iter().find(|o| o.leg == 1 && o.steady).map(|o| o.time_s);
+    // Within 0.05 rad of it after 57 s, then 90 s more.
+    assert_eq!(first, Some(447.0));
+}
+
+#[test]
 fn a_log_of_nothing_but_missing_values_gives_nothing() {
     let mut log = saw_tooth(1);
     log.column_mut(Channel::Pressure).fill(f64::NAN);
