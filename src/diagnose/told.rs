@@ -31,8 +31,9 @@ pub(super) fn report(problem: &impl Problem, baseline: &Fitted, extended: &Fitte
     let n_names = names(candidates).len() as f64;
     let after_stage = extended.stage(after.clone());
     let by_blocks = &after_stage.covariance_by_blocks;
-    let mut named: Vec<Named> =
-        (0..extended.included.len()).map(|place| cause(problem, extended, &lap, &race, place, n_names, by_blocks)).collect();
+    let mut named: Vec<Named> = (0..extended.included.len())
+        .map(|place| cause(problem, extended, &lap, &race, place, n_names, by_blocks))
+        .collect();
     named.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let causes: Vec<Cause> = named.iter().map(|named| named.cause.clone()).collect();
 

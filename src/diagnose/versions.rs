@@ -47,12 +47,7 @@ struct Rival<'a> {
 }
 
 /// The versions that could stand in a member's place, and which of them is the member itself.
-fn rivals<'a>(
-    candidates: &'a [Candidate],
-    lap: &Lap<'_>,
-    members: &[usize],
-    place: usize,
-) -> (Vec<Rival<'a>>, usize) {
+fn rivals<'a>(candidates: &'a [Candidate], lap: &Lap<'_>, members: &[usize], place: usize) -> (Vec<Rival<'a>>, usize) {
     let (member, race) = (members[place], lap.race());
     let is_version = |i: usize| candidates[i].name == candidates[member].name && candidates[i].version.is_some();
     let versions: Vec<usize> = match candidates[member].version {

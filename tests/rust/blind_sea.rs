@@ -6,8 +6,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use glidepolar::diagnose::Diagnosis;
 use glidepolar::diagnose::sea::{SeaError, Settings, diagnose_log};
+use glidepolar::diagnose::{Cause, Diagnosis};
 use glidepolar::identify::Trim;
 use glidepolar::log::{Columns, Opened, Preparation, open};
 use glidepolar::vehicle::Vehicle;
@@ -49,19 +49,17 @@ const UNCATALOGUED: &[&str] = &[
     "uncatalogued-warm-ballast-reading",
 ];
 
-/// Hides an effect, writes the files, reads them back and asks.
-fn blind(effect: &str, seed: u64, speed: bool) -> (Diagnosis, Option<f64>) {
+/// Hides an effect, writes the files, reads them back and asks; with the true parameters of a mechanism that has any.
+fn blind(effect: &str, seed: u64, speed: bool) -> (Diagnosis, Vec<(&'static str, f64)>) {
     let effects = glidepolar_virtual_sea::catalogue::parse_requests(effect).expect("an effect of the virtual sea");
     let sea = glidepolar_virtual_sea::generate(&Options { effects, speed, ..Options::seeded(seed) });
-    let size = CATALOGUED
-        .contains(&effect)
-        .then(|| glidepolar::mechanisms::at_sea(effect).and_then(|mechanism| mechanism.parameters.first()))
-        .flatten()
-        .and_then(|parameter| sea.truth.parameter(parameter));
+    let mechanism = glidepolar::mechanisms::at_sea(effect).filter(|_| CATALOGUED.contains(&effect));
+    let parameters = mechanism.iter().flat_map(|mechanism| mechanism.parameters);
+    let sizes = parameters.filter_map(|parameter| Some((*parameter, sea.truth.parameter(parameter)?))).collect();
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("log.csv"), sea.log.to_csv()).expect("the log");
     std::fs::write(folder.path().join("vehicle.toml"), &sea.vehicle_toml).expect("the vehicle");
-    (ask(folder.path()).expect("a diagnosis"), size)
+    (ask(folder.path()).expect("a diagnosis"), sizes)
 }
 
 /// What a user's `glidepolar diagnose log.csv --vehicle vehicle.toml` does.
@@ -100,6 +98,28 @@ fn with_measured_speed_the_hidden_effect_is_named() {
         })
         .collect();
     assert!(wrong.is_empty(), "{}", wrong.join("; "));
+}
+
+/// Whether a parameter's interval holds its true size.
+fn holds(cause: &Cause, parameter: &str, size: f64) -> bool {
+    let [low, high] = cause.parameters[parameter].ci95;
+    low <= size && size <= high
+}
+
+#[test]
+fn a_jump_in_the_middle_of_a_leg_is_found_to_some_minutes() {
+    for seed in [12, 13] {
+        let (found, sizes) = blind("drag_step", seed, true);
+        let cause = found.causes.first().expect("a cause");
+        assert_eq!(cause.cause, "drag_step", "seed {seed}");
+        for (parameter, size) in sizes {
+            let told = &cause.parameters[parameter];
+            assert!((told.value - size).abs() < 3.0 * told.se, "seed {seed}: {parameter} {size}: {told:?}");
+        }
+        // A leg takes some 25 minutes.
+        let [from_s, to_s] = cause.parameters["step_time_s"].ci95;
+        assert!(to_s - from_s < 600.0, "seed {seed}: {from_s} to {to_s}");
+    }
 }
 
 #[test]
@@ -268,7 +288,7 @@ fn tally(effect: &str, seeds: u64, speed: bool) -> Tally {
 impl Tally {
     /// Counts one log.
     fn count(&mut self, effect: &str, seed: u64, speed: bool) {
-        let (found, size) = blind(effect, seed, speed);
+        let (found, sizes) = blind(effect, seed, speed);
         let name = first(&found);
         let wanted: Vec<&str> = effect.split(',').collect();
         let named: Vec<&str> = found.causes.iter().map(|cause| cause.cause.as_str()).collect();
@@ -294,11 +314,9 @@ impl Tally {
         });
         self.in_group += usize::from(is_right || (first_group && wanted.iter().all(|one| is_meant(one))));
         *self.names.entry(if wanted.len() > 1 { named.join("+") } else { name.clone() }).or_insert(0) += 1;
-        if let (Some(cause), true, Some(size)) = (found.causes.first(), name == effect, size) {
-            let parameter = glidepolar::mechanisms::at_sea(effect).expect("a mechanism").parameters[0];
-            let [low, high] = cause.parameters[parameter].ci95;
+        for (parameter, size) in sizes.iter().filter(|_| name == effect) {
             self.sized += 1;
-            self.covered += usize::from(low <= size && size <= high);
+            self.covered += usize::from(holds(&found.causes[0], parameter, *size));
         }
     }
 }

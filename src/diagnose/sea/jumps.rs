@@ -3,7 +3,7 @@
 //! Between legs first: few enough to be tried beside everything else. Around the one that is found, between any two bins: what
 //! is caught on the way down jumps in the middle of a leg. Knows bins alone.
 
-use crate::identify::Bin;
+use crate::identify::{Bin, usual_step_s};
 
 /// Most jumps between legs that are tried.
 const MOST_BETWEEN_LEGS: usize = 30;
@@ -16,15 +16,20 @@ const LEGS_BEFORE: usize = 2;
 pub struct Jump {
     /// The time \[s\].
     pub time_s: f64,
-    /// The bins before and after it \[s\]: no row tells one time between them from another.
+    /// From the latter half of the bin before it to the middle of the bin after it \[s\]: no row tells one time in there from
+    /// another, the glider taking half a minute to change its speed.
     pub between_s: [f64; 2],
 }
 
 impl Jump {
     /// The jumps between legs, evenly chosen where there are many.
     pub fn between_legs(bins: &[Bin]) -> Vec<Jump> {
-        let turns: Vec<Jump> =
-            bins.windows(2).filter(|pair| pair[0].mean.leg != pair[1].mean.leg).map(Jump::between).collect();
+        let turns: Vec<Jump> = bins
+            .windows(2)
+            .zip(all(bins))
+            .filter(|(pair, _)| pair[0].mean.leg != pair[1].mean.leg)
+            .map(|(_, jump)| jump)
+            .collect();
         let every = turns.len().div_ceil(MOST_BETWEEN_LEGS).max(1);
         turns.into_iter().skip(LEGS_BEFORE).step_by(every).collect()
     }
@@ -35,14 +40,18 @@ impl Jump {
         let after = coarse.iter().map(|jump| jump.time_s).find(|other| *other > time_s);
         let (before, after) = (before.unwrap_or(f64::NEG_INFINITY), after.unwrap_or(f64::INFINITY));
         let is_far = |jump: &&Jump| jump.time_s <= before || jump.time_s >= after;
-        let near = bins.windows(2).map(Jump::between).filter(|jump| !is_far(&jump));
+        let near = all(bins).filter(|jump| !is_far(&jump));
         let mut jumps: Vec<Jump> = near.chain(coarse.iter().filter(is_far).copied()).collect();
         jumps.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
         jumps
     }
+}
 
-    fn between(pair: &[Bin]) -> Jump {
-        let between_s = [pair[0].mean.time_s, pair[1].mean.time_s];
-        Jump { time_s: 0.5 * (between_s[0] + between_s[1]), between_s }
-    }
+/// The jumps between any two bins.
+fn all(bins: &[Bin]) -> impl Iterator<Item = Jump> {
+    let half_a_bin_s = 0.5 * usual_step_s(bins.iter().map(|bin| &bin.mean));
+    bins.windows(2).map(move |pair| {
+        let [before_s, after_s] = [0, 1].map(|i| pair[i].mean.time_s);
+        Jump { time_s: 0.5 * (before_s + after_s), between_s: [before_s - half_a_bin_s, after_s] }
+    })
 }

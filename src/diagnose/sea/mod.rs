@@ -291,9 +291,8 @@ fn candidates_of(bins: &[Bin], jumps: &[Jump], parameters: &Parameters<f64>) -> 
             continue;
         }
         let row = &PARAMETERS[index];
-        let version = |jump: &Jump| {
-            Some(Version { name: "step_time_s", value: jump.time_s, between: jump.between_s, unit: "s" })
-        };
+        let version =
+            |jump: &Jump| Some(Version { name: "step_time_s", value: jump.time_s, between: jump.between_s, unit: "s" });
         let versions: Vec<Option<Version>> =
             if mechanism.name == "drag_step" { jumps.iter().map(version).collect() } else { vec![None] };
         for version in versions {
