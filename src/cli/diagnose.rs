@@ -209,15 +209,20 @@ fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
     println!("GAIN on data held out of the fit");
     for gain in &found.gains {
         println!(
-            "  {}: {:.2} -> {:.2} mm/s, {:.0} % less (95 %: {:.0} to {:.0})",
+            "  {}: {:.2} -> {:.2} mm/s, {} (95 %: {:.0} to {:.0} % less)",
             words(&gain.quantity),
             gain.holdout_rms_before * 1e3,
             gain.holdout_rms_after * 1e3,
-            gain.reduction_percent,
+            less(gain.reduction_percent),
             gain.ci95[0],
             gain.ci95[1]
         );
     }
+}
+
+/// By how much an error became less, or more.
+pub(super) fn less(percent: f64) -> String {
+    format!("{:.0} % {}", percent.abs(), if percent < 0.0 { "more" } else { "less" })
 }
 
 /// A check in a line.

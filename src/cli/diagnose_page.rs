@@ -1,6 +1,6 @@
 //! A diagnosis as a page: for each of the four answers one figure and one sentence.
 
-use super::diagnose::{checked, unit, verdict, words};
+use super::diagnose::{checked, less, unit, verdict, words};
 use crate::diagnose::sea::SeaDiagnosis;
 use crate::diagnose::{Checked, Diagnosis};
 use crate::report::{Axis, Cell, Figure, Layer, Panel, Report, Section, Table, interval, probability, significant};
@@ -127,17 +127,17 @@ fn gain(found: &Diagnosis) -> String {
         .iter()
         .map(|gain| {
             format!(
-                "of the {} from {:.1} to {:.1} mm/s, {:.0} % less (95 %: {:.0} to {:.0} %)",
+                "of the {} from {:.1} to {:.1} mm/s, {} (95 %: {:.0} to {:.0} % less)",
                 words(&gain.quantity),
                 gain.holdout_rms_before * 1e3,
                 gain.holdout_rms_after * 1e3,
-                gain.reduction_percent,
+                less(gain.reduction_percent),
                 gain.ci95[0],
                 gain.ci95[1]
             )
         })
         .collect();
-    format!("On whole glides that the fit did not see the rms error falls: {}.", gains.join("; "))
+    format!("On whole glides that the fit did not see the rms error goes: {}.", gains.join("; "))
 }
 
 /// What the residuals are of, for captions: spelt out, the names of the axes would run into each other.
