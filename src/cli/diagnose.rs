@@ -245,7 +245,8 @@ pub(super) fn verdict(verdict: Verdict) -> &'static str {
     }
 }
 
-fn size(name: &str, estimate: &Estimate) -> String {
+/// A parameter with its standard error.
+pub(super) fn size(name: &str, estimate: &Estimate) -> String {
     format!("{name} = {}{}", crate::report::estimate(estimate.value, estimate.se), unit(estimate))
 }
 

@@ -1,9 +1,9 @@
 //! A diagnosis as a page: for each of the four answers one figure and one sentence.
 
-use super::diagnose::{checked, less, unit, verdict, words};
+use super::diagnose::{checked, less, size, unit, verdict, words};
 use crate::diagnose::sea::SeaDiagnosis;
 use crate::diagnose::{Checked, Diagnosis};
-use crate::report::{Axis, Cell, Figure, Layer, Panel, Report, Section, Table, interval, probability, significant};
+use crate::report::{Axis, Cell, Figure, Layer, Panel, Report, Section, Table, probability, with_interval};
 
 /// The page of a log's diagnosis.
 pub(super) fn page(vehicle: &str, found: &SeaDiagnosis, trim: &str) -> Report {
@@ -75,7 +75,7 @@ fn cause(found: &Diagnosis) -> String {
                 .iter()
                 .map(|(name, e)| {
                     let [low, high] = e.ci95;
-                    format!("{name} = {}{} (95 %: {})", significant(e.value, 3), unit(e), interval(low, high))
+                    format!("{name} = {}{}", with_interval(e.value, low, high), unit(e))
                 })
                 .collect();
             let sizes =
@@ -89,12 +89,12 @@ fn cause(found: &Diagnosis) -> String {
             format!("{}: {sizes}{alike}.", capital(&words(&cause.cause)))
         })
         .collect();
+    if found.causes.iter().any(|cause| !cause.parameters.is_empty()) {
+        sentences.push("In brackets: 95 % intervals.".to_owned());
+    }
     for set in &found.alternatives {
-        let sizes: Vec<String> = set
-            .iter()
-            .flat_map(|other| &other.parameters)
-            .map(|(name, e)| format!("{name} = {}{}", significant(e.value, 3), unit(e)))
-            .collect();
+        let sizes: Vec<String> =
+            set.iter().flat_map(|other| &other.parameters).map(|(name, e)| size(name, e)).collect();
         sentences.push(format!("These data cannot tell all of that from {} together.", sizes.join(", ")));
     }
     if let Some(left) = &found.unexplained {

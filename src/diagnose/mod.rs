@@ -6,7 +6,7 @@
 //! - [`smooth`]: curves without a name that run in the same race; where one wins, no mechanism is named.
 //! - [`holdout`]: the gain on data that no fit saw.
 //! - [`engine`]: the four answers in their order, with what it is made of: a fit, what is thinned out of it, one lap of the
-//!   search, what is told.
+//!   search, versions of one mechanism, what is told.
 
 mod alternatives;
 pub mod engine;
