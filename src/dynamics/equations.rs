@@ -123,6 +123,39 @@ pub fn outputs<T: Number>(parameters: &Parameters<T>, time_s: T, state: &State<T
     }
 }
 
+/// When the next of the servos comes so near to its set-point that it leaves its largest rate, if one runs at it \[s\]: there
+/// the rates of change bend. Foreseen as if the set-points stood still.
+pub fn next_bend_s(
+    parameters: &Parameters<f64>,
+    actuation: Actuation,
+    time_s: f64,
+    state: &State<f64>,
+    inputs: &Inputs<f64>,
+) -> Option<f64> {
+    if actuation != Actuation::Servo {
+        return None;
+    }
+    let p = parameters;
+    let volume = p.ballast_m3(state.ballast_mass_kg);
+    let to_go_m3 = (inputs.ballast_command_m3.held_within(p.ballast_min_m3, p.ballast_max_m3) - volume).abs();
+    let ballast_s = to_go_m3 / p.ballast_rate_m3_s - 1.0 / SERVO_RATE_1_S;
+
+    let to_go_m =
+        inputs.moving_mass_command_m.held_within(p.moving_mass_min_m, p.moving_mass_max_m) - state.moving_mass_1_m;
+    let limit = p.moving_mass_rate_m_s;
+    let at_limit_m = to_go_m.abs() - limit / SERVO_RATE_1_S;
+    let speed =
+        state.momentum_1_kg_m_s / p.moving_mass_kg - state.v1_m_s - state.moving_mass_3_m * state.pitch_rate_rad_s;
+    // The speed nears its limit as exp(-k t): at_limit = limit t - lag (1 - exp(-k t)), solved by fixed point.
+    let lag_m = (limit - speed * to_go_m.signum()) / SERVO_SPEED_RATE_1_S;
+    let mut moving_mass_s = at_limit_m / limit;
+    for _ in 0..20 {
+        moving_mass_s = (at_limit_m + lag_m * (1.0 - (-SERVO_SPEED_RATE_1_S * moving_mass_s).exp())) / limit;
+    }
+    let ahead = [ballast_s, moving_mass_s].into_iter().filter(|in_s| *in_s > 0.0);
+    ahead.min_by(f64::total_cmp).map(|in_s| time_s + in_s)
+}
+
 /// Force along axis 1 that the moving mass would need to stay where it is on the hull \[N\]. Against a stop, the
 /// difference to the commanded force is what the stop carries.
 pub(super) fn holding_force_1_N<T: Number>(

@@ -1,6 +1,6 @@
 //! A glider on its way: equations, parameters, modes and inputs in one hand, carried through time and over events.
 
-use super::equations::{Outputs, derivative, outputs};
+use super::equations::{Outputs, derivative, next_bend_s, outputs};
 use super::integrate::{Advance, IntegrationError, Integrator, Jet, System};
 use super::limits::{self, N_EVENTS};
 use super::parameters::Parameters;
@@ -106,6 +106,10 @@ impl System for Glider {
     fn next_jump_s(&self, time_s: f64) -> Option<f64> {
         let p = &self.parameters;
         (p.drag_step != 0.0 && p.step_time_s > time_s).then_some(p.step_time_s)
+    }
+
+    fn next_bend_s(&self, time_s: f64, state: &State<f64>) -> Option<f64> {
+        next_bend_s(&self.parameters, self.actuation, time_s, state, &self.inputs_at(time_s))
     }
 }
 

@@ -1,7 +1,7 @@
 //! The equations against what must hold whatever their form: conserved quantities, published equilibria, eigenvalues.
 
 use super::*;
-use crate::glide::at_path;
+use crate::glide::{at_path, start};
 use nalgebra::SMatrix;
 use num_dual::Dual64;
 
@@ -361,4 +361,44 @@ fn left_at_the_surface_or_dropped_on_the_seabed_it_comes_to_rest() {
         let rates = derivative(&p, Actuation::Servo, Modes::default(), 0.0, &end, &inputs);
         assert!(rates.depth_m.abs() < 1e-4, "still moves at {} m/s", rates.depth_m);
     }
+}
+
+#[test]
+fn the_bends_of_the_servos_are_foreseen_where_they_are() {
+    // By small steps of the very equations: when each servo leaves its largest rate.
+    let p = Parameters::default();
+    let start = start(&p);
+    let mut glider = Glider::new(p, Actuation::Servo, start.inputs);
+    glider.inputs.ballast_command_m3 *= -1.0;
+    glider.inputs.moving_mass_command_m *= -1.0;
+    let left = |state: &State<f64>| {
+        let ballast_s =
+            (glider.inputs.ballast_command_m3 - p.ballast_m3(state.ballast_mass_kg)).abs() / p.ballast_rate_m3_s;
+        let mass_s = (glider.inputs.moving_mass_command_m - state.moving_mass_1_m).abs() / p.moving_mass_rate_m_s;
+        [ballast_s, mass_s]
+    };
+    let (mut time, mut state, mut integrator) = (0.0, start.state, Integrator::new(1e-12));
+    let mut found = [None; 2];
+    let mut foreseen = Vec::new();
+    while time < 10.0 {
+        foreseen.extend(next_bend_s(&p, glider.actuation, time, &state, &glider.inputs));
+        let before = left(&state);
+        let begun = time;
+        let mut flown = glider;
+        flown.fly(&mut integrator, &mut time, &mut state, begun + 1e-3, |_, _, _| true).unwrap();
+        let after = left(&state);
+        for (i, found) in found.iter_mut().enumerate() {
+            // The servo is 1 s short of its set-point.
+            if before[i] > 1.0 && after[i] <= 1.0 {
+                *found = Some(begun + 1e-3 * (before[i] - 1.0) / (before[i] - after[i]));
+            }
+        }
+    }
+    let expected = found.map(|found| found.expect("both run at their largest rate for a while"));
+    assert!(foreseen.len() > 100);
+    for bend in foreseen {
+        assert!(expected.iter().any(|expected| (bend - expected).abs() < 1e-6), "{bend} of {expected:?}");
+    }
+    // A servo that gets a constant force has no bends.
+    assert_eq!(next_bend_s(&p, Actuation::Raw, 0.0, &start.state, &glider.inputs), None);
 }

@@ -339,4 +339,8 @@ impl System for Moving<'_> {
         // The jump of drag is a mode here; each advance ends on it.
         None
     }
+
+    fn next_bend_s(&self, time_s: f64, state: &State<f64>) -> Option<f64> {
+        self.rules.next_bend_s(&self.active, time_s, state, &self.inputs_at(time_s))
+    }
 }

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use glidepolar::Number;
 use glidepolar::dynamics::limits::{N_EVENTS, event_indicators, settle};
-use glidepolar::dynamics::{Actuation, Inputs, Modes, N_STATES, Outputs, Parameters, State, Stop, derivative, outputs};
+use glidepolar::dynamics::{
+    Actuation, Inputs, Modes, N_STATES, Outputs, Parameters, State, Stop, derivative, next_bend_s, outputs,
+};
 use glidepolar::water::WaterColumn;
 
 use super::table::{Discrete, N_OUTPUTS, Slot};
@@ -169,6 +171,17 @@ impl Rules<'_> {
         inputs: &Inputs<T>,
     ) -> [T; N_EVENTS] {
         event_indicators(active, self.actuation, self.discrete.modes, time_s, state, &self.inputs(state, inputs))
+    }
+
+    /// When the rates will bend, as far as that can be foreseen.
+    pub fn next_bend_s(
+        &self,
+        active: &Parameters<f64>,
+        time_s: f64,
+        state: &State<f64>,
+        inputs: &Inputs<f64>,
+    ) -> Option<f64> {
+        next_bend_s(active, self.actuation, time_s, state, inputs)
     }
 
     /// The outputs, in the order of the table.

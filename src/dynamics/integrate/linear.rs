@@ -4,30 +4,29 @@
 //! [`Decomposition::solve`] runs over whole pieces of a column, zeros included: of a fixed length, each becomes a few vector
 //! instructions.
 
-use super::method::Scaled;
-use crate::dynamics::state::N_STATES;
+use super::method::{Felt, N_FELT};
 
 /// A matrix brought to triangular form.
 pub struct Decomposition {
     /// Columns of the multipliers below the diagonal; zero elsewhere.
-    lower: [Scaled; N_STATES],
+    lower: [Felt; N_FELT],
     /// Columns of the upper factor above the diagonal; zero elsewhere.
-    upper: [Scaled; N_STATES],
+    upper: [Felt; N_FELT],
     /// Reciprocals of the pivots.
-    reciprocals: Scaled,
+    reciprocals: Felt,
     /// Which row of the matrix stands in each row.
-    rows: [usize; N_STATES],
+    rows: [usize; N_FELT],
 }
 
 impl Decomposition {
     /// Of the matrix with these columns; none for one that is singular or not finite.
-    pub fn of(mut columns: [Scaled; N_STATES]) -> Option<Self> {
-        let mut rows: [usize; N_STATES] = std::array::from_fn(|row| row);
-        let mut reciprocals = [0.0; N_STATES];
-        for pivot in 0..N_STATES {
+    pub fn of(mut columns: [Felt; N_FELT]) -> Option<Self> {
+        let mut rows: [usize; N_FELT] = std::array::from_fn(|row| row);
+        let mut reciprocals = [0.0; N_FELT];
+        for pivot in 0..N_FELT {
             let column = &columns[pivot];
             let mut largest = pivot;
-            for row in pivot + 1..N_STATES {
+            for row in pivot + 1..N_FELT {
                 if column[row].abs() > column[largest].abs() {
                     largest = row;
                 }
@@ -46,7 +45,7 @@ impl Decomposition {
             for column in &mut columns[pivot + 1..] {
                 let top = column[pivot];
                 if top != 0.0 {
-                    for row in pivot + 1..N_STATES {
+                    for row in pivot + 1..N_FELT {
                         column[row] -= multipliers[row] * top;
                     }
                 }
@@ -59,8 +58,8 @@ impl Decomposition {
     }
 
     /// The solution for this right side.
-    pub fn solve(&self, right: &Scaled) -> Scaled {
-        let mut solution: Scaled = std::array::from_fn(|row| right[self.rows[row]]);
+    pub fn solve(&self, right: &Felt) -> Felt {
+        let mut solution: Felt = std::array::from_fn(|row| right[self.rows[row]]);
         for (pivot, column) in self.lower.iter().enumerate() {
             let top = solution[pivot];
             let first = pivot - pivot % PIECE;
@@ -77,8 +76,8 @@ impl Decomposition {
 }
 
 /// Rows that are taken at once.
-const PIECE: usize = 4;
-const _: () = assert!(N_STATES.is_multiple_of(PIECE));
+const PIECE: usize = 2;
+const _: () = assert!(N_FELT.is_multiple_of(PIECE));
 
 fn subtract(from: &mut [f64], column: &[f64], times: f64) {
     for (values, multipliers) in from.as_chunks_mut::<PIECE>().0.iter_mut().zip(column.as_chunks::<PIECE>().0) {

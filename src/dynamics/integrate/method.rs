@@ -7,14 +7,26 @@ use crate::Number;
 use crate::dynamics::limits::N_EVENTS;
 use crate::dynamics::state::{N_STATES, STATE_NOMINALS, State};
 
-/// States that rates of change can depend on: all but the last, the energy drawn, which is only ever counted.
-const N_FELT: usize = N_STATES - 1;
+/// States that rates of change can depend on, the second to the last but one.
+pub const N_FELT: usize = N_STATES - 2;
+
+/// The others, which are only counted: the horizontal position and the energy drawn. (Over a seabed that slopes, a hull that
+/// touches it feels its position; the Jacobian leaves that out, and the error control answers with shorter steps.)
+pub const COUNTED: [usize; 2] = [0, N_STATES - 1];
 
 /// A number with its slopes along every state that is felt, and along time.
 pub type Jet = DualSVec64<{ N_FELT + 1 }>;
 
 /// A state, or its rates of change, in units of the nominal sizes about an origin.
 pub type Scaled = [f64; N_STATES];
+
+/// The part of it that is felt.
+pub type Felt = [f64; N_FELT];
+
+/// Takes the part that is felt.
+pub fn felt(scaled: &Scaled) -> Felt {
+    std::array::from_fn(|j| scaled[j + 1])
+}
 
 /// What became of one trial step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,18 +87,17 @@ impl<S: System> Stretch<'_, S> {
         std::array::from_fn(|i| derivative[i] / nominal[i])
     }
 
-    /// Rates of change of the scaled state, their slopes along each state (`jacobian[i][j]`: of rate `i` along state
-    /// `j`), and along time.
+    /// Rates of change of the scaled state, and their slopes along what is felt and along time.
     pub fn slopes(&self, time_s: f64, scaled: &Scaled) -> Slopes {
         let nominal = STATE_NOMINALS.as_array();
         let mut jets = self.state(scaled).as_array().map(Jet::constant);
-        for (j, jet) in jets.iter_mut().take(N_FELT).enumerate() {
-            *jet = seeded(*jet, j, nominal[j]);
+        for j in 0..N_FELT {
+            jets[j + 1] = seeded(jets[j + 1], j, nominal[j + 1]);
         }
         let time = seeded(Jet::constant(time_s.min(self.last_s)), N_FELT, 1.0);
         let rates = self.system.linearised(time, &State::from_array(jets)).as_array();
         let mut slopes =
-            Slopes { rates: [0.0; N_STATES], jacobian: [[0.0; N_STATES]; N_STATES], in_time: [0.0; N_STATES] };
+            Slopes { rates: [0.0; N_STATES], jacobian: [[0.0; N_FELT]; N_STATES], in_time: [0.0; N_STATES] };
         for (i, rate) in rates.iter().enumerate() {
             slopes.rates[i] = rate.re / nominal[i];
             if let Some(eps) = rate.eps.0 {
@@ -109,8 +120,8 @@ impl<S: System> Stretch<'_, S> {
 pub struct Slopes {
     /// Rates of change.
     pub rates: Scaled,
-    /// Their slopes along the states.
-    pub jacobian: [Scaled; N_STATES],
+    /// `jacobian[i][j]`: the slope of rate `i` along the state `j` of those that are felt.
+    pub jacobian: [Felt; N_STATES],
     /// Their slopes along time \[1/s\].
     pub in_time: Scaled,
 }

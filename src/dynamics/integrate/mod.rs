@@ -32,12 +32,12 @@ pub const DEFAULT_TOLERANCE: f64 = 1e-8;
 /// stability asks of an explicit one.
 pub const IMPLICIT_FROM: f64 = 5e-10;
 
-/// From this step on the linearly implicit method is the cheaper one: its step costs as much as six explicit ones, which the
-/// pitch damping of a glider holds to some 0.7 s \[s\].
-const IMPLICIT_STEP_S: f64 = 4.0;
+/// From this step on the linearly implicit method is the cheaper one: its step costs as much as three explicit ones, which the
+/// pitch damping of a glider holds to some 0.8 s \[s\].
+const IMPLICIT_STEP_S: f64 = 2.5;
 
 /// How many times its own step the explicit method must be able to hand over, to be left for the implicit one.
-const WORTH_CHANGING: f64 = 8.0;
+const WORTH_CHANGING: f64 = 4.0;
 
 /// Explicit steps after which it is tried whether the implicit method would go further.
 const STEPS_BEFORE_TRIAL: usize = 16;
@@ -62,6 +62,9 @@ const MAX_REJECTIONS: usize = 100;
 /// Width to which an event is located \[s\].
 const EVENT_WIDTH_S: f64 = 1e-9;
 
+/// So near to a bend a step is at it: what is left on the other side no error shows \[s\].
+const AT_A_BEND_S: f64 = 1e-5;
+
 /// How far past the place of the dense output an event is looked for at most \[s\].
 const LANDING_S: f64 = 1e-2;
 
@@ -78,6 +81,10 @@ pub trait System {
 
     /// The next time after `time_s` at which the rates jump, if they do.
     fn next_jump_s(&self, time_s: f64) -> Option<f64>;
+
+    /// When the rates will bend, from `time_s` and `state` on, as far as that can be foreseen: a step that ends there is
+    /// spared the attempts to step across. An estimate changes the steps alone.
+    fn next_bend_s(&self, time_s: f64, state: &State<f64>) -> Option<f64>;
 }
 
 /// How far an advance came.
@@ -205,27 +212,37 @@ impl Integrator {
         target: f64,
         until: Until,
     ) -> Result<Option<Advance>, IntegrationError> {
-        let too_small = |time: f64| Err(IntegrationError::StepTooSmall { time_s: time });
+        // Rates that are no numbers reject every step, however small.
+        let too_small = |time_s: f64, state: &State<f64>| {
+            let rates = stretch.system.derivative(time_s.min(stretch.last_s), state).as_array();
+            let are_finite = rates.iter().all(|rate| rate.is_finite());
+            Err(if are_finite {
+                IntegrationError::StepTooSmall { time_s }
+            } else {
+                IntegrationError::NotFinite { time_s }
+            })
+        };
         let mut method = M::begin(stretch, self.tolerance, *time, step_s.min(LONGEST_STEP_S))?;
         let mut before = stretch.system.event_indicators(*time, state);
         let (mut accepted, mut rejected) = (0, 0);
+        let mut stop_s = next_stop_s(stretch, *time, state, target);
         while *time < target && accepted < until.steps {
-            let remaining = target - method.time_s();
+            let remaining = stop_s - method.time_s();
             let unclipped = method.next_step_s();
             if unclipped <= 1e-13 * time.abs().max(1e-3) && unclipped < remaining {
-                return too_small(*time);
+                return too_small(*time, state);
             }
             let clipped = unclipped >= remaining * (1.0 - 1e-10);
             if clipped {
                 method.set_next_step_s(remaining);
             }
             match method.step(stretch) {
-                Trial::Failed => return too_small(*time),
+                Trial::Failed => return too_small(*time, state),
                 Trial::Rejected if method.next_step_s() < until.shorter_than_s => {
                     *step_s = method.next_step_s();
                     return Ok(None);
                 }
-                Trial::Rejected if rejected >= MAX_REJECTIONS => return too_small(*time),
+                Trial::Rejected if rejected >= MAX_REJECTIONS => return too_small(*time, state),
                 Trial::Rejected => {
                     rejected += 1;
                     continue;
@@ -235,15 +252,17 @@ impl Integrator {
             if !method.place().iter().all(|value| value.is_finite()) {
                 return Err(IntegrationError::NotFinite { time_s: *time });
             }
-            let reached_s = if clipped { target } else { method.time_s() };
+            let reached_s = if clipped { stop_s } else { method.time_s() };
             let after = stretch.indicators(reached_s, method.place());
             if let Some(ends) = first_change(stretch, &mut method, (*time, reached_s), (&before, &after)) {
                 let (event_s, event) = locate(stretch, &mut method, ends, &before);
                 return self.land::<S, M>(stretch, (time, state, step_s), (event_s, event, &before), target);
             }
             (*time, *state, before) = (reached_s, stretch.state(method.place()), after);
-            // A step that was cut to end on the target says nothing against the one before it.
+            // A step that was cut to end at a stop says nothing against the one before it.
             *step_s = if clipped { unclipped.max(method.next_step_s()) } else { method.next_step_s() };
+            method.set_next_step_s(*step_s);
+            stop_s = next_stop_s(stretch, *time, state, target);
         }
         Ok(None)
     }
@@ -289,6 +308,12 @@ impl Integrator {
             }
         }
     }
+}
+
+/// Where a step from here must end at the latest: at a bend of the rates, or at the target.
+fn next_stop_s<S: System>(stretch: &Stretch<'_, S>, time_s: f64, state: &State<f64>, target: f64) -> f64 {
+    let is_ahead = |bend_s: &f64| *bend_s > time_s + AT_A_BEND_S && *bend_s < target - AT_A_BEND_S;
+    stretch.system.next_bend_s(time_s, state).filter(is_ahead).unwrap_or(target)
 }
 
 /// When a stretch ends before its target.

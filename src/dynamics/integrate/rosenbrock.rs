@@ -8,12 +8,13 @@
 //! y(t + h) = y + sum_j a_8j k_j + k_8,      error k_8
 //! ```
 //! L-stable and stiffly accurate, error estimate of order 4, dense output of order 4. One Jacobian and one
-//! decomposition a step, eight right-hand sides, of which the first comes with the Jacobian. Allocates nothing.
+//! decomposition a step, eight right-hand sides, of which the first comes with the Jacobian. The equations for what is only
+//! counted stand alone: `k_i = h gamma (right_i + J_i k)` once the others are known. Allocates nothing.
 
 use nalgebra::SVector;
 
 use super::linear::Decomposition;
-use super::method::{Method, Scaled, Slopes, Stretch, Trial};
+use super::method::{COUNTED, Method, Scaled, Slopes, Stretch, Trial, felt};
 use super::{IntegrationError, LONGEST_STEP_S, System};
 use crate::dynamics::state::N_STATES;
 
@@ -208,8 +209,8 @@ impl Rosenbrock {
 
 impl Slopes {
     fn are_finite(&self) -> bool {
-        let rows = self.jacobian.iter().chain([&self.rates, &self.in_time]);
-        rows.flatten().all(|slope| slope.is_finite())
+        let vectors = self.rates.iter().chain(&self.in_time);
+        vectors.chain(self.jacobian.iter().flatten()).all(|slope| slope.is_finite())
     }
 }
 
@@ -222,9 +223,9 @@ fn stages<S: System>(
     step_s: f64,
 ) -> Option<(Vector, [Vector; STAGES])> {
     let diagonal = 1.0 / (step_s * GAMMA);
-    let matrix =
-        std::array::from_fn(|j| std::array::from_fn(|i| if i == j { diagonal } else { 0.0 } - slopes.jacobian[i][j]));
-    let matrix = Decomposition::of(matrix)?;
+    let matrix = Decomposition::of(std::array::from_fn(|j| {
+        std::array::from_fn(|i| if i == j { diagonal } else { 0.0 } - slopes.jacobian[i + 1][j])
+    }))?;
     let (start, in_time) = (Vector::from(*place), Vector::from(slopes.in_time));
     let mut k = [Vector::zeros(); STAGES];
     let mut at = start;
@@ -236,7 +237,12 @@ fn stages<S: System>(
         };
         let rates = if i == 0 { slopes.rates } else { stretch.rates(time_s + C_TIME[i] * step_s, &at.into()) };
         let right = Vector::from(rates) + in_time * (D[i] * step_s) + combine(&C[i], &k[..i]) / step_s;
-        k[i] = matrix.solve(&right.into()).into();
+        let solved = matrix.solve(&felt(&right.into()));
+        k[i].as_mut_slice()[1..=solved.len()].copy_from_slice(&solved);
+        for counted in COUNTED {
+            let passed_on: f64 = slopes.jacobian[counted].iter().zip(&solved).map(|(slope, k)| slope * k).sum();
+            k[i][counted] = (right[counted] + passed_on) / diagonal;
+        }
     }
     Some((at + k[STAGES - 1], k))
 }

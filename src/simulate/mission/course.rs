@@ -5,7 +5,7 @@ use super::{Mission, Profile};
 use crate::Number;
 use crate::dynamics::integrate::Jet;
 use crate::dynamics::limits::N_EVENTS;
-use crate::dynamics::{Actuation, Inputs, Modes, Parameters, State, derivative, integrate};
+use crate::dynamics::{Actuation, Inputs, Modes, Parameters, State, derivative, integrate, next_bend_s};
 
 /// The equations of motion with the orders that hold, in the water and over the seabed of the mission.
 #[derive(Debug, Clone, Copy)]
@@ -85,5 +85,9 @@ impl integrate::System for Course<'_> {
     fn next_jump_s(&self, time_s: f64) -> Option<f64> {
         let p = self.parameters;
         (p.drag_step != 0.0 && p.step_time_s > time_s).then_some(p.step_time_s)
+    }
+
+    fn next_bend_s(&self, time_s: f64, state: &State<f64>) -> Option<f64> {
+        next_bend_s(self.parameters, Actuation::Servo, time_s, state, &self.inputs(state))
     }
 }
