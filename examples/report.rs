@@ -10,7 +10,7 @@ use glidepolar::report::{Axis, Block, Cell, Dash, Figure, InputFile, Layer, Pane
 fn main() -> Result<(), InputError> {
     let folder = std::env::args().nth(1).unwrap_or_else(|| "report_example".to_owned());
     let folder = OutputFolder::open(folder, false)?;
-    report().write(&folder)?;
+    report().write(folder)?;
     println!("{}", folder.path().join("report.html").display());
     Ok(())
 }

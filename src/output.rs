@@ -4,6 +4,9 @@
 //! killed leaves the old file, or none. What may be replaced without being asked for (`--force`):
 //! - in an [`OutputFolder`], files that the program wrote there and nobody has changed since;
 //! - single files, as [`Replace`] says.
+//!
+//! What stands in the way is found before the first file is written: a folder takes all files, and looks at the place of
+//! each, before it writes any.
 
 use crate::input::{InputError, Place, printable};
 use glidepolar_archive::PARTIAL;
@@ -25,31 +28,51 @@ pub enum Replace {
     Any,
 }
 
+/// Results that cannot be written, which is no fault of the input.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error(transparent)]
+pub struct OutputError(pub InputError);
+
 /// Writes a file whole or not at all. A device or pipe (`/dev/stdout`) is written to as it is; a symbolic link is
 /// followed; missing folders are made.
-pub fn write_whole(path: impl AsRef<Path>, bytes: &[u8], replace: Replace) -> Result<(), InputError> {
+pub fn write_whole(path: impl AsRef<Path>, bytes: &[u8], replace: Replace) -> Result<(), OutputError> {
     let path = path.as_ref();
-    let failed = |e: io::Error| InputError::io(path, &e);
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let target = may_write(path, bytes, replace)?;
+    let is_device = fs::metadata(&target).is_ok_and(|existing| !existing.is_file());
+    let written = match is_device {
+        true => File::options().write(true).open(&target).and_then(|mut f| f.write_all(bytes)),
+        false => place(&target, bytes),
+    };
+    written.map_err(|e| failed(path, &e))
+}
+
+/// Finds out whether [`write_whole`] will write there, before anything else is written. A device or pipe is not touched:
+/// who reads it would take the look for the end.
+pub fn check(path: impl AsRef<Path>, bytes: &[u8], replace: Replace) -> Result<(), OutputError> {
+    let path = path.as_ref();
+    let target = may_write(path, bytes, replace)?;
     match fs::metadata(&target) {
-        Ok(existing) if existing.is_dir() => {
-            let problem = InputError::new(Place::file(path), "is a folder, and a file was to be written");
-            return Err(problem.help("give the name of a file in it"));
-        }
-        Ok(existing) if !existing.is_file() => {
-            return File::options().write(true).open(&target).and_then(|mut f| f.write_all(bytes)).map_err(failed);
-        }
-        Ok(_)
-            if replace == Replace::Never || (replace == Replace::Own && !is_own(&target, bytes).map_err(failed)?) =>
-        {
+        Ok(existing) if !existing.is_file() => Ok(()),
+        _ => glidepolar_archive::check_place(&target).map_err(|e| failed(path, &e)),
+    }
+}
+
+/// The place behind a name, where writing to it is allowed.
+fn may_write(path: &Path, bytes: &[u8], replace: Replace) -> Result<PathBuf, OutputError> {
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let is_own = || is_own(&target, bytes).map_err(|e| failed(path, &e));
+    match fs::metadata(&target) {
+        Ok(existing) if existing.is_dir() => return Err(is_folder(path)),
+        Ok(existing) if !existing.is_file() => {}
+        Ok(_) if replace == Replace::Never || (replace == Replace::Own && !is_own()?) => {
             return Err(refused(path, "exists already"));
         }
         _ => {}
     }
-    place(&target, bytes).map_err(failed)
+    Ok(target)
 }
 
-/// A folder for results. It remembers what it wrote in a small file, `.glidepolar`, so that a second run may replace the
+/// A folder for results: it takes its files one by one and writes them together. It remembers what it wrote in a small file, `.glidepolar`, so that a second run may replace the
 /// results of the first one but nothing else.
 #[derive(Debug)]
 pub struct OutputFolder {
@@ -57,17 +80,21 @@ pub struct OutputFolder {
     force: bool,
     /// Checksums of everything written here, by the name relative to the folder.
     written: HashSet<(String, u64, u32)>,
+    /// What is to be written, by the name relative to the folder.
+    files: Vec<(String, Vec<u8>)>,
 }
 
 const RECORD: &str = ".glidepolar";
 
 impl OutputFolder {
     /// Opens a folder, making it where it does not exist; with `force`, every file in it may be replaced.
-    pub fn open(path: impl AsRef<Path>, force: bool) -> Result<Self, InputError> {
+    pub fn open(path: impl AsRef<Path>, force: bool) -> Result<Self, OutputError> {
         let root = path.as_ref().to_owned();
-        let failed = |e: io::Error| {
-            let error = InputError::io(&root, &e);
-            if root.is_file() { error.help("a folder is needed here, and this is a file") } else { error }
+        let failed = |e: io::Error| match failed(&root, &e) {
+            OutputError(error) if root.is_file() => {
+                OutputError(error.help("a folder is needed here, and this is a file"))
+            }
+            error => error,
         };
         fs::create_dir_all(&root).map_err(failed)?;
         let written = match fs::read(root.join(RECORD)) {
@@ -75,7 +102,7 @@ impl OutputFolder {
             Err(_) => HashSet::new(),
         };
         sweep(&root);
-        Ok(OutputFolder { root, force, written })
+        Ok(OutputFolder { root, force, written, files: Vec::new() })
     }
 
     /// The folder itself.
@@ -83,22 +110,41 @@ impl OutputFolder {
         &self.root
     }
 
-    /// Writes a file of the folder whole or not at all. `name` is relative and stays inside, `figures/lift.svg`.
-    pub fn write(&self, name: impl AsRef<Path>, bytes: &[u8]) -> Result<(), InputError> {
+    /// Takes a file to write; refused where something stands in its place that may not be replaced. `name` is relative and
+    /// stays inside, `figures/lift.svg`.
+    pub fn add(&mut self, name: impl AsRef<Path>, bytes: impl Into<Vec<u8>>) -> Result<(), OutputError> {
         let name = name.as_ref();
         let path = self.root.join(name);
-        let failed = |e: io::Error| InputError::io(&path, &e);
         let inside = name.components().all(|c| matches!(c, Component::Normal(_)));
         let Some(text) = name.to_str().filter(|n| inside && !n.is_empty() && !n.contains(['\n', '\r'])) else {
             let problem = format!("'{}' is not the name of a file in this folder", printable(&name.to_string_lossy()));
-            return Err(InputError::new(Place::file(&self.root), problem));
+            return Err(OutputError(InputError::new(Place::file(&self.root), problem)));
         };
-        if !self.force && fs::symlink_metadata(&path).is_ok() && !self.wrote(text, &path).map_err(failed)? {
+        if fs::symlink_metadata(&path).is_ok_and(|existing| existing.is_dir()) {
+            return Err(is_folder(&path));
+        }
+        let on_the_way = path.ancestors().skip(1).take_while(|folder| *folder != self.root);
+        if let Some(file) = on_the_way.filter(|folder| folder.exists()).find(|folder| !folder.is_dir()) {
+            let problem = InputError::new(Place::file(file), "is a file, and a folder was to be made");
+            return Err(OutputError(problem.help("choose another name, or move it away")));
+        }
+        let is_free = self.force || fs::symlink_metadata(&path).is_err();
+        if !is_free && !self.wrote(text, &path).map_err(|e| failed(&path, &e))? {
             return Err(refused(&path, "was not written by this program, or was changed since"));
         }
-        // The record comes first: killed in between, a run leaves a record without its file, which does no harm.
-        self.record(text, bytes).map_err(|e| InputError::io(self.root.join(RECORD), &e))?;
-        place(&path, bytes).map_err(failed)
+        self.files.push((text.to_owned(), bytes.into()));
+        Ok(())
+    }
+
+    /// Writes the files, each whole or not at all.
+    pub fn write(self) -> Result<(), OutputError> {
+        for (name, bytes) in &self.files {
+            // The record comes first: killed in between, a run leaves a record without its file, which does no harm.
+            self.record(name, bytes).map_err(|e| failed(&self.root.join(RECORD), &e))?;
+            let path = self.root.join(name);
+            place(&path, bytes).map_err(|e| failed(&path, &e))?;
+        }
+        Ok(())
     }
 
     fn wrote(&self, name: &str, path: &Path) -> io::Result<bool> {
@@ -115,13 +161,24 @@ impl OutputFolder {
             return Ok(());
         }
         let line = format!("{:08x} {} {}\n", entry.2, entry.1, entry.0);
-        // One short write in append mode, so that several threads do not mix their lines.
+        // One short write in append mode, so that several programs do not mix their lines.
         File::options().append(true).create(true).open(self.root.join(RECORD))?.write_all(line.as_bytes())
     }
 }
 
-fn refused(path: &Path, why: &str) -> InputError {
-    InputError::new(Place::file(path), why).help("choose another name, move it away, or replace it with --force")
+fn refused(path: &Path, why: &str) -> OutputError {
+    let error = InputError::new(Place::file(path), why);
+    OutputError(error.help("choose another name, move it away, or replace it with --force"))
+}
+
+fn is_folder(path: &Path) -> OutputError {
+    let error = InputError::new(Place::file(path), "is a folder, and a file was to be written");
+    OutputError(error.help("give the name of a file in it"))
+}
+
+fn failed(path: &Path, error: &io::Error) -> OutputError {
+    // Without the hint at a name like it, which is for files to be read.
+    OutputError(InputError::new(Place::file(path), format!("cannot be written: {error}")))
 }
 
 /// Writes beside the target and renames.
@@ -190,33 +247,62 @@ fn columns(content: &[u8]) -> Option<&[u8]> {
 mod tests {
     use super::*;
 
+    fn write(folder: OutputFolder, name: &str, bytes: &[u8]) -> Result<(), OutputError> {
+        let mut folder = folder;
+        folder.add(name, bytes)?;
+        folder.write()
+    }
+
     #[test]
     fn a_second_run_replaces_the_first_ones_results_and_nothing_else() {
         let dir = tempfile::tempdir().unwrap();
         let out = dir.path().join("out");
-        OutputFolder::open(&out, false).unwrap().write("figures/lift.svg", b"one").unwrap();
-        let second = OutputFolder::open(&out, false).unwrap();
-        second.write("figures/lift.svg", b"two").unwrap();
+        write(OutputFolder::open(&out, false).unwrap(), "figures/lift.svg", b"one").unwrap();
+        write(OutputFolder::open(&out, false).unwrap(), "figures/lift.svg", b"two").unwrap();
         assert_eq!(fs::read(out.join("figures/lift.svg")).unwrap(), b"two");
 
         fs::write(out.join("figures/lift.svg"), b"edited by hand").unwrap();
         fs::write(out.join("notes.txt"), b"mine").unwrap();
-        let third = OutputFolder::open(&out, false).unwrap();
+        let mut third = OutputFolder::open(&out, false).unwrap();
         for name in ["figures/lift.svg", "notes.txt"] {
-            let refused = third.write(name, b"three").unwrap_err().to_string();
+            let refused = third.add(name, b"three").unwrap_err().to_string();
             assert!(refused.contains("--force"), "{refused}");
         }
         assert_eq!(fs::read(out.join("notes.txt")).unwrap(), b"mine");
-        OutputFolder::open(&out, true).unwrap().write("notes.txt", b"three").unwrap();
+        write(OutputFolder::open(&out, true).unwrap(), "notes.txt", b"three").unwrap();
         assert_eq!(fs::read(out.join("notes.txt")).unwrap(), b"three");
+    }
+
+    #[test]
+    fn one_file_in_the_way_leaves_all_unwritten() {
+        let dir = tempfile::tempdir().unwrap();
+        fs::write(dir.path().join("report.html"), b"mine").unwrap();
+        let mut out = OutputFolder::open(dir.path(), false).unwrap();
+        out.add("fits.json", b"{}").unwrap();
+        assert!(out.add("report.html", b"x").is_err());
+        fs::write(dir.path().join("figures"), b"a file").unwrap();
+        let error = out.add("figures/lift.svg", b"x").unwrap_err().to_string();
+        assert!(error.contains("figures: is a file"), "{error}");
+        assert!(!dir.path().join("fits.json").exists() && !dir.path().join(RECORD).exists());
+    }
+
+    #[test]
+    fn a_look_at_a_place_says_what_writing_would_and_leaves_nothing() {
+        let dir = tempfile::tempdir().unwrap();
+        check(dir.path().join("new/a.json"), b"{}", Replace::Own).unwrap();
+        assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 0);
+        fs::write(dir.path().join("file"), b"foreign").unwrap();
+        assert!(check(dir.path().join("file"), b"{}", Replace::Own).is_err());
+        let error = check(dir.path().join("file/a.json"), b"{}", Replace::Own).unwrap_err().to_string();
+        assert!(error.contains("a.json: cannot be written") && !error.contains(PARTIAL.0), "{error}");
     }
 
     #[test]
     fn names_stay_inside_the_folder() {
         let dir = tempfile::tempdir().unwrap();
-        let out = OutputFolder::open(dir.path().join("out"), true).unwrap();
+        let mut out = OutputFolder::open(dir.path().join("out"), true).unwrap();
         for name in ["../escaped", "/tmp/escaped", "", ".", "a/../../escaped", "two\nlines"] {
-            assert!(out.write(name, b"x").is_err(), "{name:?}");
+            assert!(out.add(name, b"x").is_err(), "{name:?}");
         }
         assert!(!dir.path().join("escaped").exists());
     }
@@ -247,7 +333,7 @@ mod tests {
         let out = OutputFolder::open(dir.path(), true).unwrap();
         fs::create_dir(dir.path().join("taken")).unwrap();
         fs::write(dir.path().join("taken/inside"), b"").unwrap();
-        assert!(out.write("taken", b"x").is_err());
+        assert!(write(out, "taken", b"x").is_err());
         let names: Vec<_> = fs::read_dir(dir.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
         assert!(names.iter().all(|n| !n.to_string_lossy().ends_with(PARTIAL.1)), "{names:?}");
     }
@@ -275,9 +361,9 @@ mod tests {
     #[test]
     fn a_torn_record_is_read_as_far_as_it_goes() {
         let dir = tempfile::tempdir().unwrap();
-        OutputFolder::open(dir.path(), false).unwrap().write("a.csv", b"1").unwrap();
+        write(OutputFolder::open(dir.path(), false).unwrap(), "a.csv", b"1").unwrap();
         let mut record = File::options().append(true).open(dir.path().join(RECORD)).unwrap();
         record.write_all(b"deadbeef 12").unwrap();
-        OutputFolder::open(dir.path(), false).unwrap().write("a.csv", b"2").unwrap();
+        write(OutputFolder::open(dir.path(), false).unwrap(), "a.csv", b"2").unwrap();
     }
 }

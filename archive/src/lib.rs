@@ -30,7 +30,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 pub use name::{NameFault, check_name};
-pub use whole::{PARTIAL, write_whole};
+pub use whole::{PARTIAL, check_place, write_whole};
 
 /// Names and contents of an archive's files, sorted by name. Folders are not kept: they follow from the names.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

@@ -12,7 +12,7 @@ use crate::dynamics::parameter_index;
 use crate::estimate::Estimate;
 use crate::identify::outside::built_up_lift_slope;
 use crate::input::printable;
-use crate::output::{Replace, write_whole};
+use crate::output::{Replace, check, write_whole};
 use crate::report::InputFile;
 use crate::vehicle::Vehicle;
 
@@ -85,12 +85,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     }
     found.told.diagnosis.warnings.extend(log.notes.iter().cloned());
 
+    let replace = if arguments.output.force { Replace::Any } else { Replace::Never };
     if let Some(path) = &arguments.extended {
         // What the trim took for the mass belongs to the extended vehicle as well, or it would fly at another weight.
         let trimmed_kg = found.baseline.hull_mass_kg - parameters.hull_mass_kg;
         extend(&mut vehicle, &found, trimmed_kg)?;
-        let replace = if arguments.output.force { Replace::Any } else { Replace::Never };
-        write_whole(path, vehicle.to_toml().as_bytes(), replace)?;
+        check(path, vehicle.to_toml().as_bytes(), replace)?;
         found.told.diagnosis.extended = Some(path.display().to_string());
     }
     if let Some(out) = &arguments.out {
@@ -98,7 +98,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         for log in &arguments.logs {
             page = page.input(InputFile::read(log)?);
         }
-        page.input(vehicle_input(&arguments.vehicle)?).write(&arguments.output.folder(out)?)?;
+        page.input(vehicle_input(&arguments.vehicle)?).write(arguments.output.folder(out)?)?;
+    }
+    if let Some(path) = &arguments.extended {
+        write_whole(path, vehicle.to_toml().as_bytes(), replace)?;
     }
     if arguments.output.shows_tables() {
         print(&found.told.diagnosis, &found.problem, trim.sentence());

@@ -67,7 +67,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     }
     if let Some(out) = &arguments.out {
         let page = glide_page::page(&vehicle, &parameters, &water, &glides);
-        page.input(vehicle_input(&arguments.vehicle)?).write(&arguments.output.folder(out)?)?;
+        page.input(vehicle_input(&arguments.vehicle)?).write(arguments.output.folder(out)?)?;
     }
     arguments.output.write_json(&report)
 }

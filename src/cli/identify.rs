@@ -219,9 +219,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         print(&report, &found);
     }
     if let Some(out) = &arguments.out {
-        let folder = arguments.output.folder(out)?;
-        let page = identify_page::of_joint(&vehicle, &found, &report, &log.observations, &folder)?;
-        write_page(arguments, page, &folder)?;
+        let mut folder = arguments.output.folder(out)?;
+        let page = identify_page::of_joint(&vehicle, &found, &report, &log.observations, &mut folder)?;
+        write_page(arguments, page, folder)?;
     }
     arguments.output.write_json(&report)
 }
@@ -256,15 +256,15 @@ fn iterative(arguments: &Arguments, vehicle: &Vehicle, log: Log, trim: Trim) -> 
         report.warnings.iter().for_each(|warning| println!("warning: {warning}"));
     }
     if let Some(out) = &arguments.out {
-        let folder = arguments.output.folder(out)?;
-        let page = identify_page::of_iterative(vehicle, &report, &folder)?;
-        write_page(arguments, page, &folder)?;
+        let mut folder = arguments.output.folder(out)?;
+        let page = identify_page::of_iterative(vehicle, &report, &mut folder)?;
+        write_page(arguments, page, folder)?;
     }
     arguments.output.write_json(&report)
 }
 
 /// The page with what was read.
-fn write_page(arguments: &Arguments, page: Page, folder: &OutputFolder) -> Result<(), CliError> {
+fn write_page(arguments: &Arguments, page: Page, folder: OutputFolder) -> Result<(), CliError> {
     let mut page = page.input(vehicle_input(&arguments.vehicle)?);
     for log in &arguments.logs {
         page = page.input(InputFile::read(log)?);

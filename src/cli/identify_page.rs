@@ -6,9 +6,8 @@ use crate::identify::paper_form::IterativeReport;
 use crate::identify::pitch_balance::{PitchBalance, predicted_pitch_rad};
 use crate::identify::polar_points::{PolarPoint, polar_points};
 use crate::identify::{Dive, Identification, Report, residuals};
-use crate::input::InputError;
 use crate::log::Observation;
-use crate::output::OutputFolder;
+use crate::output::{OutputError, OutputFolder};
 use crate::report::{Cell, Report as Page, Section, Table, significant};
 use crate::vehicle::Vehicle;
 
@@ -23,14 +22,14 @@ pub(super) fn of_joint(
     found: &Identification,
     report: &Report,
     observations: &[Observation],
-    folder: &OutputFolder,
-) -> Result<Page, InputError> {
+    folder: &mut OutputFolder,
+) -> Result<Page, OutputError> {
     let parameters = &found.best_fit().parameters;
     let points = polar_points(parameters, observations);
-    folder.write("glides.csv", &glides_csv(&points))?;
-    folder.write("parameters.csv", &parameters_csv(report))?;
-    folder.write("correlation.csv", &correlation_csv(report))?;
-    folder.write("residuals.csv", &residuals_csv(parameters, &found.dives))?;
+    folder.add("glides.csv", glides_csv(&points))?;
+    folder.add("parameters.csv", parameters_csv(report))?;
+    folder.add("correlation.csv", correlation_csv(report))?;
+    folder.add("residuals.csv", residuals_csv(parameters, &found.dives))?;
 
     let mut page = Page::new("Identification", format!("{}, {} glides", vehicle.name, report.n_glides));
     page.warnings.extend(report.warnings.iter().cloned());
@@ -69,11 +68,11 @@ pub(super) fn of_joint(
 pub(super) fn of_iterative(
     vehicle: &Vehicle,
     report: &IterativeReport,
-    folder: &OutputFolder,
-) -> Result<Page, InputError> {
+    folder: &mut OutputFolder,
+) -> Result<Page, OutputError> {
     let own = report.campaigns.iter().take(2);
     let points: Vec<PolarPoint> = own.flat_map(|campaign| campaign.glides.iter().map(PolarPoint::from)).collect();
-    folder.write("glides.csv", &glides_csv(&points))?;
+    folder.add("glides.csv", glides_csv(&points))?;
     let mut page =
         Page::new("Identification, iterative scheme", format!("{}, {} glides", vehicle.name, report.n_glides));
     page.warnings.extend(report.warnings.iter().cloned());

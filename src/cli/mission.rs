@@ -63,16 +63,18 @@ pub(super) fn run(
         }
         true
     })?;
-    for (path, table) in [(frame.csv, &tables.history), (arguments.log.as_deref(), &tables.log)] {
-        if let (Some(path), Some(table)) = (path, table) {
-            frame.output.write(path, table.as_bytes())?;
-        }
+    let tables = [frame.csv.zip(tables.history), arguments.log.as_deref().zip(tables.log)];
+    for (path, table) in tables.iter().flatten() {
+        frame.output.check(path, table.as_bytes())?;
     }
     if let Some(folder) = &arguments.out {
-        let folder = frame.output.folder(folder)?;
-        folder.write("legs.csv", legs_table(&flight.legs).as_bytes())?;
+        let mut folder = frame.output.folder(folder)?;
+        folder.add("legs.csv", legs_table(&flight.legs))?;
         let input = InputFile::read(file)?;
-        mission_page::page(&vehicle.name, &mission, &flight, &trace, input).write(&folder)?;
+        mission_page::page(&vehicle.name, &mission, &flight, &trace, input).write(folder)?;
+    }
+    for (path, table) in tables.iter().flatten() {
+        frame.output.write(path, table.as_bytes())?;
     }
     let report = Report::new(vehicle, &mission, &flight);
     if frame.output.shows_tables() {

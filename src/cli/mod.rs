@@ -38,7 +38,7 @@ use clap::{Args, CommandFactory, Parser, Subcommand};
 
 use crate::glide::GlideError;
 use crate::input::{InputError, Place, printable};
-use crate::output::{OutputFolder, Replace, write_whole};
+use crate::output::{OutputError, OutputFolder, Replace, check, write_whole};
 use crate::report::InputFile;
 use crate::simulate::mission::MissionError;
 use crate::vehicle::{MissingKeys, Vehicle};
@@ -103,7 +103,7 @@ impl Output {
             use std::io::Write;
             return std::io::stdout().write_all(text.as_bytes()).map_err(|error| CliError::Failed(error.to_string()));
         }
-        self.write(path, text.as_bytes())
+        Ok(write_whole(path, text.as_bytes(), self.replace())?)
     }
 
     /// Writes a file that the user named, whole or not at all; an earlier result is replaced, anything else only with
@@ -112,15 +112,36 @@ impl Output {
     /// # Errors
     /// Where the file cannot be written or may not be replaced.
     pub fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), CliError> {
-        Ok(write_whole(path, bytes, if self.force { Replace::Any } else { Replace::Own })?)
+        self.check_json()?;
+        Ok(write_whole(path, bytes, self.replace())?)
+    }
+
+    /// Finds out whether [`write`](Self::write) will write there, before something else is written.
+    ///
+    /// # Errors
+    /// Where the file cannot be written or may not be replaced.
+    pub fn check(&self, path: &Path, bytes: &[u8]) -> Result<(), CliError> {
+        Ok(check(path, bytes, self.replace())?)
     }
 
     /// Opens a folder for results, in which only earlier results are replaced, or anything with `--force`.
     ///
     /// # Errors
-    /// Where the folder cannot be made.
+    /// Where the folder cannot be made, or the place of `--json` cannot be written to: the folder would be left without it.
     pub fn folder(&self, path: &Path) -> Result<OutputFolder, CliError> {
+        self.check_json()?;
         Ok(OutputFolder::open(path, self.force)?)
+    }
+
+    fn check_json(&self) -> Result<(), CliError> {
+        match &self.json {
+            Some(path) if path.as_os_str() != "-" => self.check(path, b"{}"),
+            _ => Ok(()),
+        }
+    }
+
+    fn replace(&self) -> Replace {
+        if self.force { Replace::Any } else { Replace::Own }
     }
 }
 
@@ -174,6 +195,9 @@ pub enum CliError {
     /// Input that cannot be used: exit code 2.
     #[error(transparent)]
     Input(#[from] InputError),
+    /// Results that cannot be written: exit code 2.
+    #[error(transparent)]
+    Output(#[from] OutputError),
     /// A vehicle file that lacks what this command needs: exit code 2.
     #[error(transparent)]
     MissingKeys(#[from] MissingKeys),
@@ -192,9 +216,12 @@ pub enum CliError {
 }
 
 impl CliError {
-    fn exit_code(&self) -> ExitCode {
+    /// The exit code that tells it to a script.
+    pub fn exit_code(&self) -> ExitCode {
         match self {
-            CliError::Input(_) | CliError::MissingKeys(_) | CliError::Usage(_) => ExitCode::from(2),
+            CliError::Input(_) | CliError::Output(_) | CliError::MissingKeys(_) | CliError::Usage(_) => {
+                ExitCode::from(2)
+            }
             CliError::Glide(GlideError::OutOfRange { .. }) => ExitCode::from(2),
             CliError::Glide(_) | CliError::Mission(_) | CliError::Failed(_) => ExitCode::FAILURE,
         }
@@ -250,7 +277,8 @@ pub fn run(cli: Cli) -> Result<(), CliError> {
 pub fn show(error: &CliError) {
     let text = error.to_string();
     match error {
-        CliError::Input(InputError { place, problem, help: Some(help) }) => {
+        CliError::Input(InputError { place, problem, help: Some(help) })
+        | CliError::Output(OutputError(InputError { place, problem, help: Some(help) })) => {
             anstream::eprintln!("{RED}error{RED:#}: {place}: {problem}\n{CYAN}help{CYAN:#}: {help}");
         }
         _ => anstream::eprintln!("{RED}error{RED:#}: {text}"),

@@ -116,7 +116,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         for file in arguments.moves.iter().chain(&arguments.dives) {
             page = page.input(InputFile::read(file)?);
         }
-        page.write(&arguments.output.folder(out)?)?;
+        page.write(arguments.output.folder(out)?)?;
     }
     let report = Report { schema: "glidepolar.plan/1", vehicle: vehicle.name.clone(), calibration, plan };
     if arguments.output.shows_tables() {

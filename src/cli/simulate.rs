@@ -128,15 +128,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         true
     })
     .map_err(|error| CliError::Failed(error.to_string()))?;
-    if let (Some(path), Some(table)) = (&arguments.csv, table) {
-        arguments.output.write(path, table.as_bytes())?;
+    let table = arguments.csv.as_ref().zip(table);
+    if let Some((path, table)) = &table {
+        arguments.output.check(path, table.as_bytes())?;
     }
     if let (Some(out), Some(history)) = (&arguments.mission.out, history) {
         let mut page = history.page(&vehicle.name).input(vehicle_input(name)?);
         if let Some(inputs) = &arguments.inputs {
             page = page.input(InputFile::read(inputs)?);
         }
-        page.write(&arguments.output.folder(out)?)?;
+        page.write(arguments.output.folder(out)?)?;
+    }
+    if let Some((path, table)) = &table {
+        arguments.output.write(path, table.as_bytes())?;
     }
     if arguments.output.shows_tables() {
         summary.print();

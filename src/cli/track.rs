@@ -138,11 +138,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
             }
         }
     }
-    if let Some(path) = &a.csv {
-        a.output.write(path, track_table(&track).as_bytes())?;
-    }
-    if let Some(path) = &a.write {
-        a.output.write(path, log_table(&log, &track, &samples).as_bytes())?;
+    let written = a.csv.as_ref().map(|path| (path, track_table(&track)));
+    let tables = [written, a.write.as_ref().map(|path| (path, log_table(&log, &track, &samples)))];
+    for (path, table) in tables.iter().flatten() {
+        a.output.check(path, table.as_bytes())?;
     }
     if let Some(out) = &a.out {
         let remarks = Remarks {
@@ -157,7 +156,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         for file in a.logs.iter().chain(&a.fixes) {
             page = page.input(InputFile::read(file)?);
         }
-        page.write(&a.output.folder(out)?)?;
+        page.write(a.output.folder(out)?)?;
+    }
+    for (path, table) in tables.iter().flatten() {
+        a.output.write(path, table.as_bytes())?;
     }
     let report = Report {
         schema: "glidepolar.track/1",

@@ -4,7 +4,7 @@ use super::draw::document;
 use super::figure::Figure;
 use super::table::{Cell, Table};
 use crate::input::{InputError, turns};
-use crate::output::OutputFolder;
+use crate::output::{OutputError, OutputFolder};
 use minijinja::{Environment, Value, context};
 use sha2::{Digest, Sha256};
 use std::collections::HashSet;
@@ -180,18 +180,20 @@ impl Report {
         })
     }
 
-    /// Writes `report.html`, and each figure that is not folded away as `figures/NAME.svg` and `.png`.
-    pub fn write(&self, folder: &OutputFolder) -> Result<(), InputError> {
+    /// Writes `report.html`, each figure that is not folded away as `figures/NAME.svg` and `.png`, and what the folder
+    /// was given before.
+    pub fn write(&self, mut folder: OutputFolder) -> Result<(), OutputError> {
         let shown = self.sections.iter().filter(|s| !s.folded).flat_map(|s| &s.blocks);
         let mut taken = HashSet::new();
         for block in shown {
             if let Block::Figure(figure) = block {
                 let stem = free_name(figure.stem(), &mut taken);
-                folder.write(format!("figures/{stem}.svg"), figure.svg().as_bytes())?;
-                folder.write(format!("figures/{stem}.png"), &figure.png())?;
+                folder.add(format!("figures/{stem}.svg"), figure.svg())?;
+                folder.add(format!("figures/{stem}.png"), figure.png())?;
             }
         }
-        folder.write("report.html", self.html().as_bytes())
+        folder.add("report.html", self.html())?;
+        folder.write()
     }
 
     fn values(&self) -> Value {

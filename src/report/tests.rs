@@ -262,7 +262,7 @@ fn files_are_written_once_and_again() {
     let report = Report::new("t", "s").section(Section::new("one").figure(everything()).figure(everything()));
     for _ in 0..2 {
         let folder = crate::output::OutputFolder::open(dir.path(), false).unwrap();
-        report.write(&folder).unwrap();
+        report.write(folder).unwrap();
     }
     for name in ["report.html", "figures/every-kind.svg", "figures/every-kind.png", "figures/every-kind-2.svg"] {
         assert!(dir.path().join(name).metadata().unwrap().len() > 1000, "{name}");

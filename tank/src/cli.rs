@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use glidepolar::cli::{CliError, Output, shell};
+use glidepolar::input::InputError;
+use glidepolar::report::InputFile;
 
 use crate::demo_cli;
 use glidepolar_tank::{Options, Progress, output, reduce_campaign, reduce_points};
@@ -100,7 +102,7 @@ impl Reduce {
                 diagnoses.extended_in(&self.out.join("fits.json").display().to_string());
             }
         }
-        output::write(&results, &self.inputs(input), &self.output.folder(&self.out)?)?;
+        output::write(&results, self.inputs(input)?, self.output.folder(&self.out)?)?;
         if self.output.shows_tables() {
             output::print(&results);
         }
@@ -129,11 +131,12 @@ impl Reduce {
     }
 
     /// The files that describe what is reduced.
-    fn inputs(&self, input: &Path) -> Vec<PathBuf> {
-        match &self.hull {
-            Some(hull) => vec![input.to_owned(), hull.clone()],
-            None => vec![input.join("campaign.toml"), input.join("runs.csv")],
-        }
+    fn inputs(&self, input: &Path) -> Result<Vec<InputFile>, InputError> {
+        let files = match &self.hull {
+            Some(hull) => [input.to_owned(), hull.clone()],
+            None => [input.join("campaign.toml"), input.join("runs.csv")],
+        };
+        files.iter().map(InputFile::read).collect()
     }
 }
 

@@ -86,3 +86,22 @@ fn bad_input_ends_with_two_and_leaves_nothing() {
         assert!(!folder.path().join("tank_out").exists(), "{arguments:?}");
     }
 }
+
+#[test]
+fn what_stands_in_the_way_leaves_no_half_of_the_results() {
+    let folder = tempfile::tempdir().unwrap();
+    let (points, hull) = (data("suboff_roddy1990.csv"), data("suboff.toml"));
+    let reduce = |more: &[&str]| tank_reduce(folder.path(), &[&[points.as_str(), "--hull", &hull], more].concat());
+    for (kept, name) in [("page", "report.html"), ("table", "coefficients.csv")] {
+        std::fs::create_dir(folder.path().join(kept)).unwrap();
+        std::fs::write(folder.path().join(kept).join(name), "keep").unwrap();
+        let output = reduce(&["--out", kept]);
+        assert!(!output.status.success() && text(&output.stderr).contains("--force"), "{}", text(&output.stderr));
+        assert_eq!(std::fs::read_dir(folder.path().join(kept)).unwrap().count(), 1, "{kept}");
+    }
+    std::fs::write(folder.path().join("afile"), "keep").unwrap();
+    let output = reduce(&["--json", "afile/fits.json"]);
+    let message = text(&output.stderr);
+    assert!(!output.status.success() && message.contains("afile/fits.json: cannot be written"), "{message}");
+    assert!(!folder.path().join("tank_out").exists());
+}

@@ -63,7 +63,7 @@ fn compare(folder: PathBuf, reference: PathBuf, flown: Vec<PathBuf>) -> Result<b
     for path in std::iter::once(&reference).chain(&flown) {
         report = report.input(InputFile::read(path)?);
     }
-    report.write(&OutputFolder::open(folder, false)?)?;
+    report.write(OutputFolder::open(folder, false)?)?;
     Ok(worst <= SAME)
 }
 

@@ -6,10 +6,8 @@ mod figures;
 mod page;
 mod tables;
 
-use std::path::PathBuf;
-
-use glidepolar::input::InputError;
-use glidepolar::output::OutputFolder;
+use glidepolar::output::{OutputError, OutputFolder};
+use glidepolar::report::InputFile;
 
 use crate::results::Results;
 
@@ -20,17 +18,17 @@ pub use console::print;
 ///
 /// # Errors
 /// Where a file cannot be written, or stands there from somebody else.
-pub fn write(results: &Results, inputs: &[PathBuf], folder: &OutputFolder) -> Result<(), InputError> {
+pub fn write(results: &Results, inputs: Vec<InputFile>, mut folder: OutputFolder) -> Result<(), OutputError> {
     // Plain numbers and strings: always writable as JSON.
     let mut json = serde_json::to_string_pretty(&results.reduction()).unwrap_or_default();
     json.push('\n');
-    folder.write("fits.json", json.as_bytes())?;
-    folder.write("coefficients.csv", &tables::coefficients_csv(results))?;
+    folder.add("fits.json", json)?;
+    folder.add("coefficients.csv", tables::coefficients_csv(results))?;
     if !results.runs.is_empty() {
-        folder.write("steps.csv", &tables::steps_csv(results))?;
+        folder.add("steps.csv", tables::steps_csv(results))?;
     }
     if results.hulls.iter().any(|hull| hull.dynamic.is_some()) {
-        folder.write("derivatives.csv", &tables::derivatives_csv(results))?;
+        folder.add("derivatives.csv", tables::derivatives_csv(results))?;
     }
-    page::report(results, inputs)?.write(folder)
+    page::report(results, inputs).write(folder)
 }

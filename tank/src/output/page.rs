@@ -1,7 +1,6 @@
 //! The page: what was found, how sure it is, every step that led there.
 
 use glidepolar::hull_tests::Estimate;
-use glidepolar::input::InputError;
 use glidepolar::report::{Cell, InputFile, Report, Section, Table};
 
 use super::figures;
@@ -15,16 +14,13 @@ use crate::trend::COEFFICIENTS;
 const MOST_DRAWN: usize = 600;
 
 /// Makes the page of a reduction. `inputs` are the files that describe it; the runs' own files are many and stay unlisted.
-///
-/// # Errors
-/// Where an input cannot be read again for its checksum.
-pub fn report(results: &Results, inputs: &[std::path::PathBuf]) -> Result<Report, InputError> {
+pub fn report(results: &Results, inputs: Vec<InputFile>) -> Report {
     let mut report = Report::new("Hull tests", &results.name);
     report.program = concat!("tank-reduce ", env!("CARGO_PKG_VERSION")).to_owned();
     report.warnings = results.warnings.clone();
     report.findings = findings(results);
     for input in inputs {
-        report = report.input(InputFile::read(input)?);
+        report = report.input(input);
     }
     if let Some(section) = super::diagnosis::section(results) {
         report = report.section(section);
@@ -37,7 +33,7 @@ pub fn report(results: &Results, inputs: &[std::path::PathBuf]) -> Result<Report
     if !results.runs.is_empty() {
         report = report.section(runs(results));
     }
-    Ok(report)
+    report
 }
 
 /// Every run's history; of very many those with notices and some of the rest, so that a browser can still show the page.
