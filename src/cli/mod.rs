@@ -1,7 +1,8 @@
 //! The command line `glidepolar`: one file a command, the habits they share here.
 //!
 //! Every command takes `--json FILE` (`-`: standard output, and nothing else there), `--out DIR` where it writes files,
-//! and `--quiet`. Exit code 0: done; 1: the question has no answer (no such glide); 2: the input cannot be used.
+//! and `--quiet`. Exit code 0: done; 1: the question has no answer (no such glide), or the result could not be written;
+//! 2: the input cannot be used.
 //! Standard output carries results, standard error messages. The library does the work; a command reads arguments,
 //! calls it and shows what came back.
 
@@ -47,7 +48,7 @@ use crate::vehicle::{MissingKeys, Vehicle};
 #[derive(Debug, Parser)]
 #[command(name = "glidepolar", version, propagate_version = true, max_term_width = 110)]
 #[command(after_help = "VEHICLE is a vehicle file (TOML) or the name of a built-in vehicle: `glidepolar vehicles`.\n\
-    Exit code: 0 done, 1 the question has no answer, 2 the input cannot be used.")]
+    Exit code: 0 done, 1 the question has no answer or it could not be written, 2 the input cannot be used.")]
 pub struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -195,7 +196,7 @@ pub enum CliError {
     /// Input that cannot be used: exit code 2.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// Results that cannot be written: exit code 2.
+    /// Results that cannot be written: exit code 1.
     #[error(transparent)]
     Output(#[from] OutputError),
     /// A vehicle file that lacks what this command needs: exit code 2.
@@ -219,11 +220,9 @@ impl CliError {
     /// The exit code that tells it to a script.
     pub fn exit_code(&self) -> ExitCode {
         match self {
-            CliError::Input(_) | CliError::Output(_) | CliError::MissingKeys(_) | CliError::Usage(_) => {
-                ExitCode::from(2)
-            }
+            CliError::Input(_) | CliError::MissingKeys(_) | CliError::Usage(_) => ExitCode::from(2),
             CliError::Glide(GlideError::OutOfRange { .. }) => ExitCode::from(2),
-            CliError::Glide(_) | CliError::Mission(_) | CliError::Failed(_) => ExitCode::FAILURE,
+            CliError::Output(_) | CliError::Glide(_) | CliError::Mission(_) | CliError::Failed(_) => ExitCode::FAILURE,
         }
     }
 }

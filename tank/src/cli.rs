@@ -10,6 +10,7 @@ use glidepolar::input::InputError;
 use glidepolar::report::InputFile;
 
 use crate::demo_cli;
+use glidepolar_tank::virtual_tank::Error;
 use glidepolar_tank::{Options, Progress, output, reduce_campaign, reduce_points};
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -68,9 +69,10 @@ impl Cli {
     /// Where the input cannot be used or the results cannot be written.
     pub fn run(self) -> Result<(), CliError> {
         match self.command {
-            Some(Command::Demo(arguments)) => {
-                demo_cli::run(arguments).map_err(|error| CliError::Usage(error.to_string()))
-            }
+            Some(Command::Demo(arguments)) => demo_cli::run(arguments).map_err(|error| match error {
+                Error::FolderInUse { .. } | Error::Io { .. } => CliError::Failed(error.to_string()),
+                _ => CliError::Usage(error.to_string()),
+            }),
             None if self.shell.is_asked_for() => self.shell.run(Cli::command()),
             None => self.reduce.run(),
         }

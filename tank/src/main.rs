@@ -6,7 +6,7 @@ mod demo_cli;
 use std::process::ExitCode;
 
 use clap::Parser;
-use glidepolar::cli::{CliError, begin, show};
+use glidepolar::cli::{begin, show};
 
 fn main() -> ExitCode {
     begin();
@@ -14,7 +14,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             show(&error);
-            ExitCode::from(if matches!(error, CliError::Failed(_)) { 1 } else { 2 })
+            error.exit_code()
         }
     }
 }

@@ -92,7 +92,7 @@ def test_manual_pages_are_written_for_every_command(glidepolar, tank_reduce, tmp
     # A second time replaces its own pages and nothing else.
     ok(glidepolar, "man", tmp_path)
     (tmp_path / "glidepolar.1").write_text("my own page")
-    assert run(glidepolar, "man", tmp_path).returncode == 2
+    assert run(glidepolar, "man", tmp_path).returncode == 1
     if shutil.which("man"):
         ok(tank_reduce, "--man", tmp_path / "again")
         assert "towing tank" in ok("man", "-l", tmp_path / "again/tank-reduce.1", MANWIDTH="200", LC_ALL="C.UTF-8")
