@@ -8,6 +8,13 @@
 
 #![allow(rustdoc::broken_intra_doc_links, reason = "the arguments' documentation is their help: units in brackets")]
 
+/// As the standard one, but an output that takes no more ends the program with a message and not with a panic. It stands
+/// before the modules, so that it holds in all of them.
+macro_rules! println {
+    () => { $crate::cli::print_line(format_args!("")) };
+    ($($line:tt)*) => { $crate::cli::print_line(format_args!($($line)*)) };
+}
+
 pub mod assemble;
 pub mod diagnose;
 mod diagnose_page;
@@ -102,7 +109,9 @@ impl Output {
         text.push('\n');
         if path.as_os_str() == "-" {
             use std::io::Write;
-            return std::io::stdout().write_all(text.as_bytes()).map_err(|error| CliError::Failed(error.to_string()));
+            return std::io::stdout()
+                .write_all(text.as_bytes())
+                .map_err(|error| CliError::Failed(format!("standard output cannot be written: {error}")));
         }
         Ok(write_whole(path, text.as_bytes(), self.replace())?)
     }
@@ -235,6 +244,17 @@ pub fn begin() {
     // SAFETY: no other thread runs yet, and the default action calls no code of this program.
     unsafe {
         libc::signal(libc::SIGPIPE, libc::SIG_DFL);
+    }
+}
+
+/// Prints a line of a table on standard output, in colour on a terminal only. Where it cannot be written, on a full disk,
+/// the program ends with a message: the rest of the table would not arrive either.
+pub fn print_line(line: std::fmt::Arguments) {
+    use std::io::Write;
+    if let Err(error) = writeln!(anstream::stdout().lock(), "{line}") {
+        let error = CliError::Failed(format!("standard output cannot be written: {error}"));
+        show(&error);
+        std::process::exit(1);
     }
 }
 

@@ -107,3 +107,19 @@ fn what_stands_in_the_way_leaves_no_half_of_the_results() {
     assert_eq!(reduce(&["--out", "afile"]).status.code(), Some(1));
     assert!(!folder.path().join("tank_out").exists());
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_standard_output_ends_with_a_message() {
+    let folder = tempfile::tempdir().unwrap();
+    let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_tank-reduce"))
+        .current_dir(folder.path())
+        .args([data("suboff_roddy1990.csv"), "--hull".to_owned(), data("suboff.toml")])
+        .stdout(full)
+        .output()
+        .unwrap();
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("standard output cannot be written") && !message.contains("panicked"), "{message}");
+}

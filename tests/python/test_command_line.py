@@ -252,6 +252,14 @@ def test_a_reader_that_has_seen_enough_ends_the_command_quietly(glidepolar):
     process.wait(timeout=60)
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full on this system")
+def test_an_output_that_takes_no_more_ends_the_command_with_a_message(glidepolar, tmp_path):
+    for arguments in (["vehicles", "--keys"], ["glide", "slocum-graver"]):
+        with open("/dev/full", "w", encoding="utf-8") as full:
+            done = subprocess.run([glidepolar, *arguments], stdout=full, stderr=subprocess.PIPE, text=True, cwd=tmp_path)
+        assert done.returncode == 1 and "standard output cannot be written" in done.stderr, done.stderr
+
+
 # Text from files
 
 

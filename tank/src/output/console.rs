@@ -4,16 +4,21 @@ use glidepolar::hull_tests::Estimate;
 
 use crate::results::Results;
 
+/// Ends the program with a message where nothing more can be printed.
+macro_rules! println {
+    ($($line:tt)*) => { glidepolar::cli::print_line(format_args!($($line)*)) };
+}
+
 /// Prints the fits hull by hull.
 pub fn print(results: &Results) {
     let width = results.hulls.iter().map(|h| h.hull.id.len()).max().unwrap_or(0).max(4);
-    anstream::println!("{BOLD}{:<width$}  {:>4}  {}{BOLD:#}", "hull", "runs", heading());
+    println!("{BOLD}{:<width$}  {:>4}  {}{BOLD:#}", "hull", "runs", heading());
     for hull in &results.hulls {
         let id = glidepolar::input::printable(&hull.hull.id);
         match &hull.fit {
             Ok(fit) => {
                 let e = &fit.estimates;
-                anstream::println!(
+                println!(
                     "{id:<width$}  {:>4}  {}  {}  {}  {}",
                     hull.n_runs,
                     shown(&e.a, 3),
@@ -22,10 +27,10 @@ pub fn print(results: &Results) {
                     shown(&e.d, 3)
                 );
             }
-            Err(few) => anstream::println!("{id:<width$}  {:>4}  {few}", hull.n_runs),
+            Err(few) => println!("{id:<width$}  {:>4}  {few}", hull.n_runs),
         }
     }
-    anstream::println!(
+    println!(
         "CL = a alpha, CD = b + c alpha^2, CM = d alpha about the centre of buoyancy, |alpha| <= {} deg; 95 % intervals",
         results.range_deg
     );
@@ -35,9 +40,9 @@ pub fn print(results: &Results) {
 /// Prints what was found wrong, in few lines.
 fn print_diagnosis(results: &Results) {
     let Some(diagnosis) = results.diagnoses.as_ref().and_then(|diagnoses| diagnoses.overall()) else { return };
-    anstream::println!("{BOLD}diagnosis{BOLD:#}");
+    println!("{BOLD}diagnosis{BOLD:#}");
     for sentence in super::diagnosis::sentences(diagnosis) {
-        anstream::println!("  {sentence}");
+        println!("  {sentence}");
     }
 }
 
