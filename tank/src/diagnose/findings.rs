@@ -19,6 +19,9 @@ use crate::sweep::NAMES;
 /// A size of one hull's own is told of that hull where chance would show it less often than this.
 const SIGNIFICANT: f64 = 0.01;
 
+/// The size that says which channel drifts.
+pub const CHANNEL: &str = "channel";
+
 /// Writes it down.
 pub fn write(data: &Data, problem: &TankProblem<'_>, outcome: &Outcome, hulls: &[HullResults]) -> Diagnoses {
     let unseen = unseen(problem, data);
@@ -125,9 +128,7 @@ impl Teller<'_> {
             Shape::Day(_, day) => {
                 sizes.insert("day".to_owned(), Estimate::normal(*day as f64 + 1.0, 0.0, "1"));
             }
-            Shape::Drift(_, channel) => {
-                sizes.insert("channel".to_owned(), Estimate::normal(*channel as f64 + 1.0, 0.0, "1"));
-            }
+            Shape::Drift(_, channel) => tell_channel(&mut sizes, *channel),
             _ => {}
         }
         sizes
@@ -291,6 +292,17 @@ impl Teller<'_> {
     }
 }
 
+/// Which channel drifts, as a number with its legend for a unit: sizes are numbers in the JSON. The drift of a moment keeps
+/// the name of that of a force, which readers know, and has a moment's unit.
+fn tell_channel(sizes: &mut BTreeMap<String, Estimate>, channel: usize) {
+    sizes.insert(CHANNEL.to_owned(), Estimate::normal(channel as f64 + 1.0, 0.0, "1 AF, 2 SF, 3 YM"));
+    if channel == 2
+        && let Some(drift) = sizes.get_mut("zero_drift_N_per_hour")
+    {
+        drift.unit = "N m/h".to_owned();
+    }
+}
+
 /// The mean of what hulls show, with the errors that they share; where they differ by more than that, by their scatter.
 fn mean(values: &[f64], covariance: &DMatrix<f64>, unit: &str) -> Estimate {
     let seen: Vec<usize> = (0..values.len()).filter(|i| covariance[(*i, *i)] > 0.0).collect();
@@ -306,4 +318,20 @@ fn mean(values: &[f64], covariance: &DMatrix<f64>, unit: &str) -> Estimate {
     let variance: f64 =
         pairs.map(|(i, j)| weights[i] * weights[j] * covariance[(seen[i], seen[j])]).sum::<f64>() / (all * all);
     Estimate::normal(mean, (scale * variance.max(0.0)).sqrt(), unit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_drift_of_a_moment_has_a_moments_unit() {
+        for (channel, unit) in [(0, "N/h"), (1, "N/h"), (2, "N m/h")] {
+            let drift = Estimate::normal(1.5, 0.1, "N/h");
+            let mut sizes = BTreeMap::from([("zero_drift_N_per_hour".to_owned(), drift)]);
+            tell_channel(&mut sizes, channel);
+            assert_eq!(sizes["zero_drift_N_per_hour"].unit, unit);
+            assert_eq!(sizes[CHANNEL].value, channel as f64 + 1.0);
+        }
+    }
 }

@@ -21,6 +21,7 @@ use glidepolar::hull_tests::ExtendedFit;
 
 use crate::results::HullResults;
 pub use data::{Data, SteadyData, ZeroTimes, zero_times};
+pub use findings::CHANNEL;
 use mechanisms::{IN_TANK, Mechanism, Reach};
 use problem::TankProblem;
 

@@ -4,6 +4,7 @@ use glidepolar::diagnose::{Cause, Diagnosis, Verdict};
 use glidepolar::estimate::Estimate;
 use glidepolar::report::{Axis, Cell, Figure, Layer, Panel, Section, Table, probability};
 
+use crate::diagnose::CHANNEL;
 use crate::diagnose::mechanisms::in_tank;
 use crate::diagnose::{Diagnoses, RunLeft};
 use crate::results::Results;
@@ -95,11 +96,18 @@ fn cause(cause: &Cause) -> String {
 }
 
 fn shown(name: &str, size: &Estimate) -> String {
-    if size.se > 0.0 {
+    if let Some(channel) = channel(name, size) {
+        format!("{name} = {channel}")
+    } else if size.se > 0.0 {
         format!("{name} = {}", glidepolar::report::estimate(size.value, size.se))
     } else {
         format!("{name} = {}", size.value)
     }
+}
+
+/// The name of the channel that drifts, which stands as a number among the sizes.
+fn channel(name: &str, size: &Estimate) -> Option<&'static str> {
+    (name == CHANNEL).then(|| ["AF", "SF", "YM"].get((size.value as usize).wrapping_sub(1)).copied())?
 }
 
 fn words(name: &str) -> String {
@@ -242,8 +250,15 @@ fn causes_table(overall: &Diagnosis) -> Table {
             let number = |value: f64| if first { Cell::number(value, 3) } else { Cell::from("") };
             table.push([
                 text(words(&cause.cause)),
-                Cell::from(format!("{name} [{}]", size.unit)),
-                if size.se > 0.0 { Cell::estimate(size.value, size.se) } else { Cell::number(size.value, 6) },
+                Cell::from(match channel(name, size) {
+                    Some(_) => name.clone(),
+                    None => format!("{name} [{}]", size.unit),
+                }),
+                match channel(name, size) {
+                    Some(channel) => Cell::from(channel),
+                    None if size.se > 0.0 => Cell::estimate(size.value, size.se),
+                    None => Cell::number(size.value, 6),
+                },
                 number(cause.p_value),
                 text(cause.quantity.clone()),
                 number(cause.holdout_rms_before),
@@ -287,4 +302,16 @@ fn rejected_table(overall: &Diagnosis) -> Table {
         table.push([Cell::from(words(&rejected.cause)), Cell::from(rejected.why.as_str())]);
     }
     table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_channel_is_told_by_its_name() {
+        let size = |value: f64| Estimate::normal(value, 0.0, "1 AF, 2 SF, 3 YM");
+        assert_eq!(shown("channel", &size(3.0)), "channel = YM");
+        assert_eq!(shown("day", &size(3.0)), "day = 3");
+    }
 }
