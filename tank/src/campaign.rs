@@ -210,6 +210,7 @@ impl Campaign {
                 Err(error) => self.rejected.push(Rejected { run_id: id, error }),
             }
         }
+        self.tell_shared_files();
         if self.runs.is_empty() {
             return Err(self.rejected.first().map_or_else(
                 || InputError::new(table.place(), "no runs below the header"),
@@ -217,6 +218,22 @@ impl Campaign {
             ));
         }
         Ok(())
+    }
+
+    /// Two runs that read one file are no repeats of each other: their agreement says nothing of the noise.
+    fn tell_shared_files(&mut self) {
+        let mut first: HashMap<&Path, &str> = HashMap::new();
+        for run in &self.runs {
+            if let Some(other) = first.insert(&run.file, &run.id) {
+                let file = run.file.display().to_string();
+                self.notices.push(format!(
+                    "runs {} and {} name the same file {}: one reading is counted twice",
+                    printable(other),
+                    printable(&run.id),
+                    printable(&file)
+                ));
+            }
+        }
     }
 
     fn run(&self, order: usize, row: &Cells) -> Result<Run, InputError> {

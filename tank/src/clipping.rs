@@ -7,13 +7,16 @@ use glidepolar::input::{InputError, Place};
 use crate::campaign::{Kind, Run};
 use crate::history::History;
 
-const NAMES: [&str; 3] = ["AF_N", "SF_N", "YM_N_m"];
+/// The balance's columns.
+pub const NAMES: [&str; 3] = ["AF_N", "SF_N", "YM_N_m"];
 /// Successive samples at the very same extreme value that no free reading shows.
 const STUCK_SAMPLES: usize = 5;
+/// No balance reads more, in N or N m.
+const LARGEST: f64 = 1e9;
 /// So many distinct values a free reading has at least; fewer, and the recorder is merely coarse.
 const DISTINCT: usize = 24;
 
-/// Looks for channels whose largest or smallest value stands still.
+/// Looks for channels whose largest or smallest value stands still, or is none that a balance reads.
 ///
 /// # Errors
 /// Where one does, with the line where it begins.
@@ -21,6 +24,11 @@ pub fn check(history: &History, file: &Path) -> Result<(), InputError> {
     for (channel, name) in history.channels().into_iter().zip(NAMES) {
         let high = channel.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let low = channel.iter().copied().fold(f64::INFINITY, f64::min);
+        if high > LARGEST || low < -LARGEST {
+            let at = channel.iter().position(|x| x.abs() > LARGEST).unwrap_or(0);
+            let problem = format!("{name} is {:e}, expected a reading of a balance, within {LARGEST:e}", channel[at]);
+            return Err(InputError::new(Place::line(file, at + 2), problem));
+        }
         for limit in [high, low] {
             let Some((at, length)) = longest_at(channel, limit) else { continue };
             if length >= STUCK_SAMPLES && is_fine(channel) {
@@ -64,7 +72,7 @@ fn longest_at(channel: &[f64], value: f64) -> Option<(usize, usize)> {
 }
 
 /// Whether the channel resolves its noise: a constant channel, or one of a few steps, is no sign of clipping.
-fn is_fine(channel: &[f64]) -> bool {
+pub fn is_fine(channel: &[f64]) -> bool {
     let mut values: Vec<u64> = channel.iter().step_by((channel.len() / 512).max(1)).map(|x| x.to_bits()).collect();
     values.sort_unstable();
     values.dedup();

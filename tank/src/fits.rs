@@ -2,9 +2,11 @@
 //! its residuals, and whether the model is adequate at all.
 
 use glidepolar::hull_tests::{Estimate, HullFit};
+use glidepolar::input::printable;
 use nalgebra::{DMatrix, DVector};
 
 use crate::adequacy::{self, Adequacy};
+use crate::outlier::{self, Outlier};
 use crate::regression::{self, Fit, Problem, Scatter};
 use crate::sweep::{NAMES, Sweep};
 use crate::zero_drift::{self, Slope};
@@ -27,6 +29,8 @@ pub struct SweepFit {
     pub setting_rad: f64,
     /// Repeats against the model, for CL, CD and CM, where runs were repeated.
     pub lack_of_fit: [Option<LackOfFit>; 3],
+    /// Points far off the fit to the others.
+    pub outliers: Vec<Outlier>,
     /// Other forms of the model on the same points.
     pub adequacy: Adequacy,
     /// The coefficients against the range.
@@ -84,6 +88,7 @@ pub fn fit(sweep: &Sweep, range_deg: f64) -> Result<SweepFit, TooFewPoints> {
         zero_drift: [slope(0)?, slope(2)?],
         setting_rad: if sweep.has_errors() { setting_rad(&fits[2]) } else { 0.0 },
         lack_of_fit: [0, 1, 2].map(|i| lack_of_fit(sweep, &rows, &fits[i])),
+        outliers: outlier::of(sweep, &rows, &MODEL),
         adequacy: adequacy::of(sweep, &rows),
         ranges: ranges(sweep, range_deg),
         drag_exponent: drag_exponent(sweep, &rows, &fits[1]),
@@ -230,6 +235,12 @@ fn drag_exponent(sweep: &Sweep, rows: &[usize], drag: &Fit) -> Option<Estimate> 
 /// What a reader of the fits has to know, hull by hull.
 pub fn warnings(id: &str, fit: &SweepFit) -> Vec<String> {
     let mut warnings = Vec::new();
+    for Outlier { run_id, coefficient, value, expected } in &fit.outliers {
+        warnings.push(format!(
+            "{id}: run {} has {coefficient} = {value:.4} where the others lead to expect {expected:.4}: other units, another hull, another angle? It is still in the fit",
+            printable(run_id)
+        ));
+    }
     warnings.extend(range_warning(id, fit));
     for (i, lack) in fit.lack_of_fit.iter().enumerate() {
         if let Some(lack) = lack

@@ -71,6 +71,11 @@ impl History {
         [&self.columns[4], &self.columns[5], &self.columns[6]]
     }
 
+    /// One of the balance's channels, to be put right.
+    pub fn channel_mut(&mut self, channel: usize) -> &mut [f64] {
+        &mut self.columns[4 + channel]
+    }
+
     /// Mean interval between samples \[s\].
     pub fn interval_s(&self) -> f64 {
         let time = self.time_s();

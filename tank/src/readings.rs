@@ -9,6 +9,7 @@ use crate::clipping;
 use crate::harmonics::{self, Harmonics};
 use crate::history::History;
 use crate::series::{Mean3, block_means};
+use crate::spikes;
 use crate::window::{self, Found, NoWindow, Window};
 
 /// What one run came to.
@@ -98,8 +99,8 @@ pub fn read(run: &Run, hull_length_m: f64, history: &mut History) -> Result<Read
     clipping::check_alive(history, run)?;
     check_time(run, history)?;
     check_units(run, history)?;
+    let mut notices = spikes::leave_out(history);
     let rest = window::at_rest(history);
-    let mut notices = Vec::new();
     let (useful, window) = match run.kind {
         Kind::Zero => (Useful::Rest, rest.clone().map_err(no_window)?),
         Kind::Tare | Kind::Static | Kind::Arc => {
