@@ -3,8 +3,8 @@
 //! What concerns the campaign as a whole must be right. A row of `runs.csv` that is not is left out and reported; it
 //! never loses the rest.
 
-use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::collections::{HashMap, HashSet};
+use std::path::{Component, Path, PathBuf};
 
 use glidepolar::input::{InputError, Place, nearest, printable};
 use nalgebra::Matrix3;
@@ -164,6 +164,11 @@ impl Campaign {
             let error = InputError::new(Place::file(folder), "is no campaign's folder: it has no campaign.toml");
             return Err(error.help(help));
         }
+        let table_file = folder.join("runs.csv");
+        if !table_file.exists() {
+            let problem = "is missing: the table of the campaign's runs, one row per run";
+            return Err(InputError::new(Place::file(table_file), problem).help(help));
+        }
         let source = Source::read(&manifest_file)?;
         let manifest: Manifest = source.parse()?;
         let hulls = hulls(&manifest, &source)?;
@@ -179,7 +184,7 @@ impl Campaign {
             rejected: Vec::new(),
             notices: Vec::new(),
         };
-        campaign.read_runs(&folder.join("runs.csv"))?;
+        campaign.read_runs(&table_file)?;
         Ok(campaign)
     }
 
@@ -210,6 +215,7 @@ impl Campaign {
                 Err(error) => self.rejected.push(Rejected { run_id: id, error }),
             }
         }
+        self.reject_missing_files();
         self.tell_shared_files();
         if self.runs.is_empty() {
             return Err(self.rejected.first().map_or_else(
@@ -218,6 +224,25 @@ impl Campaign {
             ));
         }
         Ok(())
+    }
+
+    /// Leaves out runs without a file. The one that may have been meant is only one that no other run names: a repeat by
+    /// mistake would be worse than a run less.
+    fn reject_missing_files(&mut self) {
+        let named: HashSet<PathBuf> = self.runs.iter().map(|run| run.file.clone()).collect();
+        let is_missing =
+            |run: &Run| std::fs::metadata(&run.file).is_err_and(|error| error.kind() == std::io::ErrorKind::NotFound);
+        let (missing, runs) = std::mem::take(&mut self.runs).into_iter().partition(is_missing);
+        self.runs = runs;
+        let missing: Vec<Run> = missing;
+        for run in missing {
+            let error = InputError::new(Place::file(&run.file), "the run's file is missing");
+            let error = match unnamed_neighbour(&run.file, &named) {
+                Some(near) => error.help(format!("no run names {near}: is it that one?")),
+                None => error.help("export it again, or take its row out of runs.csv"),
+            };
+            self.rejected.push(Rejected { run_id: run.id, error });
+        }
     }
 
     /// Two runs that read one file are no repeats of each other: their agreement says nothing of the noise.
@@ -293,6 +318,16 @@ impl Campaign {
             "" => self.folder.join("data").join(format!("{id}.csv")),
             file => self.folder.join(file),
         };
+        // What another person's campaign names is not to be read from all over the disk.
+        let inside = file
+            .strip_prefix(&self.folder)
+            .is_ok_and(|name| name.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir)));
+        if !inside {
+            let column = if row.text("file").is_empty() { "run_id" } else { "file" };
+            let problem =
+                format!("{column} is `{}`, which leads out of the campaign's folder", printable(row.text(column)));
+            return Err(wrong(column, problem).help("copy the file to data/"));
+        }
         Ok(Run {
             order,
             id: id.to_owned(),
@@ -329,6 +364,14 @@ impl Campaign {
             }
         })
     }
+}
+
+/// The file beside a missing one whose name is nearest to it, of those that no run names.
+fn unnamed_neighbour(file: &Path, named: &HashSet<PathBuf>) -> Option<String> {
+    let entries = std::fs::read_dir(file.parent()?).ok()?;
+    let free = entries.flatten().filter(|entry| !named.contains(&entry.path()));
+    let names: Vec<String> = free.filter_map(|entry| entry.file_name().into_string().ok()).collect();
+    nearest(file.file_name()?.to_str()?, names.iter().map(String::as_str)).map(printable)
 }
 
 impl Default for Balance {

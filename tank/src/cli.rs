@@ -109,9 +109,7 @@ impl Reduce {
             output::print(&results);
         }
         for warning in &results.warnings {
-            if !self.output.quiet {
-                anstream::eprintln!("{YELLOW}warning{YELLOW:#}: {warning}");
-            }
+            anstream::eprintln!("{YELLOW}warning{YELLOW:#}: {warning}");
         }
         self.output.write_json(&results.reduction())
     }

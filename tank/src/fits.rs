@@ -65,8 +65,12 @@ pub struct RangePoint {
 
 /// Why a sweep could not be fitted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{found} points within {range_deg} deg, expected at least 3 at three angles or more")]
+#[error(
+    "points within {range_deg} deg: {found}, at {angles} different angles; expected at least 3 points at three angles or more"
+)]
 pub struct TooFewPoints {
+    /// Different angles among them.
+    pub angles: usize,
     /// Points in the range.
     pub found: usize,
     /// The range \[deg\].
@@ -79,7 +83,17 @@ pub struct TooFewPoints {
 /// Where too few points lie within the range.
 pub fn fit(sweep: &Sweep, range_deg: f64) -> Result<SweepFit, TooFewPoints> {
     let rows = sweep.within_deg(range_deg);
-    let too_few = || TooFewPoints { found: rows.len(), range_deg };
+    let too_few = || {
+        let mut angles: Vec<f64> = rows.iter().map(|i| sweep.points[*i].nominal_yaw_deg).collect();
+        angles.sort_by(f64::total_cmp);
+        // Angles closer than a quarter of a degree are one setting.
+        angles.dedup_by(|angle, before| *angle - *before < 0.25);
+        TooFewPoints { found: rows.len(), angles: angles.len(), range_deg }
+    };
+    // Points at one setting differ in angle by its scatter, and a fit would follow that.
+    if too_few().angles < 3 {
+        return Err(too_few());
+    }
     let fits = coefficients(sweep, &rows).ok_or_else(too_few)?;
     let slope = |coefficient| zero_drift::slope(sweep, coefficient).ok_or_else(too_few);
     Ok(SweepFit {

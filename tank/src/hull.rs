@@ -106,6 +106,11 @@ impl HullKeys {
         }
         let diameter_m = source.positive("diameter_m", &self.diameter_m)?;
         let loa_m = source.positive("loa_m", &self.loa_m)?;
+        if diameter_m > LONGEST_MODEL_M {
+            let problem = format!("diameter_m is {diameter_m}, expected far less than {LONGEST_MODEL_M} m");
+            let error = InputError::new(source.place(&self.diameter_m), problem);
+            return Err(error.help("in millimetres? all sizes are in m"));
+        }
         if loa_m > LONGEST_MODEL_M {
             let problem = format!("loa_m is {loa_m}, expected at most {LONGEST_MODEL_M} m");
             return Err(InputError::new(source.place(&self.loa_m), problem).help("in millimetres? all sizes are in m"));

@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 use glidepolar_tank::virtual_tank::EffectRequest;
-use glidepolar_tank::{Options, reduce_campaign};
+use glidepolar_tank::{Options, Results, reduce_campaign};
 use support::{Spoilt, campaign, effect, reduce, run_of};
 
 /// One hull, one seed: every coefficient and derivative within five standard errors, and most within two.
@@ -122,6 +122,12 @@ fn one_bad_row_never_loses_the_campaign() {
         ("a duplicate", run.clone() + ",", other.clone() + ",", "stands in line"),
         ("no speed", ",2.0,".to_owned(), ",,".to_owned(), "speed_m_s is 0"),
         ("a decimal comma", ",2.0,".to_owned(), ",2,0,".to_owned(), "14 cells where the header names 13"),
+        (
+            "a way out",
+            format!("data/{run}.csv"),
+            "../../../etc/passwd".to_owned(),
+            "leads out of the campaign's folder",
+        ),
         ("text for a number", ",12.0,".to_owned(), ",twelve,".to_owned(), "yaw_deg is `twelve`"),
     ] {
         spoilt.change_table(|text| text.replace(&row(text), &row(text).replacen(&from, &to, 1)));
@@ -131,6 +137,24 @@ fn one_bad_row_never_loses_the_campaign() {
         assert!(message.contains("runs.csv:") && message.contains(expected), "{what}: {message}");
         spoilt.restore_table();
     }
+    // A missing file is not likened to another run's, and is to one that no run names.
+    let data = spoilt.folder.join("data");
+    let missing = data.join(format!("{run}.csv"));
+    std::fs::rename(&missing, spoilt.folder.join("kept")).unwrap();
+    let message = |results: Results| results.rejected[0].error.to_string();
+    let none = message(reduce(&spoilt.folder));
+    assert!(none.contains(&format!("{run}.csv: the run's file is missing")) && !none.contains("is it that"), "{none}");
+    std::fs::rename(spoilt.folder.join("kept"), data.join(format!("{run}b.csv"))).unwrap();
+    let one = message(reduce(&spoilt.folder));
+    assert!(one.contains(&format!("no run names {run}b.csv")), "{one}");
+    std::fs::rename(data.join(format!("{run}b.csv")), &missing).unwrap();
+    spoilt.change_table(|text| {
+        text.lines()
+            .filter(|line| !line.contains(",static,") || line.contains(",4.0,"))
+            .fold(String::new(), |all, line| all + line + "\n")
+    });
+    let few = reduce(&spoilt.folder).hulls[0].fit.as_ref().unwrap_err().to_string();
+    assert!(few.contains("at 1 different angles"), "{few}");
     spoilt.change_table(|text| text.replacen("yaw_deg", "yaw_rad", 1));
     let results = reduce_campaign(&spoilt.folder, &Options { range_deg: 10.0, strict: false }, &|_| ());
     let message = results.unwrap_err().to_string();
@@ -147,6 +171,7 @@ fn a_manifest_that_cannot_be_right_is_refused() {
         ("a wrong kind", "kind = \"fresh\"", "kind = \"brackish\"", "brackish"),
         ("a negative size", "diameter_m = ", "diameter_m = -", "diameter_m is -0.203"),
         ("hull against itself", "ldr = 8.5", "ldr = 12.5", "ldr is 12.5, but loa_m / diameter_m is 8.49"),
+        ("a diameter in millimetres", "diameter_m = ", "diameter_m = 203 # ", "diameter_m is 203"),
         ("millimetres", "loa_m = ", "loa_m = 1724 # ", "expected at most 50 m"),
         ("half a live mass", "xg_m", "# xg_m", "one is missing"),
     ] {
@@ -246,5 +271,9 @@ fn a_folder_without_a_campaign_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let error = reduce_campaign(folder.path(), &Options { range_deg: 10.0, strict: false }, &|_| ());
     assert!(error.unwrap_err().to_string().contains("campaign.toml"));
+    fs::write(folder.path().join("campaign.toml"), "[water]\n").unwrap();
+    let error = reduce_campaign(folder.path(), &Options { range_deg: 10.0, strict: false }, &|_| ());
+    let message = error.unwrap_err().to_string();
+    assert!(message.contains("runs.csv: is missing: the table of the campaign's runs"), "{message}");
     assert!(!Path::new("tank_out").exists());
 }

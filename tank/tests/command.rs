@@ -63,7 +63,12 @@ fn a_campaign_needs_one_command() {
     let steps = std::fs::read_to_string(folder.path().join("tank_out/steps.csv")).unwrap();
     assert!(steps.starts_with("run_id,kind,speed_m_s,yaw_deg,window_from_s,window_to_s,reading_AF_N"));
     let quiet = tank_reduce(folder.path(), &["pmm_runs", "--quiet"]);
-    assert!(quiet.status.success() && quiet.stdout.is_empty() && quiet.stderr.is_empty());
+    assert!(quiet.status.success() && quiet.stdout.is_empty());
+    // A run that is left out is said even then.
+    let run = std::fs::read_dir(folder.path().join("pmm_runs/data")).unwrap().next().unwrap().unwrap().path();
+    std::fs::write(&run, "").unwrap();
+    let quiet = tank_reduce(folder.path(), &["pmm_runs", "--quiet"]);
+    assert!(quiet.status.success() && quiet.stdout.is_empty() && text(&quiet.stderr).contains("is left out"));
 }
 
 #[test]
