@@ -44,7 +44,9 @@ impl Mean3 {
         Mean3 { mean, covariance: covariance / (count * n) as f64, dof: count as f64, sample_variance }
     }
 
-    /// Effective number of samples of a channel.
+    /// Effective number of samples of a channel. Where a resonance dominates it is larger than their number, and not held
+    /// there: successive samples then err to opposite sides, and their mean is better known than that of as many
+    /// independent ones. The variance of the samples bounds that of their mean only where these are not anticorrelated.
     pub fn effective_samples(&self, channel: usize) -> f64 {
         self.sample_variance[channel] / self.covariance[(channel, channel)]
     }
@@ -129,6 +131,32 @@ mod tests {
             let ratio = found / repeats as f64 / expected;
             assert!((0.9..1.1).contains(&ratio), "phi {phi}, vibration {vibration}: {ratio}");
         }
+    }
+
+    /// A strut that rings at 4 Hz makes the samples scatter, and their mean hardly: its standard error is that of the means of
+    /// repeated records, many times smaller than the one of as many independent samples.
+    #[test]
+    fn a_ringing_strut_leaves_the_mean_well_known() {
+        let mut rng = rand::rngs::StdRng::seed_from_u64(7);
+        let (n, repeats, interval_s) = (1250, 400, 0.02);
+        let (frequency, decay) = (std::f64::consts::TAU * 4.0 * interval_s, 0.98);
+        let (mut variance, mut means, mut effective) = (0.0, Vec::new(), 0.0);
+        for _ in 0..repeats {
+            let (mut now, mut before) = (0.0, 0.0);
+            let ringing = (0..n + 500).map(|_| {
+                let next = 2.0 * decay * f64::cos(frequency) * now - decay * decay * before;
+                (before, now) = (now, next + rng.sample::<f64, _>(StandardNormal));
+                now
+            });
+            let samples: Vec<f64> = ringing.skip(500).collect();
+            let found = Mean3::of([&samples, &samples, &samples], interval_s);
+            variance += found.covariance[(0, 0)] / f64::from(repeats);
+            effective += found.effective_samples(0) / f64::from(repeats);
+            means.push(found.mean[0]);
+        }
+        let seen = means.iter().map(|mean| mean * mean).sum::<f64>() / f64::from(repeats);
+        assert!((0.8..1.25).contains(&(variance / seen)), "{variance} {seen}");
+        assert!(effective > 5.0 * n as f64, "{effective}");
     }
 
     #[test]
