@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::identify::{Reading, TrimChoice, with_error};
+use super::identify::{TrimChoice, with_error};
+use super::reading::{Reading, noted, refused};
 use super::{CliError, Output, diagnose_page, vehicle_input};
 use crate::diagnose::sea::{Lift, SeaDiagnosis, SeaError, SeaProblem, Settings, diagnose_log};
 use crate::diagnose::{Check, Checked, Diagnosis, Point, Problem, Verdict};
@@ -70,14 +71,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     };
     let settings = Settings { lift, ..Settings::default() };
     let parameters = vehicle.glide_parameters();
-    let mut found = diagnose_log(&parameters, trim, &log.observations, settings).map_err(|error| {
-        // What was taken out in the reading may be what is wrong.
-        let notes =
-            if log.notes.is_empty() { String::new() } else { format!("; the reading noted: {}", log.notes.join("; ")) };
-        match error {
-            SeaError::Inconsistent(_) => CliError::Usage(format!("{error}{notes}")),
-            SeaError::TooFew { .. } => CliError::Failed(format!("{error}{notes}")),
-        }
+    let mut found = diagnose_log(&parameters, trim, &log.observations, settings).map_err(|error| match error {
+        SeaError::Inconsistent(checks) => refused(checks, &log.notes),
+        // What was taken out in the reading may be what is missing.
+        SeaError::TooFew { .. } => CliError::Failed(format!("{error}{}", noted(&log.notes))),
     })?;
     if let Some((lift, source)) = built_up {
         let held = format!("no measured speed: the lift slope is held at {:.1} per rad: {source}", lift.value);

@@ -4,12 +4,10 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::reading::{Log, Reading};
 use super::{CliError, Output, identify_page, vehicle_input};
 use crate::identify::{Given, Identification, IdentifyError, Report, Request, Trim, Unsteady, identify, paper_form};
-use crate::input::{InputError, Place};
-use crate::log::{
-    Channel, Columns, Condenser, MOST_OBSERVATIONS, Observation, Opened, Preparation, Settings, Shorten, open,
-};
+use crate::log::Shorten;
 use crate::output::OutputFolder;
 use crate::report::{InputFile, Report as Page};
 use crate::vehicle::Vehicle;
@@ -56,23 +54,6 @@ pub struct Arguments {
 /// Pressure from which on samples of the unsteady mode count: below the waves [dbar].
 const UNSTEADY_FROM_DBAR: f64 = 3.0;
 
-/// How logs are read; the same for every command that takes one.
-#[derive(Debug, Clone, Args)]
-pub struct Reading {
-    /// Column that holds the measured speed through the water [m/s]
-    #[arg(long, value_name = "NAME", help_heading = "Log")]
-    pub speed_column: Option<String>,
-    /// Take a channel from this column (repeat): pitch_rad=pitch_corr_rad
-    #[arg(long, value_name = "CHANNEL=COLUMN", help_heading = "Log")]
-    pub column: Vec<String>,
-    /// In-situ density where the log gives none [kg/m3]
-    #[arg(long, value_name = "RHO", help_heading = "Log")]
-    pub density: Option<f64>,
-    /// Half window of the filter for vertical velocity [s]
-    #[arg(long, value_name = "S", default_value_t = 4.0, help_heading = "Log")]
-    pub half_window_s: f64,
-}
-
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Method {
     Joint,
@@ -97,101 +78,6 @@ impl TrimChoice {
             None if vehicle.is_builtin => Trim::Neutral,
             None => Trim::Vehicle,
         }
-    }
-}
-
-/// Samples of a log, and how they were come by.
-pub struct Log {
-    /// Samples in the order of time.
-    pub observations: Vec<Observation>,
-    /// How the vertical velocity was measured.
-    pub w_filter: String,
-    /// What was found in the log and done about it.
-    pub notes: Vec<String>,
-}
-
-/// Samples of a CSV file that are read at once.
-const PIECE_ROWS: usize = 50_000;
-
-impl Reading {
-    /// Reads logs into samples.
-    ///
-    /// # Errors
-    /// What cannot be read, and where nothing is left to use.
-    pub fn read(&self, logs: &[PathBuf], vehicle: &Vehicle) -> Result<Log, CliError> {
-        self.read_shortened(logs, vehicle, Shorten::Means)
-    }
-
-    /// The same; a log that is too long for the memory is shortened in this way.
-    fn read_shortened(&self, logs: &[PathBuf], vehicle: &Vehicle, how: Shorten) -> Result<Log, CliError> {
-        let mut columns = Columns::default();
-        for choice in &self.column {
-            columns.choose_text(choice).map_err(CliError::Usage)?;
-        }
-        if let Some(name) = &self.speed_column {
-            columns.choose(Channel::Speed, name);
-        }
-        if !(0.1..=600.0).contains(&self.half_window_s) {
-            return Err(CliError::Usage(format!(
-                "--half-window-s {} is no window: expected 0.1 to 600 s",
-                self.half_window_s
-            )));
-        }
-        if let Some(density) = self.density.filter(|density| !(900.0..=1300.0).contains(density)) {
-            return Err(CliError::Usage(format!(
-                "--density {density} is no density of water: expected 900 to 1300 kg/m3"
-            )));
-        }
-        let settings = Settings {
-            density_kg_m3: self.density,
-            gravity_m_s2: vehicle.glide_parameters().gravity_m_s2,
-            half_window_s: self.half_window_s,
-            ..Settings::default()
-        };
-        let mut preparation = Preparation::new(settings);
-        let mut condenser = Condenser::new(how, MOST_OBSERVATIONS);
-        let mut observations = Vec::new();
-        let mut tables = false;
-        for path in logs {
-            match open(path, &columns)? {
-                Opened::Series(mut series) => {
-                    while let Some(piece) = series.next_piece(PIECE_ROWS)? {
-                        preparation.push(piece, &mut observations);
-                        condenser.take(&mut observations);
-                    }
-                }
-                Opened::Glides(mut glides) => {
-                    tables = true;
-                    if let Some(density) = self.density {
-                        glides
-                            .iter_mut()
-                            .filter(|g| !g.density_kg_m3.is_finite())
-                            .for_each(|g| g.density_kg_m3 = density);
-                    }
-                    if glides.iter().any(|glide| !glide.density_kg_m3.is_finite()) {
-                        let error = InputError::new(Place::file(path), "no density: expected a column `density_kg_m3`");
-                        return Err(error.help("give it with --density").into());
-                    }
-                    observations.extend(glides);
-                }
-            }
-        }
-        preparation.finish(&mut observations);
-        condenser.take(&mut observations);
-        let (observations, shortened) = condenser.finish();
-        if observations.is_empty() {
-            let problem = "no leg with pressure, pitch, ballast volume and density on it";
-            let help =
-                "is there a density (or temperature with salinity or conductivity)? if not, give it with --density";
-            return Err(InputError::new(Place::file(&logs[0]), problem).help(help).into());
-        }
-        let w_filter = if tables { "the column w_m_s of the table".to_owned() } else { preparation.filter() };
-        let w_filter = match &shortened {
-            Some(said) => format!("{w_filter}; {said}"),
-            None => w_filter,
-        };
-        let notes = preparation.notes().sentences().into_iter().chain(shortened).collect();
-        Ok(Log { observations, w_filter, notes })
     }
 }
 

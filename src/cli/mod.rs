@@ -31,6 +31,7 @@ mod mission_page;
 pub mod plan;
 mod plan_page;
 mod plan_tables;
+pub mod reading;
 pub mod shell;
 pub mod simulate;
 mod sweep;

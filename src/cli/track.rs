@@ -6,12 +6,13 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
+use super::reading::{Gathering, settings};
 use super::table::for_each_row;
 use super::track_page::{self, Remarks};
 use super::{CliError, Output, vehicle_input};
 use crate::dynamics::Parameters;
 use crate::input::{InputError, Place};
-use crate::log::{CHANNELS, Channel, Columns, DBAR_PA, FlightLog, Opened, in_situ_density_kg_m3, open};
+use crate::log::{CHANNELS, Channel, Columns, DBAR_PA, FlightLog, Opened, Shorten, in_situ_density_kg_m3, open};
 use crate::report::InputFile;
 use crate::track::comparison::{self, Comparison, Stored};
 use crate::track::{DiveTrack, Drift, Fix, Sample, Settings, Track, reckon};
@@ -99,7 +100,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         }
     }
     let vehicle = Vehicle::load(&a.vehicle)?;
-    let log = read(a)?;
+    let log = read(a, &vehicle)?;
     let samples = samples(a, &log)?;
     let moved: Vec<Parameters<f64>> = vehicle
         .uncertainty
@@ -175,17 +176,21 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     a.output.write_json(&report)
 }
 
-fn read(a: &Arguments) -> Result<FlightLog, CliError> {
+/// The log as it was recorded. Beside it goes the way that the other commands take to their samples, so that what they
+/// refuse is refused here.
+fn read(a: &Arguments, vehicle: &Vehicle) -> Result<FlightLog, CliError> {
     let mut columns = Columns::default();
     for choice in &a.column {
         columns.choose_text(choice).map_err(CliError::Usage)?;
     }
     let mut log = FlightLog::default();
+    let mut gathering = Gathering::new(settings(vehicle, a.density), Shorten::Means);
     for path in &a.logs {
         match open(path, &columns)? {
             Opened::Series(mut series) => {
                 while let Some(piece) = series.next_piece(PIECE_ROWS)? {
                     log.append(&piece);
+                    gathering.push(piece);
                 }
             }
             Opened::Glides(_) => {
@@ -194,6 +199,7 @@ fn read(a: &Arguments) -> Result<FlightLog, CliError> {
             }
         }
     }
+    gathering.finish()?;
     Ok(log)
 }
 

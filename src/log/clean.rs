@@ -32,6 +32,57 @@ impl Notes {
     }
 }
 
+/// Largest pitch that there is, with a margin for noise \[rad\].
+const MOST_PITCH_RAD: f64 = 1.6;
+
+/// A density less 1000 kg/m3, as it is often written, of any water \[kg/m3\].
+const LESS_1000_KG_M3: std::ops::RangeInclusive<f64> = 0.5..=100.0;
+
+/// Values that look like another unit than that of their column: such values are taken out, and what is left cannot show it.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct OtherUnits {
+    pitch: Share,
+    density: Share,
+}
+
+/// How many of the values read are of a kind.
+#[derive(Debug, Clone, Copy, Default)]
+struct Share {
+    read: usize,
+    of_the_kind: usize,
+}
+
+impl OtherUnits {
+    /// Counts the values of one more piece.
+    pub(super) fn count(&mut self, log: &FlightLog) {
+        self.pitch.count(log.column(Channel::Pitch), |pitch| pitch.abs() > MOST_PITCH_RAD);
+        self.density.count(log.column(Channel::Density), |density| LESS_1000_KG_M3.contains(&density));
+    }
+
+    /// The share of the pitch angles beyond 90 deg.
+    pub(super) fn pitch_beyond(&self) -> f64 {
+        self.pitch.share()
+    }
+
+    /// The share of the densities that are less 1000 kg/m3.
+    pub(super) fn density_less_1000(&self) -> f64 {
+        self.density.share()
+    }
+}
+
+impl Share {
+    fn count(&mut self, values: &[f64], is_of_the_kind: impl Fn(f64) -> bool) {
+        for &value in values.iter().filter(|value| value.is_finite()) {
+            self.read += 1;
+            self.of_the_kind += usize::from(is_of_the_kind(value));
+        }
+    }
+
+    fn share(&self) -> f64 {
+        self.of_the_kind as f64 / self.read.max(1) as f64
+    }
+}
+
 /// A clock that runs back for more rows than this was set, not disturbed.
 const SET_CLOCK_ROWS: usize = 5;
 
@@ -100,7 +151,7 @@ pub(super) fn despike(log: &mut FlightLog, notes: &mut Notes) {
         notes.add(name, despike_column(log.column_mut(channel), least));
     }
     for (channel, low, high, name) in [
-        (Channel::Pitch, -1.6, 1.6, "values of pitch beyond 90 deg, taken out"),
+        (Channel::Pitch, -MOST_PITCH_RAD, MOST_PITCH_RAD, "values of pitch beyond 90 deg, taken out"),
         (Channel::Pressure, -20.0, 12_000.0, "values of pressure that no sea has, taken out"),
         (Channel::Density, 900.0, 1300.0, "values of density that no sea has, taken out"),
         (Channel::Temperature, -5.0, 50.0, "values of temperature that no sea has, taken out"),

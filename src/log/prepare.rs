@@ -4,7 +4,7 @@
 //! passes through a bounded memory.
 
 use super::channels::{Channel, FlightLog};
-use super::clean::{Notes, despike, fill, fill_angle, median_step, order};
+use super::clean::{Notes, OtherUnits, despike, fill, fill_angle, median_step, order};
 use super::density::{densities_kg_m3, practical_salinity};
 use super::observation::{DBAR_PA, Observation};
 use super::segment::{Leg, legs};
@@ -81,6 +81,7 @@ pub struct Preparation {
     first_time_s: f64,
     last_time_s: f64,
     noise_dbar: Vec<f64>,
+    other_units: OtherUnits,
     counters: Counters,
 }
 
@@ -103,6 +104,7 @@ impl Preparation {
             first_time_s: f64::NAN,
             last_time_s: f64::NAN,
             noise_dbar: Vec::new(),
+            other_units: OtherUnits::default(),
             counters: Counters::default(),
         }
     }
@@ -116,6 +118,17 @@ impl Preparation {
     pub fn pressure_noise_dbar(&self) -> f64 {
         let mut noise = self.noise_dbar.clone();
         if noise.is_empty() { f64::NAN } else { super::clean::median(&mut noise) }
+    }
+
+    /// Share of the pitch angles read so far that lie beyond 90 deg and were taken out: a few are damage, most of them are
+    /// in another unit than radians.
+    pub fn share_of_pitch_beyond(&self) -> f64 {
+        self.other_units.pitch_beyond()
+    }
+
+    /// Share of the densities read so far that look like a density less 1000 kg/m3 and were taken out.
+    pub fn share_of_density_less_1000(&self) -> f64 {
+        self.other_units.density_less_1000()
     }
 
     /// The filter for the vertical velocity in a sentence.
@@ -132,6 +145,7 @@ impl Preparation {
         if piece.is_empty() {
             return;
         }
+        self.other_units.count(&piece);
         despike(&mut piece, &mut self.notes);
         let time = piece.column(Channel::Time);
         self.last_time_s = time[time.len() - 1];

@@ -14,10 +14,13 @@
 //! Knows observations; no vehicle.
 
 use crate::diagnose::findings::{Check, Checked};
-use crate::log::Observation;
+use crate::log::{Observation, Preparation};
 
 /// The check of the density.
 pub const DENSITY: &str = "density against temperature, salinity and pressure";
+
+/// The check of the unit of pitch.
+const PITCH_UNIT: &str = "unit of pitch";
 
 /// An error of the density column, known from the column's own temperature, salinity and pressure.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,6 +46,33 @@ const SHARE_MARGIN: f64 = 0.1;
 
 /// Fewest samples with a density and a water sample.
 const LEAST_SAMPLES: usize = 30;
+
+/// Share of a channel's values from which on it is in another unit than its column says. Damage takes single values or a
+/// stretch; degrees in a column of radians leave only the pitches under 1.6 deg, which a glider has in turns.
+const MOST: f64 = 0.5;
+
+/// The units of what the reading of a log took out, of which the samples show nothing any more: what is wrong.
+pub fn taken_out(log: &Preparation) -> Vec<Check> {
+    let (pitch, density) = (log.share_of_pitch_beyond(), log.share_of_density_less_1000());
+    let wrong = |check, says| Check { check, outcome: Checked::Wrong, says };
+    let pitch = (pitch > MOST).then(|| {
+        let share = 100.0 * pitch;
+        wrong(
+            PITCH_UNIT,
+            format!(
+                "{share:.0} % of the pitch angles lie beyond 90 deg = 1.571 rad: are degrees in a column of radians?"
+            ),
+        )
+    });
+    let density = (density > MOST).then(|| {
+        let share = 100.0 * density;
+        wrong(
+            "unit of density",
+            format!("{share:.0} % of the densities are below 100 kg/m3: is it the density less 1000 kg/m3?"),
+        )
+    });
+    pitch.into_iter().chain(density).collect()
+}
 
 /// Holds a log against itself.
 pub fn checks(observations: &[Observation]) -> (Vec<Check>, Option<DensityError>) {
@@ -96,7 +126,7 @@ fn pressure(observations: &[Observation]) -> Check {
 }
 
 fn pitch_unit(observations: &[Observation]) -> Check {
-    let check = "unit of pitch";
+    let check = PITCH_UNIT;
     let Some(pitch) = quantile(observations.iter().map(|o| o.pitch_rad.abs()), 0.9) else {
         return not_checked(check, "no pitch");
     };

@@ -118,6 +118,32 @@ fn spikes_go_and_gaps_cut_a_leg() {
 }
 
 #[test]
+fn values_in_another_unit_are_counted_before_they_are_taken_out() {
+    let shares = |change: fn(usize, &mut FlightLog)| {
+        let mut preparation = Preparation::new(Settings::default());
+        for first in [0, 600] {
+            let mut piece = saw_tooth(2).tail(first);
+            piece.retain(&(0..piece.len()).map(|i| i < 600).collect::<Vec<_>>());
+            change(first, &mut piece);
+            preparation.push(piece, &mut Vec::new());
+        }
+        (preparation.share_of_pitch_beyond(), preparation.share_of_density_less_1000())
+    };
+    assert_eq!(shares(|_, _| ()), (0.0, 0.0));
+    assert_eq!(shares(|_, log| log.column_mut(Channel::Pitch).iter_mut().for_each(|v| *v = v.to_degrees())).0, 1.0);
+    // A sensor that failed for half of the log counts over the whole of it, not piece by piece.
+    let failed = shares(|first, log| {
+        if first == 0 {
+            log.column_mut(Channel::Pitch).fill(9.99);
+        }
+    });
+    assert_eq!(failed.0, 0.5);
+    assert_eq!(shares(|_, log| log.column_mut(Channel::Density).iter_mut().for_each(|v| *v -= 1000.0)).1, 1.0);
+    // A density that was never measured and stands as 0 is no unit.
+    assert_eq!(shares(|_, log| log.column_mut(Channel::Density).fill(0.0)).1, 0.0);
+}
+
+#[test]
 fn samples_while_a_motor_moves_are_not_steady() {
     let mut log = saw_tooth(1);
     let n = log.len();

@@ -1,0 +1,182 @@
+//! How the commands read flight logs: the options, the way from files to samples, and the log held against itself, so that
+//! every command refuses the same logs in the same words.
+//!
+//! Knows no command.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::CliError;
+use crate::diagnose::Check;
+use crate::diagnose::sea::SeaError;
+use crate::diagnose::sea::consistency;
+use crate::input::{InputError, Place};
+use crate::log::{
+    Channel, Columns, Condenser, FlightLog, MOST_OBSERVATIONS, Observation, Opened, Preparation, Settings, Shorten,
+    open,
+};
+use crate::vehicle::Vehicle;
+
+/// How logs are read; the same for every command that takes one.
+#[derive(Debug, Clone, Args)]
+pub struct Reading {
+    /// Column that holds the measured speed through the water [m/s]
+    #[arg(long, value_name = "NAME", help_heading = "Log")]
+    pub speed_column: Option<String>,
+    /// Take a channel from this column (repeat): pitch_rad=pitch_corr_rad
+    #[arg(long, value_name = "CHANNEL=COLUMN", help_heading = "Log")]
+    pub column: Vec<String>,
+    /// In-situ density where the log gives none [kg/m3]
+    #[arg(long, value_name = "RHO", help_heading = "Log")]
+    pub density: Option<f64>,
+    /// Half window of the filter for vertical velocity [s]
+    #[arg(long, value_name = "S", default_value_t = 4.0, help_heading = "Log")]
+    pub half_window_s: f64,
+}
+
+/// Samples of a log, and how they were come by.
+pub struct Log {
+    /// Samples in the order of time.
+    pub observations: Vec<Observation>,
+    /// How the vertical velocity was measured.
+    pub w_filter: String,
+    /// What was found in the log and done about it.
+    pub notes: Vec<String>,
+}
+
+/// Samples of a CSV file that are read at once.
+const PIECE_ROWS: usize = 50_000;
+
+impl Reading {
+    /// Reads logs into samples.
+    ///
+    /// # Errors
+    /// What cannot be read, and where nothing is left to use.
+    pub fn read(&self, logs: &[PathBuf], vehicle: &Vehicle) -> Result<Log, CliError> {
+        self.read_shortened(logs, vehicle, Shorten::Means)
+    }
+
+    /// The same; a log that is too long for the memory is shortened in this way.
+    ///
+    /// # Errors
+    /// The same.
+    pub fn read_shortened(&self, logs: &[PathBuf], vehicle: &Vehicle, how: Shorten) -> Result<Log, CliError> {
+        let mut columns = Columns::default();
+        for choice in &self.column {
+            columns.choose_text(choice).map_err(CliError::Usage)?;
+        }
+        if let Some(name) = &self.speed_column {
+            columns.choose(Channel::Speed, name);
+        }
+        if !(0.1..=600.0).contains(&self.half_window_s) {
+            return Err(CliError::Usage(format!(
+                "--half-window-s {} is no window: expected 0.1 to 600 s",
+                self.half_window_s
+            )));
+        }
+        if let Some(density) = self.density.filter(|density| !(900.0..=1300.0).contains(density)) {
+            return Err(CliError::Usage(format!(
+                "--density {density} is no density of water: expected 900 to 1300 kg/m3"
+            )));
+        }
+        let settings = Settings { half_window_s: self.half_window_s, ..settings(vehicle, self.density) };
+        let mut gathering = Gathering::new(settings, how);
+        for path in logs {
+            match open(path, &columns)? {
+                Opened::Series(mut series) => {
+                    while let Some(piece) = series.next_piece(PIECE_ROWS)? {
+                        gathering.push(piece);
+                    }
+                }
+                Opened::Glides(mut glides) => {
+                    if let Some(density) = self.density {
+                        glides
+                            .iter_mut()
+                            .filter(|g| !g.density_kg_m3.is_finite())
+                            .for_each(|g| g.density_kg_m3 = density);
+                    }
+                    if glides.iter().any(|glide| !glide.density_kg_m3.is_finite()) {
+                        let error = InputError::new(Place::file(path), "no density: expected a column `density_kg_m3`");
+                        return Err(error.help("give it with --density").into());
+                    }
+                    gathering.push_glides(glides);
+                }
+            }
+        }
+        let log = gathering.finish()?;
+        if log.observations.is_empty() {
+            let problem = "no leg with pressure, pitch, ballast volume and density on it";
+            let help =
+                "is there a density (or temperature with salinity or conductivity)? if not, give it with --density";
+            return Err(InputError::new(Place::file(&logs[0]), problem).help(help).into());
+        }
+        Ok(log)
+    }
+}
+
+/// What a log is prepared by that is flown with this vehicle.
+pub fn settings(vehicle: &Vehicle, density_kg_m3: Option<f64>) -> Settings {
+    Settings { density_kg_m3, gravity_m_s2: vehicle.glide_parameters().gravity_m_s2, ..Settings::default() }
+}
+
+/// Pieces of a log on their way to samples, in bounded memory.
+pub struct Gathering {
+    preparation: Preparation,
+    condenser: Condenser,
+    batch: Vec<Observation>,
+    has_tables: bool,
+}
+
+impl Gathering {
+    /// Begins with nothing.
+    pub fn new(settings: Settings, how: Shorten) -> Self {
+        Gathering {
+            preparation: Preparation::new(settings),
+            condenser: Condenser::new(how, MOST_OBSERVATIONS),
+            batch: Vec::new(),
+            has_tables: false,
+        }
+    }
+
+    /// Takes the next piece of a time series.
+    pub fn push(&mut self, piece: FlightLog) {
+        self.preparation.push(piece, &mut self.batch);
+        self.condenser.take(&mut self.batch);
+    }
+
+    /// Takes a table of glides.
+    pub fn push_glides(&mut self, mut glides: Vec<Observation>) {
+        self.has_tables = true;
+        self.condenser.take(&mut glides);
+    }
+
+    /// The samples.
+    ///
+    /// # Errors
+    /// Where a column is in another unit than it says, so that its values were taken out.
+    pub fn finish(mut self) -> Result<Log, CliError> {
+        self.preparation.finish(&mut self.batch);
+        self.condenser.take(&mut self.batch);
+        let (observations, shortened) = self.condenser.finish();
+        let w_filter =
+            if self.has_tables { "the column w_m_s of the table".to_owned() } else { self.preparation.filter() };
+        let w_filter = match &shortened {
+            Some(said) => format!("{w_filter}; {said}"),
+            None => w_filter,
+        };
+        let notes: Vec<String> = self.preparation.notes().sentences().into_iter().chain(shortened).collect();
+        let wrong = consistency::taken_out(&self.preparation);
+        if wrong.is_empty() { Ok(Log { observations, w_filter, notes }) } else { Err(refused(wrong, &notes)) }
+    }
+}
+
+/// A log that contradicts itself. What was taken out in the reading may be what is wrong, so the notes are told with it.
+pub fn refused(checks: Vec<Check>, notes: &[String]) -> CliError {
+    CliError::Usage(format!("{}{}", SeaError::Inconsistent(checks), noted(notes)))
+}
+
+/// Notes of the reading as the end of an error.
+pub fn noted(notes: &[String]) -> String {
+    if notes.is_empty() { String::new() } else { format!("; the reading noted: {}", notes.join("; ")) }
+}
