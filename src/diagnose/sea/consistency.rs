@@ -27,7 +27,8 @@ const PITCH_UNIT: &str = "unit of pitch";
 pub enum DensityError {
     /// It was evaluated at p = 0.
     AtZeroPressure,
-    /// It is off by a constant: true density less density read \[kg/m3\], with its standard error.
+    /// It is off by a constant: true density less density read \[kg/m3\], beyond what the vehicle adds already, with its
+    /// standard error.
     Bias(f64, f64),
 }
 
@@ -74,9 +75,9 @@ pub fn taken_out(log: &Preparation) -> Vec<Check> {
     pitch.into_iter().chain(density).collect()
 }
 
-/// Holds a log against itself.
-pub fn checks(observations: &[Observation]) -> (Vec<Check>, Option<DensityError>) {
-    let (density, error) = density(observations);
+/// Holds a log against itself. `carried_bias_kg_m3` is what the vehicle already adds to the density that is read.
+pub fn checks(observations: &[Observation], carried_bias_kg_m3: f64) -> (Vec<Check>, Option<DensityError>) {
+    let (density, error) = density(observations, carried_bias_kg_m3);
     let checks = vec![
         vertical_velocity(observations),
         pressure(observations),
@@ -89,10 +90,12 @@ pub fn checks(observations: &[Observation]) -> (Vec<Check>, Option<DensityError>
     (checks, error)
 }
 
-/// The observations with the density as it should have been recorded.
-pub fn mended(observations: &[Observation], error: DensityError) -> Vec<Observation> {
+/// The observations with the density as it should have been recorded, for a vehicle that adds `carried_bias_kg_m3` to it.
+pub fn mended(observations: &[Observation], error: DensityError, carried_bias_kg_m3: f64) -> Vec<Observation> {
     let mended = |o: &Observation| match error {
-        DensityError::AtZeroPressure if o.teos10_density_kg_m3.is_finite() => o.teos10_density_kg_m3,
+        DensityError::AtZeroPressure if o.teos10_density_kg_m3.is_finite() => {
+            o.teos10_density_kg_m3 - carried_bias_kg_m3
+        }
         DensityError::AtZeroPressure => f64::NAN,
         DensityError::Bias(bias, _) => o.density_kg_m3 + bias,
     };
@@ -146,7 +149,7 @@ fn pitch_sign(observations: &[Observation]) -> Check {
         n += 1;
         alike += usize::from((o.pitch_rad < 0.0) == (o.sink_m_s > 0.0));
     }
-    if n < LEAST_SAMPLES.min(observations.len()) {
+    if n == 0 || n < LEAST_SAMPLES.min(observations.len()) {
         return not_checked(check, "too few samples under way");
     }
     let share = 100.0 * alike as f64 / n as f64;
@@ -189,11 +192,14 @@ fn ballast_sign(observations: &[Observation]) -> Check {
     )
 }
 
-fn density(observations: &[Observation]) -> (Check, Option<DensityError>) {
+fn density(observations: &[Observation], carried_bias_kg_m3: f64) -> (Check, Option<DensityError>) {
     let check = DENSITY;
     let rows: Vec<(f64, f64)> = observations
         .iter()
-        .map(|o| (o.teos10_density_kg_m3 - o.teos10_surface_density_kg_m3, o.density_kg_m3 - o.teos10_density_kg_m3))
+        .map(|o| {
+            let compression = o.teos10_density_kg_m3 - o.teos10_surface_density_kg_m3;
+            (compression, o.density_kg_m3 + carried_bias_kg_m3 - o.teos10_density_kg_m3)
+        })
         .filter(|(compression, difference)| compression.is_finite() && difference.is_finite())
         .collect();
     if rows.len() < LEAST_SAMPLES {
@@ -203,7 +209,12 @@ fn density(observations: &[Observation]) -> (Check, Option<DensityError>) {
     // Without a range of pressure all of the difference is a level.
     let (bias, missing) =
         if spread >= LEAST_COMPRESSION_KG_M3 { (-level, -slope) } else { (-median(rows.iter().map(|row| row.1)), 0.0) };
-    let of = |outcome, says: String| Check { check, outcome, says };
+    let of = |outcome, mut says: String| {
+        if carried_bias_kg_m3 != 0.0 {
+            says.push_str(&format!(", with the density bias of {carried_bias_kg_m3:+.3} kg/m3 that the vehicle has"));
+        }
+        Check { check, outcome, says }
+    };
     if missing.abs() < SHARE_MARGIN && bias.abs() < LEAST_BIAS_KG_M3 {
         return (
             of(

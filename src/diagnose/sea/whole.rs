@@ -36,7 +36,9 @@ pub fn diagnose_log(
     observations: &[Observation],
     settings: Settings,
 ) -> Result<SeaDiagnosis, SeaError> {
-    let (checks, error) = consistency::checks(observations);
+    // A vehicle that carries a bias of the density has its density mended by the model: what is mended here comes on top.
+    let carried_kg_m3 = vehicle.density_bias_kg_m3;
+    let (checks, error) = consistency::checks(observations, carried_kg_m3);
     if checks.iter().any(|check| check.outcome == Checked::Wrong) {
         return Err(SeaError::Inconsistent(checks));
     }
@@ -51,13 +53,14 @@ pub fn diagnose_log(
             (problem, baseline, told)
         }
         Some(error) => {
-            let (problem, baseline) = as_read(&consistency::mended(observations, error))?;
+            let (problem, baseline) = as_read(&consistency::mended(observations, error, carried_kg_m3))?;
             let (problem, mut told) = in_full(problem);
             // The density as it was read may fit no glide at all: then there is no misfit to compare with.
             if let Ok((raw, _)) = as_read(observations) {
                 put_before(&mut told, &problem, &raw);
             }
-            told.diagnosis.causes.insert(0, density_cause(&told, &problem.evidence(&told.after.point), error));
+            let evidence = problem.evidence(&told.after.point);
+            told.diagnosis.causes.insert(0, density_cause(&told, &evidence, error, carried_kg_m3));
             told.diagnosis.verdict = match told.diagnosis.verdict {
                 Verdict::None | Verdict::Explained => Verdict::Explained,
                 Verdict::PartlyExplained | Verdict::Unexplained => Verdict::PartlyExplained,
@@ -110,14 +113,16 @@ fn put_before(told: &mut Outcome, mended: &SeaProblem, raw: &SeaProblem) {
     told.diagnosis.gain = told.diagnosis.gains[0].clone();
 }
 
-fn density_cause(told: &Outcome, evidence: &Evidence, error: DensityError) -> Cause {
+/// The cause that the checks found; as with every other mechanism its size is all of it, what the vehicle has included.
+fn density_cause(told: &Outcome, evidence: &Evidence, error: DensityError, carried_kg_m3: f64) -> Cause {
     let quantity = &evidence.quantities[0];
     let rms = |values| holdout::rms(values, quantity.rows.clone());
     let (before, after) = (rms(&told.before.held_out), rms(&told.after.held_out));
     let (cause, parameters) = match error {
         DensityError::AtZeroPressure => ("density_at_zero_pressure", Default::default()),
         DensityError::Bias(bias, se) => {
-            ("density_bias", [("density_bias_kg_m3".to_owned(), Estimate::normal(bias, se, "kg/m3"))].into())
+            let whole = Estimate::normal(carried_kg_m3 + bias, se, "kg/m3");
+            ("density_bias", [("density_bias_kg_m3".to_owned(), whole)].into())
         }
     };
     let blocks: std::collections::BTreeSet<usize> = evidence.block.iter().copied().collect();
@@ -180,4 +185,93 @@ fn unweighed(checks: &[Check], told: &Outcome, has_speed: bool) -> Vec<crate::di
         found.push(reject("density_at_zero_pressure", why));
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dynamics::Surroundings;
+    use crate::glide::{Attitude, at_pitch};
+    use crate::log::DBAR_PA;
+    use crate::vehicle::Vehicle;
+
+    /// Forty legs of steady glides whose density was read too low by `bias_kg_m3`.
+    fn flight(p: &Parameters<f64>, bias_kg_m3: f64) -> Vec<Observation> {
+        let mut observations = Vec::new();
+        for i in 0..1600u32 {
+            let (leg, within) = (i / 40, f64::from(i % 40));
+            let descends = leg % 2 == 0;
+            let pressure_dbar = 10.0 + 4.0 * if descends { within } else { 40.0 - within };
+            let density_kg_m3 = 1025.0 + 4.5e-3 * pressure_dbar;
+            let water = Surroundings {
+                density_kg_m3,
+                pressure_Pa: pressure_dbar * DBAR_PA,
+                temperature_C: p.reference_temperature_C,
+                time_s: 0.0,
+            };
+            let sign = if descends { -1.0 } else { 1.0 };
+            let pitch_rad = sign * (20.0 + f64::from(leg % 5) * 3.0).to_radians();
+            let ballast_m3 = sign * 2e-4;
+            let net_mass_kg = p.net_mass_kg(ballast_m3, &water);
+            let glide = at_pitch(p, &water, Attitude { pitch_rad, net_mass_kg }).expect("a glide");
+            // Waves, with no more of a pattern than the sine of a large number has.
+            let noise = |seed: f64| (f64::from(i) * 78.233 + seed).sin() * 43_758.545 % 1.0;
+            observations.push(Observation {
+                time_s: 15.0 * f64::from(i),
+                pressure_dbar,
+                pressure_rate_dbar_s: 0.0,
+                temperature_C: p.reference_temperature_C,
+                density_kg_m3: density_kg_m3 - bias_kg_m3,
+                teos10_density_kg_m3: density_kg_m3,
+                teos10_surface_density_kg_m3: 1025.0,
+                pitch_rad,
+                roll_rad: 0.0,
+                rudder_rad: 0.0,
+                heading_rad: f64::from(leg),
+                ballast_m3,
+                battery_forward_m: f64::NAN,
+                sink_m_s: glide.vertical_velocity_m_s + 0.03 * noise(0.0),
+                sink_se_m_s: 0.002,
+                sink_rate_m_s2: 0.0,
+                speed_m_s: glide.speed_m_s + 0.02 * noise(1.0),
+                leg,
+                dive: leg / 2,
+                stretch: 0,
+                steady: true,
+            });
+        }
+        observations
+    }
+
+    #[test]
+    fn a_bias_that_the_vehicle_carries_is_not_mended_again() {
+        let truth = Vehicle::load("slocum-049").expect("a vehicle").glide_parameters();
+        let log = flight(&truth, 0.8);
+        let diagnose = |carried: f64, log: &[Observation]| {
+            let vehicle = Parameters { density_bias_kg_m3: carried, ..truth };
+            diagnose_log(&vehicle, Trim::Vehicle, log, Settings::default()).expect("a diagnosis").told.diagnosis
+        };
+        let others = |diagnosis: &crate::diagnose::Diagnosis| -> Vec<String> {
+            let causes = diagnosis.causes.iter().map(|cause| cause.cause.clone());
+            causes.filter(|cause| cause != "density_bias").collect()
+        };
+        let unbiased = others(&diagnose(0.0, &flight(&truth, 0.0)));
+        // What the vehicle carries of it, and whether more is to be named.
+        for (carried, is_named) in [(0.0, true), (0.3, true), (0.8, false), (1.2, true)] {
+            let found = diagnose(carried, &log);
+            assert_eq!(others(&found), unbiased, "{carried} kg/m3 carried");
+            // The size is that of the extended vehicle: all of the bias.
+            let bias = found.causes.iter().find_map(|cause| cause.parameters.get("density_bias_kg_m3"));
+            assert_eq!(bias.is_some(), is_named, "{carried} kg/m3 carried");
+            assert!(bias.is_none_or(|bias| (bias.value - 0.8).abs() < 0.01), "{carried} kg/m3 carried: {bias:?}");
+        }
+        // The same for a density at p = 0: no part of the carried bias stays in what is mended.
+        let at_surface: Vec<Observation> =
+            log.iter().map(|o| Observation { density_kg_m3: o.teos10_surface_density_kg_m3 - 0.8, ..*o }).collect();
+        let (_, error) = consistency::checks(&at_surface, 0.8);
+        assert_eq!(error, Some(DensityError::AtZeroPressure));
+        for (o, mended) in at_surface.iter().zip(consistency::mended(&at_surface, DensityError::AtZeroPressure, 0.8)) {
+            assert!((mended.density_kg_m3 + 0.8 - o.teos10_density_kg_m3).abs() < 1e-9);
+        }
+    }
 }
