@@ -85,9 +85,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let vehicle = Vehicle::load(&arguments.vehicle)?;
     let how = if arguments.unsteady { Shorten::Dives } else { Shorten::Means };
     let log = arguments.reading.read_shortened(&arguments.logs, &vehicle, how)?;
+    let warnings = log.warnings(&vehicle)?;
     let trim = TrimChoice::of(arguments.trim, &vehicle);
     if arguments.method == Method::Iterative {
-        return iterative(arguments, &vehicle, log, trim);
+        return iterative(arguments, &vehicle, log, warnings, trim);
     }
     let unsteady = arguments
         .unsteady
@@ -100,7 +101,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     }
     let request = Request { trim, free: arguments.free.clone(), pin: pins(&arguments.pin)?, unsteady };
     let found = identify(&vehicle, &log.observations, &request)?;
-    let report = found.report(&vehicle, log.w_filter, log.notes);
+    let mut report = found.report(&vehicle, log.w_filter, log.notes);
+    report.warnings.extend(warnings);
     if arguments.output.shows_tables() {
         print(&report, &found);
     }
@@ -113,11 +115,18 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
 }
 
 /// The tank paper's scheme, from the vehicle's coefficients and from half and double its lift slope.
-fn iterative(arguments: &Arguments, vehicle: &Vehicle, log: Log, trim: Trim) -> Result<(), CliError> {
+fn iterative(
+    arguments: &Arguments,
+    vehicle: &Vehicle,
+    log: Log,
+    warnings: Vec<String>,
+    trim: Trim,
+) -> Result<(), CliError> {
     let Log { observations, w_filter, notes } = log;
-    let Some(report) = paper_form::iterative(vehicle, trim, &observations, w_filter, notes) else {
+    let Some(mut report) = paper_form::iterative(vehicle, trim, &observations, w_filter, notes) else {
         return Err(CliError::Failed("the scheme has no solution for any leg: weight, pitch and sink rate contradict each other; is the trim right?".into()));
     };
+    report.warnings.extend(warnings);
     if arguments.output.shows_tables() {
         println!(
             "{:<9} {:>8} {:>8} {:>8}   {:>8} {:>8} {:>8} {:>7} {:>7}",

@@ -8,9 +8,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::CliError;
-use crate::diagnose::Check;
 use crate::diagnose::sea::SeaError;
 use crate::diagnose::sea::consistency;
+use crate::diagnose::{Check, Checked};
 use crate::input::{InputError, Place};
 use crate::log::{
     Channel, Columns, Condenser, FlightLog, MOST_OBSERVATIONS, Observation, Opened, Preparation, Settings, Shorten,
@@ -43,6 +43,29 @@ pub struct Log {
     pub w_filter: String,
     /// What was found in the log and done about it.
     pub notes: Vec<String>,
+}
+
+impl Log {
+    /// Holds the log against itself: what is wrong and does no more than shift the results comes back as warnings.
+    ///
+    /// # Errors
+    /// Where the log contradicts itself so that nothing follows from it, in the words of `diagnose`.
+    pub fn warnings(&self, vehicle: &Vehicle) -> Result<Vec<String>, CliError> {
+        let bias_kg_m3 = vehicle.glide_parameters().density_bias_kg_m3;
+        let (checks, _) = consistency::checks(&self.observations, bias_kg_m3);
+        if checks.iter().any(|check| check.outcome == Checked::Wrong) {
+            return Err(refused(checks, &self.notes));
+        }
+        // Only `diagnose` mends: a glide polar that followed from another density than the log's would not be the log's.
+        let found = checks.iter().filter(|check| check.outcome == Checked::Mended);
+        let warning = |check: &Check| {
+            format!(
+                "{}: {}; it is used as it was read: run `glidepolar diagnose`, which says what that changes",
+                check.check, check.says
+            )
+        };
+        Ok(found.map(warning).collect())
+    }
 }
 
 /// Samples of a CSV file that are read at once.
@@ -180,3 +203,6 @@ pub fn refused(checks: Vec<Check>, notes: &[String]) -> CliError {
 pub fn noted(notes: &[String]) -> String {
     if notes.is_empty() { String::new() } else { format!("; the reading noted: {}", notes.join("; ")) }
 }
+
+#[cfg(test)]
+mod tests;

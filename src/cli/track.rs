@@ -100,7 +100,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         }
     }
     let vehicle = Vehicle::load(&a.vehicle)?;
-    let log = read(a, &vehicle)?;
+    let (log, mut warnings) = read(a, &vehicle)?;
     let samples = samples(a, &log)?;
     let moved: Vec<Parameters<f64>> = vehicle
         .uncertainty
@@ -121,7 +121,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let table = a.fixes.as_deref().map(|file| read_fixes(file, a.fixes_at)).transpose()?;
     let mut drifts = Vec::new();
     let mut comparison = None;
-    let mut warnings = Vec::new();
     if let Some(table) = &table {
         track.set_currents(&table.fixes);
         drifts = track.drifts(&table.fixes, a.fix_error_m);
@@ -177,8 +176,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
 }
 
 /// The log as it was recorded. Beside it goes the way that the other commands take to their samples, so that what they
-/// refuse is refused here.
-fn read(a: &Arguments, vehicle: &Vehicle) -> Result<FlightLog, CliError> {
+/// refuse is refused here, and what is doubtful comes back in words.
+fn read(a: &Arguments, vehicle: &Vehicle) -> Result<(FlightLog, Vec<String>), CliError> {
     let mut columns = Columns::default();
     for choice in &a.column {
         columns.choose_text(choice).map_err(CliError::Usage)?;
@@ -199,8 +198,8 @@ fn read(a: &Arguments, vehicle: &Vehicle) -> Result<FlightLog, CliError> {
             }
         }
     }
-    gathering.finish()?;
-    Ok(log)
+    let warnings = gathering.finish()?.warnings(vehicle)?;
+    Ok((log, warnings))
 }
 
 /// The log as dead reckoning needs it: slow channels kept until they are read again.

@@ -1,0 +1,94 @@
+//! Every command that reads logs refuses the same ones in the same words, and says what is merely doubtful.
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::cli::{Cli, CliError, run};
+use crate::log::in_situ_density_kg_m3;
+
+/// One row: time, pressure, pitch, ballast volume, density.
+type Row = [f64; 5];
+
+/// Ten dives to 60 dbar at 0.2 dbar/s, consistent in all they say.
+fn rows() -> Vec<Row> {
+    (0..3000)
+        .map(|i| {
+            let (phase, half) = (i % 300, 150);
+            let (down, steps) = if phase < half { (true, phase) } else { (false, 300 - phase) };
+            let pressure = 1.0 + 0.4 * f64::from(steps);
+            let sign = if down { -1.0 } else { 1.0 };
+            let density = in_situ_density_kg_m3(35.0, 10.0, pressure, f64::NAN, f64::NAN);
+            [2.0 * f64::from(i), pressure, 0.45 * sign, 200.0 * sign, density]
+        })
+        .collect()
+}
+
+/// What a command says of a log: its JSON, or why it ended.
+fn told(command: &[&str], rows: &[Row]) -> Result<serde_json::Value, CliError> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (log, json) = (folder.path().join("log.csv"), folder.path().join("out.json"));
+    let mut text =
+        "time_s,pressure_dbar,pitch_rad,vbd_cc,density_kg_m3,temperature_C,salinity_psu,heading_rad\n".to_owned();
+    for [time, pressure, pitch, ballast, density] in rows {
+        text += &format!("{time},{pressure},{pitch},{ballast},{density},10,35,1\n");
+    }
+    std::fs::write(&log, text).expect("a file");
+    let common = ["--vehicle", "seaglider", "--quiet", "--json", json.to_str().unwrap()];
+    let arguments = ["glidepolar", command[0], log.to_str().unwrap()].into_iter();
+    run(Cli::parse_from(arguments.chain(command[1..].iter().copied()).chain(common)))?;
+    Ok(serde_json::from_slice(&std::fs::read(json).expect("a result")).expect("JSON"))
+}
+
+fn changed(change: impl Fn(&mut Row)) -> Vec<Row> {
+    let mut rows = rows();
+    rows.iter_mut().for_each(change);
+    rows
+}
+
+const COMMANDS: [&[&str]; 4] = [&["identify"], &["identify", "--method", "iterative"], &["track"], &["diagnose"]];
+
+#[test]
+fn a_log_that_contradicts_itself_is_refused_by_every_command() {
+    let reversed: Vec<Row> = rows().into_iter().rev().collect();
+    for (rows, check) in [
+        (changed(|row| row[0] *= 1e3), "time base and pressure unit"),
+        (changed(|row| row[1] *= -1.0), "sign of pressure"),
+        (changed(|row| row[2] = row[2].to_degrees()), "unit of pitch"),
+        (changed(|row| row[2] *= -1.0), "sign of pitch"),
+        (changed(|row| row[3] *= -1.0), "sign of ballast volume"),
+        (changed(|row| row[3] *= 1e-6), "unit of ballast volume"),
+        (changed(|row| row[4] -= 1000.0), "unit of density"),
+        (reversed, "sign of pitch"),
+    ] {
+        for command in COMMANDS {
+            let error = told(command, &rows).expect_err(check);
+            let text = error.to_string();
+            assert!(text.contains("contradicts itself") && text.contains(check), "{command:?}, {check}: {text}");
+            assert_eq!(error.exit_code(), ExitCode::from(2), "{command:?}, {check}");
+        }
+    }
+}
+
+#[test]
+fn a_doubtful_density_is_a_warning_with_what_to_do() {
+    let warned = |command: &[&str], rows: &[Row]| {
+        let result = told(command, rows).unwrap_or_else(|error| panic!("{command:?}: {error}"));
+        let warnings = result["warnings"].as_array().expect("warnings").clone();
+        let texts: Vec<String> = warnings.iter().map(|text| text.as_str().unwrap_or("").to_owned()).collect();
+        texts.into_iter().filter(|text| text.starts_with("density against")).collect::<Vec<_>>()
+    };
+    let surface = in_situ_density_kg_m3(35.0, 10.0, 0.0, f64::NAN, f64::NAN);
+    for command in &COMMANDS[..3] {
+        assert_eq!(warned(command, &rows()), Vec::<String>::new(), "{command:?}");
+        for (rows, expected) in
+            [(changed(|row| row[4] = surface), "at p = 0"), (changed(|row| row[4] += 0.5), "constant, +0.500 kg/m3")]
+        {
+            let found = warned(command, &rows);
+            assert!(
+                found.len() == 1 && found[0].contains(expected) && found[0].contains("run `glidepolar diagnose`"),
+                "{command:?}: {found:?}"
+            );
+        }
+    }
+}
