@@ -53,28 +53,28 @@ pub struct Arguments {
     #[arg(short = 'o', long = "out-file", value_name = "FILE")]
     out_file: Option<PathBuf>,
     /// Glide speed at which friction is taken [m/s]
-    #[arg(long, value_name = "V", default_value_t = 0.35)]
+    #[arg(long, value_name = "V", default_value_t = 0.35, allow_negative_numbers = true)]
     speed_m_s: f64,
     /// Speed at which the hull was towed: takes its drag to the glide speed [m/s]
-    #[arg(long, value_name = "V")]
+    #[arg(long, value_name = "V", allow_negative_numbers = true)]
     tow_speed_m_s: Option<f64>,
     /// Water temperature [degC]
-    #[arg(long, value_name = "T", default_value_t = 10.0)]
+    #[arg(long, value_name = "T", default_value_t = 10.0, allow_negative_numbers = true)]
     temperature_c: f64,
     /// Chord of the rudder over chord of the fin
-    #[arg(long, value_name = "R", default_value_t = 0.4)]
+    #[arg(long, value_name = "R", default_value_t = 0.4, allow_negative_numbers = true)]
     rudder_chord: f64,
     /// Pitch of the glides before and after the sensor [deg]
-    #[arg(long, value_name = "T", default_value_t = 25.0)]
+    #[arg(long, value_name = "T", default_value_t = 25.0, allow_negative_numbers = true)]
     pitch_deg: f64,
     /// Net mass of the descent, and of the ascent with the other sign [kg]
-    #[arg(long, value_name = "M", default_value_t = 0.22)]
+    #[arg(long, value_name = "M", default_value_t = 0.22, allow_negative_numbers = true)]
     net_mass_kg: f64,
     /// Depth of the dives for the days of endurance [m]
-    #[arg(long, value_name = "Z", default_value_t = 180.0)]
+    #[arg(long, value_name = "Z", default_value_t = 180.0, allow_negative_numbers = true)]
     depth_m: f64,
     /// Battery for the days of endurance; default: the base vehicle's [W.h]
-    #[arg(long = "battery-Wh", value_name = "E")]
+    #[arg(long = "battery-Wh", value_name = "E", allow_negative_numbers = true)]
     battery_wh: Option<f64>,
     #[command(flatten)]
     output: Output,

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::{Changes, CliError, Output, glide_page, vehicle_input};
+use super::{Changes, CliError, Output, glide_page, vehicle_input, water_density};
 use crate::dynamics::{Parameters, Surroundings};
 use crate::glide::{Attitude, GlideError, SteadyGlide, at_path, at_pitch, shallowest};
 use crate::vehicle::Vehicle;
@@ -31,13 +31,13 @@ pub struct Arguments {
     #[arg(long, value_name = "X", allow_negative_numbers = true, requires = "speed_m_s")]
     glide_angle_deg: Option<f64>,
     /// Speed through the water [m/s]
-    #[arg(long, value_name = "V", requires = "glide_angle_deg")]
+    #[arg(long, value_name = "V", requires = "glide_angle_deg", allow_negative_numbers = true)]
     speed_m_s: Option<f64>,
     /// In-situ water density [kg/m3]; default: the vehicle's reference
-    #[arg(long, value_name = "RHO")]
+    #[arg(long, value_name = "RHO", allow_negative_numbers = true)]
     density: Option<f64>,
     /// Depth, for hulls that yield [m]
-    #[arg(long, value_name = "Z", default_value_t = 0.0)]
+    #[arg(long, value_name = "Z", default_value_t = 0.0, allow_negative_numbers = true)]
     depth_m: f64,
     #[command(flatten)]
     changes: Changes,
@@ -52,6 +52,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let vehicle = arguments.changes.load(&arguments.vehicle)?;
     let parameters = vehicle.glide_parameters();
     let water = water(arguments, &parameters)?;
+    for (name, value) in [
+        ("--net-mass-kg", arguments.net_mass_kg),
+        ("--pitch-deg", arguments.pitch_deg),
+        ("--glide-angle-deg", arguments.glide_angle_deg),
+        ("--speed-m-s", arguments.speed_m_s),
+    ] {
+        if let Some(value) = value.filter(|value| !value.is_finite()) {
+            return Err(CliError::Usage(format!("{name} {value}: expected a finite number")));
+        }
+    }
     let glides = match (arguments.glide_angle_deg, arguments.speed_m_s, arguments.net_mass_kg, arguments.pitch_deg) {
         (Some(angle), Some(speed), _, _) => vec![at_path(&parameters, &water, angle.to_radians(), speed)?],
         (_, _, Some(net_mass_kg), Some(pitch)) => {
@@ -73,12 +83,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
 }
 
 fn water(arguments: &Arguments, parameters: &Parameters<f64>) -> Result<Surroundings<f64>, CliError> {
-    let density_kg_m3 = arguments.density.unwrap_or(parameters.reference_density_kg_m3);
-    if !(900.0..=1300.0).contains(&density_kg_m3) {
-        return Err(CliError::Usage(format!(
-            "--density {density_kg_m3} is no density of water: expected 900 to 1300 kg/m3"
-        )));
-    }
+    let density_kg_m3 = water_density(arguments.density)?.unwrap_or(parameters.reference_density_kg_m3);
     if !(0.0..=12_000.0).contains(&arguments.depth_m) {
         return Err(CliError::Usage(format!("--depth-m {} is no depth: expected 0 to 12000 m", arguments.depth_m)));
     }

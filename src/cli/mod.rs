@@ -189,6 +189,19 @@ impl Changes {
     }
 }
 
+/// The density that was asked for.
+///
+/// # Errors
+/// Where it is none of water.
+pub fn water_density(density_kg_m3: Option<f64>) -> Result<Option<f64>, CliError> {
+    match density_kg_m3.filter(|density| !(900.0..=1300.0).contains(density)) {
+        Some(density) => {
+            Err(CliError::Usage(format!("--density {density} is no density of water: expected 900 to 1300 kg/m3")))
+        }
+        None => Ok(density_kg_m3),
+    }
+}
+
 /// A vehicle as a report lists it among what was read.
 ///
 /// # Errors
@@ -307,3 +320,6 @@ pub fn show(error: &CliError) {
 
 const RED: anstyle::Style = anstyle::AnsiColor::Red.on_default().bold();
 const CYAN: anstyle::Style = anstyle::AnsiColor::Cyan.on_default().bold();
+
+#[cfg(test)]
+mod tests;

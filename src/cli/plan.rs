@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::plan_page::{self, Calibrated, Planned};
 use super::plan_tables::{read_dives, read_strokes};
-use super::{Changes, CliError, Output, vehicle_input};
+use super::{Changes, CliError, Output, vehicle_input, water_density};
 use crate::estimate::Estimate;
 use crate::plan::calibrate::{DiveFit, PumpFit, Stroke, fit_dives, fit_pump};
 use crate::plan::{Ask, Dive, Outlook, PlanError, Sensor, outlook};
@@ -31,22 +31,22 @@ pub struct Arguments {
     /// Vehicle file or name of a built-in vehicle
     vehicle: String,
     /// Charge of the battery; needs a voltage [A.h]
-    #[arg(long = "battery-Ah", value_name = "Q", conflicts_with = "battery_wh")]
+    #[arg(long = "battery-Ah", value_name = "Q", conflicts_with = "battery_wh", allow_negative_numbers = true)]
     battery_ah: Option<f64>,
     /// Energy of the battery; default: the vehicle's [W.h]
-    #[arg(long = "battery-Wh", value_name = "E")]
+    #[arg(long = "battery-Wh", value_name = "E", allow_negative_numbers = true)]
     battery_wh: Option<f64>,
     /// Voltage of the battery; default: the vehicle's [V]
-    #[arg(long = "battery-V", value_name = "U")]
+    #[arg(long = "battery-V", value_name = "U", allow_negative_numbers = true)]
     battery_v: Option<f64>,
     /// Depth of the dives [m]
-    #[arg(long, value_name = "Z", required_unless_present = "moves")]
+    #[arg(long, value_name = "Z", required_unless_present = "moves", allow_negative_numbers = true)]
     depth_m: Option<f64>,
     /// End of the voyage; default: when the battery is empty [d]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     days: Option<f64>,
     /// Pitch of both legs, down and up [deg]
-    #[arg(long, value_name = "T", default_value_t = 25.0)]
+    #[arg(long, value_name = "T", default_value_t = 25.0, allow_negative_numbers = true)]
     pitch_deg: f64,
     /// Ballast volume on descents; default: the smallest [cm3]
     #[arg(long, value_name = "V", allow_negative_numbers = true)]
@@ -58,25 +58,25 @@ pub struct Arguments {
     #[arg(long, value_name = "V", allow_negative_numbers = true)]
     surface_ballast_cc: Option<f64>,
     /// Dives from one surfacing to the next
-    #[arg(long, value_name = "N", default_value_t = 1.0)]
+    #[arg(long, value_name = "N", default_value_t = 1.0, allow_negative_numbers = true)]
     dives_per_surfacing: f64,
     /// Stay at the surface [min]
-    #[arg(long, value_name = "T", default_value_t = 10.0)]
+    #[arg(long, value_name = "T", default_value_t = 10.0, allow_negative_numbers = true)]
     stay_min: f64,
     /// Moves of the moving mass in one dive
-    #[arg(long, value_name = "N", default_value_t = 4.0)]
+    #[arg(long, value_name = "N", default_value_t = 4.0, allow_negative_numbers = true)]
     pitch_moves: f64,
     /// Water density at the surface; default: the vehicle's reference [kg/m3]
-    #[arg(long, value_name = "RHO")]
+    #[arg(long, value_name = "RHO", allow_negative_numbers = true)]
     density: Option<f64>,
     /// Standard error that the energy account itself makes, per cent of a dive's energy
-    #[arg(long, value_name = "P", default_value_t = 5.0)]
+    #[arg(long, value_name = "P", default_value_t = 5.0, allow_negative_numbers = true)]
     model_error_percent: f64,
     /// One more sensor: its power [W]
-    #[arg(long = "sensor-W", value_name = "W", default_value_t = 0.0)]
+    #[arg(long = "sensor-W", value_name = "W", default_value_t = 0.0, allow_negative_numbers = true)]
     sensor_w: f64,
     /// One more sensor: its drag area, drag coefficient times area [m2]
-    #[arg(long, value_name = "A", default_value_t = 0.0)]
+    #[arg(long, value_name = "A", default_value_t = 0.0, allow_negative_numbers = true)]
     sensor_drag_m2: f64,
     /// Calibrate: strokes of the pump (CSV)
     #[arg(long, value_name = "FILE", requires = "dives")]
@@ -175,16 +175,29 @@ fn plan(arguments: &Arguments, vehicle: &Vehicle, depth_m: f64) -> Result<Plan, 
     let parameters = vehicle.parameters()?;
     let down_m3 = a.ballast_down_cc.map_or(parameters.ballast_min_m3, |cc| cc * 1e-6);
     let up_m3 = a.ballast_up_cc.map_or(parameters.ballast_max_m3, |cc| cc * 1e-6);
+    let surface_m3 = a.surface_ballast_cc.map_or(up_m3, |cc| cc * 1e-6);
+    let engine_m3 = parameters.ballast_min_m3..=parameters.ballast_max_m3;
+    // Of what the engine cannot hold a plan would say nothing: the model stops at its limits.
+    let orders = [("--ballast-down-cc", down_m3), ("--ballast-up-cc", up_m3), ("--surface-ballast-cc", surface_m3)];
+    if let Some((name, m3)) = orders.iter().find(|(_, m3)| !engine_m3.contains(m3)) {
+        return Err(CliError::Usage(format!(
+            "{name} {:.1}: the ballast engine of {} goes from {:.0} to {:.0} cc",
+            m3 * 1e6,
+            vehicle.name,
+            engine_m3.start() * 1e6,
+            engine_m3.end() * 1e6
+        )));
+    }
     let pitch_rad = a.pitch_deg.to_radians();
     let ask = Ask {
         dive: Dive {
             depth_m,
             descent: LegOrder { pitch_rad: -pitch_rad, ballast_m3: down_m3 },
             ascent: LegOrder { pitch_rad, ballast_m3: up_m3 },
-            surface_ballast_m3: a.surface_ballast_cc.map_or(up_m3, |cc| cc * 1e-6),
+            surface_ballast_m3: surface_m3,
             dives_per_surfacing: a.dives_per_surfacing.max(1.0),
             stay_s: a.stay_min * 60.0,
-            surface_density_kg_m3: a.density.unwrap_or(parameters.reference_density_kg_m3),
+            surface_density_kg_m3: water_density(a.density)?.unwrap_or(parameters.reference_density_kg_m3),
         },
         battery_J,
         pitch_moves: a.pitch_moves,

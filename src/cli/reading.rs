@@ -3,18 +3,18 @@
 //!
 //! Knows no command.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::CliError;
+use super::{CliError, water_density};
 use crate::diagnose::sea::SeaError;
 use crate::diagnose::sea::consistency;
 use crate::diagnose::{Check, Checked};
 use crate::input::{InputError, Place};
 use crate::log::{
-    Channel, Columns, Condenser, FlightLog, MOST_OBSERVATIONS, Observation, Opened, Preparation, Settings, Shorten,
-    open,
+    CHANNELS, Channel, Columns, Condenser, FlightLog, MOST_OBSERVATIONS, Observation, Opened, Preparation, Settings,
+    Shorten, open,
 };
 use crate::vehicle::Vehicle;
 
@@ -28,10 +28,10 @@ pub struct Reading {
     #[arg(long, value_name = "CHANNEL=COLUMN", help_heading = "Log")]
     pub column: Vec<String>,
     /// In-situ density where the log gives none [kg/m3]
-    #[arg(long, value_name = "RHO", help_heading = "Log")]
+    #[arg(long, value_name = "RHO", help_heading = "Log", allow_negative_numbers = true)]
     pub density: Option<f64>,
     /// Half window of the filter for vertical velocity [s]
-    #[arg(long, value_name = "S", default_value_t = 4.0, help_heading = "Log")]
+    #[arg(long, value_name = "S", default_value_t = 4.0, help_heading = "Log", allow_negative_numbers = true)]
     pub half_window_s: f64,
 }
 
@@ -98,12 +98,7 @@ impl Reading {
                 self.half_window_s
             )));
         }
-        if let Some(density) = self.density.filter(|density| !(900.0..=1300.0).contains(density)) {
-            return Err(CliError::Usage(format!(
-                "--density {density} is no density of water: expected 900 to 1300 kg/m3"
-            )));
-        }
-        let settings = Settings { half_window_s: self.half_window_s, ..settings(vehicle, self.density) };
+        let settings = Settings { half_window_s: self.half_window_s, ..settings(vehicle, self.density)? };
         let mut gathering = Gathering::new(settings, how);
         for path in logs {
             match open(path, &columns)? {
@@ -127,20 +122,30 @@ impl Reading {
                 }
             }
         }
+        let nothing_left = gathering.nothing_left(&logs[0], self.density.is_some());
         let log = gathering.finish()?;
         if log.observations.is_empty() {
-            let problem = "no leg with pressure, pitch, ballast volume and density on it";
-            let help =
-                "is there a density (or temperature with salinity or conductivity)? if not, give it with --density";
-            return Err(InputError::new(Place::file(&logs[0]), problem).help(help).into());
+            return Err(nothing_left.into());
         }
         Ok(log)
     }
 }
 
 /// What a log is prepared by that is flown with this vehicle.
-pub fn settings(vehicle: &Vehicle, density_kg_m3: Option<f64>) -> Settings {
-    Settings { density_kg_m3, gravity_m_s2: vehicle.glide_parameters().gravity_m_s2, ..Settings::default() }
+///
+/// # Errors
+/// Where the density, which a user gave for want of one in the log, is none of water.
+pub fn settings(vehicle: &Vehicle, density_kg_m3: Option<f64>) -> Result<Settings, CliError> {
+    Ok(Settings {
+        density_kg_m3: water_density(density_kg_m3)?,
+        gravity_m_s2: vehicle.glide_parameters().gravity_m_s2,
+        ..Settings::default()
+    })
+}
+
+/// A log of column names only.
+pub fn no_rows(log: &Path) -> InputError {
+    InputError::new(Place::file(log), "no row of data below the names of the columns").help("is the file whole?")
 }
 
 /// Pieces of a log on their way to samples, in bounded memory.
@@ -149,6 +154,9 @@ pub struct Gathering {
     condenser: Condenser,
     batch: Vec<Observation>,
     has_tables: bool,
+    /// Channels that had a value anywhere.
+    recorded: Vec<Channel>,
+    rows: usize,
 }
 
 impl Gathering {
@@ -159,11 +167,19 @@ impl Gathering {
             condenser: Condenser::new(how, MOST_OBSERVATIONS),
             batch: Vec::new(),
             has_tables: false,
+            recorded: Vec::new(),
+            rows: 0,
         }
     }
 
     /// Takes the next piece of a time series.
     pub fn push(&mut self, piece: FlightLog) {
+        self.rows += piece.len();
+        for info in CHANNELS.iter().filter(|info| piece.has(info.channel)) {
+            if !self.recorded.contains(&info.channel) {
+                self.recorded.push(info.channel);
+            }
+        }
         self.preparation.push(piece, &mut self.batch);
         self.condenser.take(&mut self.batch);
     }
@@ -172,6 +188,30 @@ impl Gathering {
     pub fn push_glides(&mut self, mut glides: Vec<Observation>) {
         self.has_tables = true;
         self.condenser.take(&mut glides);
+    }
+
+    /// Why no sample came of a log.
+    fn nothing_left(&self, log: &Path, has_density: bool) -> InputError {
+        let has = |channel: Channel| self.recorded.contains(&channel);
+        let of_sea_water = has(Channel::Temperature) && (has(Channel::Salinity) || has(Channel::Conductivity));
+        let error = |problem: String| InputError::new(Place::file(log), problem);
+        if self.rows == 0 {
+            return no_rows(log);
+        }
+        for channel in [Channel::Pitch, Channel::Ballast] {
+            if !has(channel) {
+                let name = CHANNELS[channel as usize].name;
+                return error(format!("not a single value of `{name}`"))
+                    .help(format!("choose another column by --column {name}=COLUMN"));
+            }
+        }
+        if !(has_density || has(Channel::Density) || of_sea_water) {
+            return error("no density, nor temperature with salinity or conductivity".to_owned())
+                .help("give it with --density");
+        }
+        let leg_dbar = Settings::default().least_leg_dbar;
+        error(format!("no descent or ascent of more than {leg_dbar} dbar with pitch, ballast volume and density on it"))
+            .help("is it the log of a dive, with pressure in decibar, or depth in metres?")
     }
 
     /// The samples.

@@ -49,13 +49,13 @@ pub struct Arguments {
     #[command(flatten)]
     changes: Changes,
     /// End of the time history [s]; default 1000, of a mission its own
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     stop: Option<f64>,
     /// Time between two rows [s]; default 1, of a mission 10
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     interval: Option<f64>,
     /// Relative tolerance of the integration
-    #[arg(long, default_value_t = crate::dynamics::integrate::DEFAULT_TOLERANCE)]
+    #[arg(long, default_value_t = crate::dynamics::integrate::DEFAULT_TOLERANCE, allow_negative_numbers = true)]
     tolerance: f64,
     /// Who moves ballast and moving mass: servos (set-points), raw forces, or raw along axis 1
     #[arg(long, value_enum, default_value = "servo")]

@@ -22,13 +22,17 @@ pub(super) fn for_each_row<const N: usize>(
     };
     let mut reader = ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_path(file).map_err(failed)?;
     let header = reader.headers().map_err(failed)?.clone();
+    if header.iter().all(str::is_empty) {
+        let error = InputError::new(Place::file(file), "the table is empty, expected a line of column names");
+        return Err(error.help(needed(&columns)));
+    }
     let mut places = [0; N];
     for (place, name) in places.iter_mut().zip(columns) {
         *place = header.iter().position(|column| column == name).ok_or_else(|| {
             let error = InputError::new(Place::line(file, 1), format!("no column `{name}`"));
             match nearest(name, header.iter()) {
                 Some(near) => error.help(format!("is it `{}`?", printable(near))),
-                None => error.help(format!("the columns needed are: {}", columns.join(", "))),
+                None => error.help(needed(&columns)),
             }
         })?;
     }
@@ -46,4 +50,15 @@ pub(super) fn for_each_row<const N: usize>(
         on_row(row);
     }
     Ok(())
+}
+
+/// The columns of a table; one that is read twice is named once.
+fn needed(columns: &[&str]) -> String {
+    let mut names: Vec<&str> = Vec::new();
+    columns.iter().for_each(|name| {
+        if !names.contains(name) {
+            names.push(name)
+        }
+    });
+    format!("the columns needed are: {}", names.join(", "))
 }

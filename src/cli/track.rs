@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
-use super::reading::{Gathering, settings};
+use super::reading::{Gathering, no_rows, settings};
 use super::table::for_each_row;
 use super::track_page::{self, Remarks};
 use super::{CliError, Output, vehicle_input};
@@ -47,20 +47,20 @@ pub struct Arguments {
     #[arg(long, value_name = "D", default_value_t = 0.0, allow_negative_numbers = true)]
     declination_deg: f64,
     /// Standard error of the compass through a dive [deg]
-    #[arg(long, value_name = "S", default_value_t = 3.0)]
+    #[arg(long, value_name = "S", default_value_t = 3.0, allow_negative_numbers = true)]
     heading_error_deg: f64,
     /// Standard error of the polar's speed beyond the vehicle's [uncertainty], per cent; default: 0 where the vehicle
     /// states errors of its coefficients, 10 where it does not
-    #[arg(long, value_name = "P")]
+    #[arg(long, value_name = "P", allow_negative_numbers = true)]
     speed_error_percent: Option<f64>,
     /// Where in a dive the fixes of a table with start_time_s were taken: at its start, or in its middle (needs duration_s)
     #[arg(long, value_enum, default_value_t = FixesAt::Start)]
     fixes_at: FixesAt,
     /// Standard error of a fix on either axis [m]
-    #[arg(long, value_name = "S", default_value_t = 50.0)]
+    #[arg(long, value_name = "S", default_value_t = 50.0, allow_negative_numbers = true)]
     fix_error_m: f64,
     /// Density where the log gives none [kg/m3]
-    #[arg(long, value_name = "RHO")]
+    #[arg(long, value_name = "RHO", allow_negative_numbers = true)]
     density: Option<f64>,
     /// Take a channel from another column: heading_rad=heading_true_rad
     #[arg(long, value_name = "CHANNEL=COLUMN")]
@@ -153,6 +153,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
             comparison: comparison.as_ref().map(Comparison::sentence),
         };
         let mut page = track_page::page(&track, &remarks).input(vehicle_input(&a.vehicle)?);
+        page.warnings.extend(warnings.iter().cloned());
         for file in a.logs.iter().chain(&a.fixes) {
             page = page.input(InputFile::read(file)?);
         }
@@ -183,7 +184,7 @@ fn read(a: &Arguments, vehicle: &Vehicle) -> Result<(FlightLog, Vec<String>), Cl
         columns.choose_text(choice).map_err(CliError::Usage)?;
     }
     let mut log = FlightLog::default();
-    let mut gathering = Gathering::new(settings(vehicle, a.density), Shorten::Means);
+    let mut gathering = Gathering::new(settings(vehicle, a.density)?, Shorten::Means);
     for path in &a.logs {
         match open(path, &columns)? {
             Opened::Series(mut series) => {
@@ -204,6 +205,9 @@ fn read(a: &Arguments, vehicle: &Vehicle) -> Result<(FlightLog, Vec<String>), Cl
 
 /// The log as dead reckoning needs it: slow channels kept until they are read again.
 fn samples(a: &Arguments, log: &FlightLog) -> Result<Vec<Sample>, CliError> {
+    if log.is_empty() {
+        return Err(no_rows(&a.logs[0]).into());
+    }
     for (channel, name) in [(Channel::Pitch, "pitch"), (Channel::Heading, "heading"), (Channel::Ballast, "ballast")] {
         if !log.has(channel) {
             let info = CHANNELS.iter().find(|info| info.channel == channel).map_or("", |info| info.name);
@@ -289,7 +293,7 @@ fn read_fixes(file: &Path, at: FixesAt) -> Result<Fixes, InputError> {
     let has = |name: &str| header.split(',').any(|column| column.trim() == name);
     let time = if has("time_s") { "time_s" } else { "start_time_s" };
     let duration = (time == "start_time_s" && has("duration_s")).then_some("duration_s");
-    if at == FixesAt::Middle && duration.is_none() {
+    if at == FixesAt::Middle && duration.is_none() && !header.trim().is_empty() {
         let error = InputError::new(Place::line(file, 1), "no columns `start_time_s` and `duration_s`");
         return Err(error.help("the middle of a dive follows from both; for fixes with a time_s leave --fixes-at out"));
     }

@@ -92,3 +92,22 @@ fn a_doubtful_density_is_a_warning_with_what_to_do() {
         }
     }
 }
+
+#[test]
+fn a_log_without_a_leg_is_told_what_it_lacks() {
+    let one_row = &rows()[..1];
+    let constant = changed(|row| row[1] = 50.0);
+    for command in [&COMMANDS[0], &COMMANDS[3]] {
+        for (rows, expected) in [
+            (&[][..], "no row of data"),
+            (one_row, "no descent or ascent of more than 4 dbar"),
+            (&constant, "no descent or ascent of more than 4 dbar"),
+            (&changed(|row| row[2] = f64::NAN), "not a single value of `pitch_rad`"),
+        ] {
+            let error = told(command, rows).expect_err(expected);
+            assert!(error.to_string().contains(expected), "{command:?}, {expected}: {error}");
+            assert_eq!(error.exit_code(), ExitCode::from(2));
+        }
+    }
+    assert!(told(&["track"], &[]).unwrap_err().to_string().contains("no row of data"));
+}

@@ -1,0 +1,78 @@
+//! What the commands make of arguments that are no sensible numbers, and of tables that lack something.
+
+use std::process::ExitCode;
+
+use clap::{CommandFactory, Parser, builder::ValueParser};
+
+use super::{Cli, run};
+
+/// Why a command ends, which it must do with exit code 2.
+fn refused(arguments: &[&str]) -> String {
+    let cli = Cli::try_parse_from(["glidepolar"].iter().chain(arguments)).expect("arguments that can be read");
+    let error = run(cli).expect_err("an argument that cannot be used");
+    assert_eq!(error.exit_code(), ExitCode::from(2), "{arguments:?}: {error}");
+    error.to_string()
+}
+
+#[test]
+fn every_number_may_have_a_sign_so_that_its_own_bounds_answer() {
+    let number = ValueParser::from(clap::value_parser!(f64)).type_id();
+    let mut numbers = 0;
+    for command in Cli::command().get_subcommands() {
+        for argument in command.get_arguments().filter(|argument| argument.get_value_parser().type_id() == number) {
+            numbers += 1;
+            let is_allowed = argument.is_allow_negative_numbers_set() || argument.is_allow_hyphen_values_set();
+            assert!(is_allowed, "{} {}", command.get_name(), argument.get_id());
+        }
+    }
+    assert!(numbers > 30, "{numbers}");
+}
+
+#[test]
+fn numbers_beyond_their_bounds_are_named() {
+    for (arguments, expected) in [
+        (&["glide", "slocum-graver", "--density", "-5"][..], "--density -5 is no density of water"),
+        (&["glide", "slocum-graver", "--net-mass-kg", "nan"], "--net-mass-kg NaN"),
+        (&["glide", "slocum-graver", "--net-mass-kg", "0.2", "--pitch-deg", "inf"], "--pitch-deg inf"),
+        (&["plan", "seaglider", "--battery-Wh", "2700", "--depth-m", "-5"], "--depth-m -5"),
+        (&["plan", "seaglider", "--battery-Wh", "2700", "--depth-m", "500", "--density", "5"], "--density 5"),
+        (&["simulate", "slocum-graver", "--stop", "-5"], "--stop -5"),
+        (&["track", "none.csv", "--vehicle", "seaglider", "--density", "-5"], "--density -5"),
+        (&["track", "none.csv", "--vehicle", "seaglider", "--fix-error-m", "-5"], "--fix-error-m -5"),
+        (&["identify", "none.csv", "--vehicle", "seaglider", "--density", "-5"], "--density -5"),
+    ] {
+        let found = refused(arguments);
+        assert!(found.contains(expected), "{arguments:?}: {found}");
+    }
+}
+
+#[test]
+fn a_plan_with_more_ballast_than_the_engine_holds_is_refused() {
+    let plan = ["plan", "seaglider", "--battery-Wh", "2700", "--depth-m", "500"];
+    for (option, cc) in [("--ballast-up-cc", "5000"), ("--ballast-down-cc", "-900"), ("--surface-ballast-cc", "5000")] {
+        let found = refused(&[&plan[..], &[option, cc]].concat());
+        assert!(found.contains(option) && found.contains("the ballast engine of"), "{found}");
+    }
+}
+
+#[test]
+fn a_table_of_fixes_that_lacks_columns_is_told_which_it_needs() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("a file");
+        path.display().to_string()
+    };
+    let mut log = "time_s,pressure_dbar,pitch_rad,vbd_cc,density_kg_m3,heading_rad\n".to_owned();
+    for i in 0..200 {
+        let sign = if i < 100 { -1.0 } else { 1.0 };
+        let pressure = 0.8 * f64::from(if i < 100 { i } else { 200 - i });
+        log += &format!("{},{pressure},{},{},1025,1\n", 4 * i, 0.4 * sign, 200.0 * sign);
+    }
+    let log = file("log.csv", &log);
+    let track = |fixes: &str| refused(&["track", &log, "--vehicle", "slocum-graver", "--quiet", "--fixes", fixes]);
+    let found = track(&file("none.csv", "a,b\n1,2\n"));
+    assert!(found.contains("the columns needed are: start_time_s, lat_deg, lon_deg"), "{found}");
+    let found = track(&file("empty.csv", ""));
+    assert!(found.contains("the table is empty"), "{found}");
+}
