@@ -154,6 +154,40 @@ fn raw_ballast_runs_into_its_limit_and_says_so() {
 }
 
 #[test]
+fn a_moving_mass_whose_stop_is_set_farther_off_goes_on_from_where_it_is() {
+    let glider = Glider3::co_simulation(Options::default());
+    glider.set_actuation(2);
+    glider.set(&[("depth_m", 500.0), ("u1_N", 2.0)]);
+    glider.begin(None);
+    glider.run(0.0, 10.0, 10.0);
+    assert_eq!(glider.integer("moving_mass_stop"), 1);
+    glider.set(&[("moving_mass_max_m", 0.3)]);
+    glider.run(10.0, 10.0 + 1e-6, 1e-6);
+    assert_eq!(glider.integer("moving_mass_stop"), 0);
+    let position = glider.get("moving_mass_position_m");
+    assert!((position - 0.2).abs() < 1e-9, "{position}");
+    assert!(glider.environment.messages.take().is_empty());
+}
+
+#[test]
+fn what_a_limit_moves_is_told() {
+    let glider = Glider3::co_simulation(Options::default());
+    glider.set_actuation(2);
+    glider.set(&[("ballast_mass_kg", 3.0)]);
+    glider.begin(None);
+    let messages = glider.environment.messages.take();
+    assert_eq!(messages.len(), 1, "{messages:?}");
+    let (status, message) = &messages[0];
+    assert!(*status == WARNING && message.contains("ballast_mass_kg = 3.0 kg lies beyond ballast_min_m3"), "{message}");
+    assert!(message.contains("moved to 1.5135"), "{message}");
+    glider.set(&[("moving_mass_max_m", -0.1)]);
+    glider.run(0.0, 1.0, 1.0);
+    let messages = glider.environment.messages.take();
+    assert_eq!(messages.len(), 1, "{messages:?}");
+    assert!(messages[0].1.contains("beyond moving_mass_max_m = -0.1 m; the mass was moved to -0.1 m"), "{messages:?}");
+}
+
+#[test]
 fn the_importer_looks_in_and_may_end_the_step() {
     let options = Options { early_return: true, look_in: true, ..Options::default() };
     let mut glider = Glider3::started(options, &[]);

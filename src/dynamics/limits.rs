@@ -24,6 +24,10 @@ const DAMPING_DEPTH_M: f64 = 0.02;
 /// A force this far inside a stop does not count as leaving it \[N\] or \[kg/s\].
 const RELEASE: f64 = 1e-9;
 
+/// So far off its stop a mass that is held there is still at it \[m\]: an integrator's error moves it, a limit that is set
+/// anew moves the stop by more.
+const HELD_WITHIN_M: f64 = 1e-6;
+
 /// Upward force of surface (negative: lost buoyancy) and seabed on the hull \[N\].
 ///
 /// A hull that rises out of the water loses its displacement over its own diameter; the seabed yields with the same
@@ -115,10 +119,15 @@ pub fn settle(
 
     let (low, high) = (parameters.moving_mass_min_m, parameters.moving_mass_max_m);
     let speed = derivative(parameters, actuation, modes, time_s, &settled, inputs).moving_mass_1_m;
-    modes.moving_mass = match modes.moving_mass {
-        Stop::Free if settled.moving_mass_1_m <= low && speed <= 0.0 => Stop::AtMin,
-        Stop::Free if settled.moving_mass_1_m >= high && speed >= 0.0 => Stop::AtMax,
-        stop => stop,
+    // By where the mass is, not by where it was held: a limit may have moved meanwhile.
+    let (position, held) = (settled.moving_mass_1_m, modes.moving_mass);
+    let slack = |stop| if held == stop { HELD_WITHIN_M } else { 0.0 };
+    modes.moving_mass = if position <= low + slack(Stop::AtMin) && (held == Stop::AtMin || speed <= 0.0) {
+        Stop::AtMin
+    } else if position >= high - slack(Stop::AtMax) && (held == Stop::AtMax || speed >= 0.0) {
+        Stop::AtMax
+    } else {
+        Stop::Free
     };
     if modes.moving_mass != Stop::Free {
         settled.moving_mass_1_m = if modes.moving_mass == Stop::AtMin { low } else { high };

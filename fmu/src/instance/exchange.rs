@@ -4,7 +4,8 @@
 use glidepolar::dynamics::{N_STATES, STATE_NOMINALS, State, Stop};
 
 use super::Instance;
-use super::refusal::{Outcome, Refusal};
+use super::refusal::{Outcome, Refusal, Status};
+use crate::model::Glider;
 use crate::model::glider::DiscreteState;
 
 /// What an event brought.
@@ -61,14 +62,50 @@ impl Instance {
 
     /// Brings the discrete states up to date.
     pub fn handle_event(&mut self) -> EventOutcome {
-        let before = self.core.glider.discrete;
+        let (before, state) = (self.core.glider.discrete, self.core.glider.values.state);
         let states_changed = self.core.glider.handle_event();
         self.core.unsettled = false;
+        self.tell_of_moves(&state, &self.core.glider);
         let after = self.core.glider.discrete;
         if before != after && self.log.wants_events() {
             self.log.event(&format!("event at {} s: {}", self.time_s(), news(before, after)));
         }
         EventOutcome { states_changed, next_time_event_s: self.core.glider.next_time_event_s() }
+    }
+}
+
+impl Instance {
+    /// Warns where ballast or moving mass lay beyond a limit and were brought back to it: a limit was narrowed under
+    /// them, or a start lies outside. An ordinary arrival at a limit is not worth a word.
+    pub(super) fn tell_of_moves(&self, before: &State<f64>, after: &Glider) {
+        const WORTH_A_WORD: f64 = 1e-6;
+        let (p, state) = (&after.values.parameters, &after.values.state);
+        let (from, to) = (before.moving_mass_1_m, state.moving_mass_1_m);
+        if (to - from).abs() > WORTH_A_WORD {
+            let (limit, value) = if to < from {
+                ("moving_mass_max_m", p.moving_mass_max_m)
+            } else {
+                ("moving_mass_min_m", p.moving_mass_min_m)
+            };
+            self.log.problem(
+                Status::Warning,
+                &format!(
+                    "moving_mass_position_m = {from:?} m lies beyond {limit} = {value:?} m; the mass was moved to {to:?} m"
+                ),
+            );
+        }
+        let (from, to) = (before.ballast_mass_kg, state.ballast_mass_kg);
+        if (to - from).abs() > WORTH_A_WORD {
+            // More mass is less volume.
+            let (limit, value) =
+                if to < from { ("ballast_min_m3", p.ballast_min_m3) } else { ("ballast_max_m3", p.ballast_max_m3) };
+            self.log.problem(
+                Status::Warning,
+                &format!(
+                    "ballast_mass_kg = {from:?} kg lies beyond {limit} = {value:?} m3; the ballast was moved to {to:?} kg"
+                ),
+            );
+        }
     }
 }
 

@@ -173,6 +173,7 @@ impl Instance {
                 "with these start values the rates of change are not finite: look for masses or inertias that are zero",
             ));
         }
+        self.tell_of_moves(&self.core.glider.values.state, &glider);
         self.core.glider = glider;
         self.core.unsettled = true;
         self.core.phase = next;
