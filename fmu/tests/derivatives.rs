@@ -10,9 +10,11 @@ use glidepolar_fmu::model::{Causality, Kind, Slot, variables};
 use support::*;
 
 /// Somewhere away from every special value, in free water, the servos within their rates, every mechanism at work.
-const SOMEWHERE: [(&str, f64); 26] = [
+const SOMEWHERE: [(&str, f64); 27] = [
     ("ballast_command_m3", -4.0e-5),
     ("moving_mass_command_m", 0.021),
+    // Pumping out, which costs energy: at rest the power has a corner.
+    ("u4_kg_s", -0.013),
     ("water_density_kg_m3", 1025.3),
     ("water_temperature_C", 9.0),
     ("current_x_m_s", 0.1),

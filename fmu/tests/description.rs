@@ -81,6 +81,10 @@ fn what_physics_says_depends_on_what_stands_in_the_structure() {
         of(&["water_density_kg_m3", "depth_m", "pitch_rad", "v1_m_s", "v3_m_s"])
     );
     assert!(dependencies(&structure.derivatives, "der(v1_m_s)").contains(&reference("seabed_depth_m")));
+    // Pumping out costs energy, against the pressure at the depth; taking ballast in costs nothing.
+    let pump = of(&["ballast_command_m3", "u4_kg_s", "water_density_kg_m3", "depth_m", "ballast_mass_kg"]);
+    let power = dependencies(&structure.derivatives, "der(energy_J)");
+    assert!(pump.iter().all(|reference| power.contains(reference)), "{power:?} lacks one of {pump:?}");
     assert_eq!(
         dependencies(&structure.initial, "PP1_kg_m_s"),
         of(&["v1_m_s", "pitch_rate_rad_s", "moving_mass_kg", "moving_mass_height_m"])

@@ -128,7 +128,8 @@ fn points() -> Vec<Glider> {
     for depth in DEPTHS_M {
         for actuation in [0, 1, 2] {
             for stop in STOPS {
-                for command in [1.0, 1e-3] {
+                // Of either sign: a pump costs energy in one direction only.
+                for command in [1.0, 1e-3, -1.0, -1e-3] {
                     let gliding = point(&mut odd, depth, actuation, stop, command);
                     let mut turning = gliding.clone();
                     let state = &mut turning.values.state;
@@ -161,7 +162,7 @@ fn point(odd: &mut OddNumbers, depth: f64, actuation: i32, stop: Stop, command: 
     }
     values.time_s = 3.7;
     values.state = values.state.map(|value| value + 0.01 * odd.next());
-    values.inputs = values.inputs.map(|value| value + 0.01 * odd.next());
+    values.inputs = values.inputs.map(|value| value + 0.01 * odd.next() * command.signum());
     values.state.depth_m = depth;
     values.inputs.seabed_depth_m = 119.6;
     // A set-point near the position is followed in proportion, one far away at the largest rate.
