@@ -175,6 +175,43 @@ fn the_moving_mass_runs_into_its_stop_at_an_event_and_hands_over_its_momentum() 
 }
 
 #[test]
+fn right_after_an_event_every_indicator_has_the_sign_of_its_side() {
+    let signs = |importer: &Importer| {
+        let z = importer.indicators(importer.time, &importer.states());
+        assert!(z.iter().all(|z| *z != 0.0), "{z:?}");
+        z.map(|z| z > 0.0)
+    };
+    let all = [true; 6];
+    let without = |i: usize| std::array::from_fn(|k| k != i);
+    // Exactly at a boundary the glider has not met it yet; well behind, it has.
+    for (depth, seabed, expected) in
+        [(0.0, 50.0, all), (50.0, 50.0, all), (-0.01, 50.0, without(0)), (50.01, 50.0, without(1))]
+    {
+        let importer = Importer::new(&[("depth_m", depth), ("seabed_depth_m", seabed)], 0);
+        assert_eq!(signs(&importer), expected, "{depth} m above a seabed at {seabed} m");
+    }
+    for (volume, flow, stop) in [("ballast_min_m3", 0.01, -1), ("ballast_max_m3", -0.01, 1)] {
+        let glider = Glider3::model_exchange();
+        let mass = 1.0 - 1027.0 * glider.get(volume);
+        let mut importer = Importer::new(&[("ballast_mass_kg", mass), ("u4_kg_s", flow)], 2);
+        let index = if stop < 0 { 2 } else { 3 };
+        assert_eq!((importer.glider.integer("ballast_stop"), signs(&importer)), (stop, without(index)));
+        importer.glider.set(&[("u4_kg_s", -flow)]);
+        importer.event();
+        assert_eq!((importer.glider.integer("ballast_stop"), signs(&importer)), (0, all));
+    }
+    for (position, force, stop) in [(-0.2, -20.0, -1), (0.2, 20.0, 1)] {
+        let starts = [("moving_mass_position_m", position), ("u1_N", force), ("depth_m", 500.0)];
+        let mut importer = Importer::new(&starts, 2);
+        let index = if stop < 0 { 4 } else { 5 };
+        assert_eq!((importer.glider.integer("moving_mass_stop"), signs(&importer)), (stop, without(index)));
+        importer.glider.set(&[("u1_N", -force)]);
+        importer.event();
+        assert_eq!((importer.glider.integer("moving_mass_stop"), signs(&importer)), (0, all));
+    }
+}
+
+#[test]
 fn nominals_are_positive_and_counts_are_right() {
     let glider = Glider3::model_exchange();
     let (mut states, mut events) = (0, 0);

@@ -24,6 +24,13 @@ const DAMPING_DEPTH_M: f64 = 0.02;
 /// A force this far inside a stop does not count as leaving it \[N\] or \[kg/s\].
 const RELEASE: f64 = 1e-9;
 
+/// By so much of its range a limit must be passed to be met, and come back from to be left: right after an event no
+/// indicator is zero, and each has the sign of its mode.
+const PAST_LIMIT: f64 = 1e-12;
+
+/// The least range that [`PAST_LIMIT`] counts from \[m\] or \[m3\]: limits may coincide.
+const LEAST_RANGE: f64 = 1e-6;
+
 /// So far off its stop a mass that is held there is still at it \[m\]: an integrator's error moves it, a limit that is set
 /// anew moves the stop by more.
 const HELD_WITHIN_M: f64 = 1e-6;
@@ -56,9 +63,14 @@ pub fn support_N<T: Number>(
     if depth < 0.0 { force.at_most(0.0) } else { force.at_least(0.0) }
 }
 
+/// How far a limit of this range must be passed to be met.
+fn past_limit(low: f64, high: f64) -> f64 {
+    PAST_LIMIT * (high - low).abs().max(LEAST_RANGE)
+}
+
 /// Functions of the state whose change of sign is an event, in the order of [`EVENT_NAMES`].
 ///
-/// A limit that nothing can reach (a servo stops short of its limits) has the constant indicator 1.
+/// Those of surface and seabed know no mode: whoever keeps one shifts them. A limit that nothing can reach (a servo stops short of its limits) has the constant indicator 1.
 pub fn event_indicators<T: Number>(
     parameters: &Parameters<T>,
     actuation: Actuation,
@@ -75,25 +87,29 @@ pub fn event_indicators<T: Number>(
         return z;
     }
     let ballast = parameters.ballast_m3(state.ballast_mass_kg);
+    let (low, high) = (parameters.ballast_min_m3, parameters.ballast_max_m3);
     match modes.ballast {
         Stop::Free => {
-            z[2] = ballast - parameters.ballast_min_m3;
-            z[3] = parameters.ballast_max_m3 - ballast;
+            let past = 2.0 * past_limit(low.value(), high.value());
+            z[2] = ballast - low + past;
+            z[3] = high - ballast + past;
         }
         // Taking ballast in (u4 > 0) makes the volume smaller.
-        Stop::AtMin => z[2] = -inputs.u4_kg_s - RELEASE,
-        Stop::AtMax => z[3] = inputs.u4_kg_s - RELEASE,
+        Stop::AtMin => z[2] = -inputs.u4_kg_s - 2.0 * RELEASE,
+        Stop::AtMax => z[3] = inputs.u4_kg_s - 2.0 * RELEASE,
     }
+    let (low, high) = (parameters.moving_mass_min_m, parameters.moving_mass_max_m);
     match modes.moving_mass {
         Stop::Free => {
-            z[4] = state.moving_mass_1_m - parameters.moving_mass_min_m;
-            z[5] = parameters.moving_mass_max_m - state.moving_mass_1_m;
+            let past = past_limit(low.value(), high.value());
+            z[4] = state.moving_mass_1_m - low + past;
+            z[5] = high - state.moving_mass_1_m + past;
         }
         stop => {
             let outward = inputs.u1_N - holding_force_1_N(parameters, actuation, time_s, state, inputs);
             match stop {
-                Stop::AtMin => z[4] = outward - RELEASE,
-                _ => z[5] = -outward - RELEASE,
+                Stop::AtMin => z[4] = outward - 2.0 * RELEASE,
+                _ => z[5] = -outward - 2.0 * RELEASE,
             }
         }
     }
@@ -129,8 +145,15 @@ pub fn settle(
     } else {
         Stop::Free
     };
+    // One that leaves, too, begins on its own side of the stop.
+    settled.moving_mass_1_m = match modes.moving_mass {
+        Stop::AtMin => low,
+        Stop::AtMax => high,
+        Stop::Free if position < low => low,
+        Stop::Free if position > high => high,
+        Stop::Free => position,
+    };
     if modes.moving_mass != Stop::Free {
-        settled.moving_mass_1_m = if modes.moving_mass == Stop::AtMin { low } else { high };
         stop_moving_mass(parameters, actuation, &mut settled, speed);
         let outward = inputs.u1_N - holding_force_1_N(parameters, actuation, time_s, &settled, inputs);
         let leaves = match modes.moving_mass {
@@ -145,14 +168,21 @@ pub fn settle(
 }
 
 fn settle_ballast(parameters: &Parameters<f64>, state: &mut State<f64>, inputs: &Inputs<f64>) -> Stop {
-    let ballast = parameters.ballast_m3(state.ballast_mass_kg);
+    let (low, high) = (parameters.ballast_min_m3, parameters.ballast_max_m3);
     // The rounding of one conversion to volume and back must not open a closed stop again.
-    let rounding = 1e-12 * (parameters.ballast_max_m3 - parameters.ballast_min_m3).abs();
-    if ballast <= parameters.ballast_min_m3 + rounding && inputs.u4_kg_s >= -RELEASE {
-        state.ballast_mass_kg = parameters.ballast_mass_kg(parameters.ballast_min_m3);
+    let rounding = past_limit(low, high);
+    let ballast = parameters.ballast_m3(state.ballast_mass_kg);
+    let (is_low, is_high) = (ballast <= low + rounding, ballast >= high - rounding);
+    let (stays_low, stays_high) = (inputs.u4_kg_s >= -RELEASE, inputs.u4_kg_s <= RELEASE);
+    // One that leaves, too, begins on its own side of the limit.
+    if is_low && (stays_low || ballast < low - rounding) {
+        state.ballast_mass_kg = parameters.ballast_mass_kg(low);
+    } else if is_high && (stays_high || ballast > high + rounding) {
+        state.ballast_mass_kg = parameters.ballast_mass_kg(high);
+    }
+    if is_low && stays_low {
         Stop::AtMin
-    } else if ballast >= parameters.ballast_max_m3 - rounding && inputs.u4_kg_s <= RELEASE {
-        state.ballast_mass_kg = parameters.ballast_mass_kg(parameters.ballast_max_m3);
+    } else if is_high && stays_high {
         Stop::AtMax
     } else {
         Stop::Free

@@ -11,8 +11,9 @@ use glidepolar::water::WaterColumn;
 
 use super::table::{Discrete, N_OUTPUTS, Slot};
 
-/// Depth or height within which the direction of motion tells on which side of a boundary the glider is \[m\].
-const BOUNDARY_M: f64 = 1e-6;
+/// So far beyond surface or seabed the glider must be to have met it, and back to have left it \[m\]: right after an event
+/// no indicator is zero, and each has the sign of its side.
+const PAST_BOUNDARY_M: f64 = 1e-9;
 
 /// Everything that the glider is at one time: cloned to save and restored to go back, without allocation.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,9 +89,8 @@ impl Glider {
         let (modes, state) = settle(&active, self.actuation, self.discrete.modes, v.time_s, &v.state, &inputs);
         self.discrete.modes = modes;
         self.values.state = state;
-        let depth_rate = self.derivative().depth_m;
-        self.discrete.at_surface = is_beyond(-state.depth_m, -depth_rate);
-        self.discrete.on_seabed = is_beyond(state.depth_m - v.inputs.seabed_depth_m, depth_rate);
+        self.discrete.at_surface = is_beyond(-state.depth_m, self.discrete.at_surface);
+        self.discrete.on_seabed = is_beyond(state.depth_m - v.inputs.seabed_depth_m, self.discrete.on_seabed);
         state != v.state
     }
 
@@ -170,7 +170,12 @@ impl Rules<'_> {
         state: &State<T>,
         inputs: &Inputs<T>,
     ) -> [T; N_EVENTS] {
-        event_indicators(active, self.actuation, self.discrete.modes, time_s, state, &self.inputs(state, inputs))
+        let inputs = self.inputs(state, inputs);
+        let mut z = event_indicators(active, self.actuation, self.discrete.modes, time_s, state, &inputs);
+        for (z, is_beyond) in z.iter_mut().zip([self.discrete.at_surface, self.discrete.on_seabed]) {
+            *z += if is_beyond { -PAST_BOUNDARY_M } else { PAST_BOUNDARY_M };
+        }
+        z
     }
 
     /// When the rates will bend, as far as that can be foreseen.
@@ -225,8 +230,9 @@ fn with<T, const N: usize>(mut values: [T; N], index: usize, value: T) -> [T; N]
     values
 }
 
-fn is_beyond(excess_m: f64, rate_m_s: f64) -> bool {
-    if excess_m.abs() > BOUNDARY_M { excess_m > 0.0 } else { rate_m_s > 0.0 }
+/// Whether the glider is beyond a boundary, exactly where the indicator has that sign.
+fn is_beyond(excess_m: f64, was_beyond: bool) -> bool {
+    if was_beyond { excess_m > -PAST_BOUNDARY_M } else { excess_m >= PAST_BOUNDARY_M }
 }
 
 impl<T: Number> Values<T> {
