@@ -7,6 +7,7 @@ use glidepolar_archive::Archive;
 
 use crate::dynamics::{PARAMETERS, Parameters};
 use crate::fmu_page;
+use crate::fmu_token::{marked, resources_hash};
 use crate::glide::{Start, start, start_in};
 use crate::simulate::schedule::INPUT_NAMES;
 use crate::vehicle::{MissingKeys, Vehicle};
@@ -16,10 +17,6 @@ const DESCRIPTION: &str = "modelDescription.xml";
 const VEHICLE: &str = "resources/vehicle.toml";
 const COLUMN: &str = "resources/water_column.csv";
 const PAGE: &str = "documentation/index.html";
-
-/// What the token of an archive with a vehicle of its own ends with: the library then knows that its defaults are not
-/// what the description says.
-const OWN_VEHICLE: &str = "+vehicle";
 
 /// A water column with the text that it was read from.
 #[derive(Debug, Clone, Copy)]
@@ -67,7 +64,8 @@ pub fn pack(template: &Archive, vehicle: &Vehicle, water: Option<Water<'_>>) -> 
         String::from_utf8(bytes.to_vec()).map_err(|_| PackError::Template(format!("{name} is not UTF-8")))
     };
     let mut description = Description::read(&text(DESCRIPTION)?);
-    description.mark_own_vehicle()?;
+    let toml = vehicle.to_toml();
+    description.mark_own_vehicle(resources_hash(&toml, water.map(|water| water.text)))?;
     for (name, value) in starts(&parameters, water) {
         description.set_start(name, &written(value))?;
     }
@@ -80,7 +78,7 @@ pub fn pack(template: &Archive, vehicle: &Vehicle, water: Option<Water<'_>>) -> 
         archive.insert(name, contents).map_err(|fault| PackError::Template(fault.to_string()))
     };
     insert(DESCRIPTION, description.text())?;
-    insert(VEHICLE, vehicle.to_toml())?;
+    insert(VEHICLE, toml)?;
     insert(PAGE, page)?;
     match water {
         Some(water) => insert(COLUMN, water.text.to_owned())?,
@@ -146,15 +144,15 @@ impl Description {
         self.lines.join("\n") + "\n"
     }
 
-    /// Marks the token, which FMI 2.0 calls guid.
-    fn mark_own_vehicle(&mut self) -> Result<(), PackError> {
+    /// Marks the token, which FMI 2.0 calls guid, with the resources that are packed: the library then knows that its
+    /// defaults are not what the description says, and importers that these are different FMUs.
+    fn mark_own_vehicle(&mut self, resources: u64) -> Result<(), PackError> {
         let root = self.lines.iter_mut().find(|line| line.contains("<fmiModelDescription"));
         let root = root.ok_or_else(|| PackError::Template("its description has no root element".to_owned()))?;
         for attribute in ["guid", "instantiationToken"] {
             if let Some(token) = attribute_of(root, attribute) {
-                if !token.ends_with(OWN_VEHICLE) {
-                    set_attribute(root, attribute, &format!("{token}{OWN_VEHICLE}"));
-                }
+                let token = marked(token, resources);
+                set_attribute(root, attribute, &token);
                 return Ok(());
             }
         }
@@ -301,13 +299,19 @@ mod tests {
             assert_eq!(stated(&text, "pitch_rad"), start.state.pitch_rad);
             assert_eq!(stated(&text, "moving_mass_command_m"), start.inputs.moving_mass_command_m);
             assert_eq!(stated(&text, "water_density_kg_m3"), 1000.0);
-            assert!(text.contains("}+vehicle\""));
+            let mark = marked("}", resources_hash(&rogue.to_toml(), None));
+            assert!(text.contains(&format!("{mark}\"")), "{mark}");
             // Nothing but starts and the token differs: as many lines, the same names.
             assert_eq!(text.lines().count(), description(&template).lines().count());
             assert_eq!(packed.get(VEHICLE).unwrap(), rogue.to_toml().as_bytes());
             assert_eq!(packed.get("binaries/x86_64-linux/UnderwaterGlider.so"), Some(b"machine code".as_slice()));
-            // Packed again, nothing is marked twice.
+            // Packed again, nothing is marked twice, and another vehicle gets its own mark.
             assert_eq!(pack(&packed, &rogue, None).unwrap(), packed);
+            let slocum = Vehicle::load("slocum-graver").unwrap();
+            assert_eq!(
+                description(&pack(&packed, &slocum, None).unwrap()),
+                description(&pack(&template, &slocum, None).unwrap())
+            );
         }
     }
 
@@ -316,7 +320,8 @@ mod tests {
         let vehicle = Vehicle::load("slocum-graver").unwrap();
         let template = template("fmi3");
         let packed = pack(&template, &vehicle, None).unwrap();
-        assert_eq!(description(&packed).replace("+vehicle", ""), description(&template));
+        let mark = marked("", resources_hash(&vehicle.to_toml(), None));
+        assert_eq!(description(&packed).replace(&mark, ""), description(&template));
         assert_eq!(packed.get(PAGE), template.get(PAGE));
     }
 

@@ -23,6 +23,7 @@ pub mod estimate;
 #[cfg(feature = "report")]
 pub mod fmu_archive;
 pub mod fmu_page;
+pub mod fmu_token;
 pub mod glide;
 pub mod hull_tests;
 #[cfg(feature = "sea")]

@@ -5,8 +5,8 @@ mod support;
 use std::ffi::CString;
 use std::path::Path;
 
+use glidepolar::fmu_token::marked;
 use glidepolar_fmu::fmi3::*;
-use glidepolar_fmu::instance::resources::OWN_VEHICLE;
 use glidepolar_fmu::model::table::token;
 use support::*;
 
@@ -56,10 +56,40 @@ fn only_an_archive_that_says_so_misses_its_vehicle() {
     let empty = tempfile::tempdir().unwrap();
     let glider = instance(empty.path(), token()).unwrap();
     assert!(glider.environment.messages.take().is_empty());
-    let glider = instance(empty.path(), &format!("{}{OWN_VEHICLE}", token())).unwrap();
-    let messages = glider.environment.messages.take();
+    // No other vehicle takes its place.
+    let messages = instance(empty.path(), &marked(token(), 1)).err().unwrap();
     assert_eq!(messages.len(), 1);
-    assert!(messages[0].0 == WARNING && messages[0].1.contains("vehicle.toml does not exist"), "{messages:?}");
+    assert!(messages[0].0 == ERROR && messages[0].1.contains("vehicle.toml does not exist"), "{messages:?}");
+    assert!(messages[0].1.contains("resources folder"), "{messages:?}");
+    let flown = folder(builtin("rogue"), None);
+    assert!(instance(flown.path(), &marked(token(), 1)).is_ok());
+}
+
+#[test]
+fn a_state_of_another_vehicle_or_other_water_is_refused() {
+    let denser = COLUMN.replace("1026.5", "1026.6");
+    let folders = [
+        folder(builtin("slocum-graver"), None),
+        folder(builtin("rogue"), None),
+        folder(builtin("slocum-graver"), Some(COLUMN)),
+        folder(builtin("slocum-graver"), Some(&denser)),
+    ];
+    let gliders = folders.each_ref().map(|folder| instance(folder.path(), token()).unwrap());
+    let states = gliders.each_ref().map(|glider| {
+        glider.begin(None);
+        glider.serialize(glider.save())
+    });
+    for (i, glider) in gliders.iter().enumerate() {
+        for (k, bytes) in states.iter().enumerate() {
+            let result = glider.deserialize(bytes);
+            assert_eq!(result.is_ok(), i == k, "{k} in {i}");
+            if let Err(messages) = result {
+                assert!(messages[0].1.contains("another vehicle or other water"), "{messages:?}");
+            }
+        }
+    }
+    // The default vehicle is the same with its file and without.
+    assert!(Glider3::co_simulation(Options::default()).deserialize(&states[0]).is_ok());
 }
 
 #[test]

@@ -134,7 +134,7 @@ fn bytes_that_are_no_state_are_refused_whole() {
     refused(&[], "too few");
     refused(b"hello", "too few");
     for length in [20, 60, bytes.len() - 1] {
-        let why = if length < 60 { "too few" } else { "checksum" };
+        let why = if length < 63 { "too few" } else { "checksum" };
         refused(&bytes[..length], why);
     }
     refused(&[bytes.as_slice(), b"x"].concat(), "checksum");

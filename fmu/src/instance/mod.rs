@@ -51,6 +51,7 @@ pub struct Instance {
     interface: Interface,
     abilities: Abilities,
     vehicle_name: CString,
+    resources: u64,
     at_start: Core,
     core: Core,
     /// Each in a place of its own, whose address is its handle.
@@ -88,7 +89,8 @@ impl Instance {
             unsettled: true,
         };
         let vehicle_name = CString::new(vehicle.name.replace('\0', " ")).unwrap_or_default();
-        Instance { interface, abilities, vehicle_name, at_start: core.clone(), core, saved: Vec::new(), log }
+        let (resources, at_start) = (vehicle.resources, core.clone());
+        Instance { interface, abilities, vehicle_name, resources, at_start, core, saved: Vec::new(), log }
     }
 
     /// Where it stands.

@@ -1,12 +1,14 @@
 //! What travels in the archive: the vehicle, `resources/vehicle.toml`, and a water column, `resources/water_column.csv`.
 
 use std::ffi::OsString;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use glidepolar::fmu_token::{resources_hash, resources_of_mark};
 use glidepolar::water::WaterColumn;
 
 use super::log::Log;
-use super::refusal::{Outcome, Refusal, Status};
+use super::refusal::{Outcome, Refusal};
 use crate::model::table::token;
 use crate::model::vehicle::Vehicle;
 
@@ -15,10 +17,6 @@ pub const VEHICLE_FILE: &str = "vehicle.toml";
 
 /// File in the resources folder that describes the water against depth.
 pub const COLUMN_FILE: &str = "water_column.csv";
-
-/// What a packed FMU with a vehicle of its own appends to the token, so that the library knows that its defaults are
-/// not what the model description says.
-pub const OWN_VEHICLE: &str = "+vehicle";
 
 /// The vehicle of a new instance, after a look at the name and the token that the importer gave.
 ///
@@ -33,59 +31,54 @@ pub fn chosen(name: &str, given: &str, folder: Option<&Path>, log: &Log) -> Outc
             "the token (guid) \"{given}\" is not that of this binary; modelDescription.xml and binary come from different builds"
         )));
     };
-    let (vehicle, note) = vehicle(folder, expected).map_err(Refusal::error)?;
-    if let Some(note) = note {
-        log.problem(Status::Warning, &note);
-    }
+    let vehicle = vehicle(folder, expected).map_err(Refusal::error)?;
     log.event(&format!("the vehicle is \"{}\"", vehicle.name));
     Ok(vehicle)
 }
 
 /// Whether the token is that of this library; `Some(true)` when the archive says that it carries its own vehicle.
 pub fn carries_vehicle(given: &str) -> Option<bool> {
-    let rest = given.trim().strip_prefix(token())?;
-    match rest {
+    match given.trim().strip_prefix(token())? {
         "" => Some(false),
-        OWN_VEHICLE => Some(true),
-        _ => None,
+        mark => resources_of_mark(mark).map(|_| true),
     }
 }
 
-/// The vehicle in this folder, or the default one where there is none. With it, what the importer should be told.
+/// The vehicle in this folder, or the default one where there is none and none is expected.
 ///
 /// # Errors
-/// Where there is a vehicle file that cannot be used: no other vehicle may silently take its place.
-pub fn vehicle(folder: Option<&Path>, expected: bool) -> Result<(Vehicle, Option<String>), String> {
+/// Where there is a vehicle file that cannot be used, or one is expected and missing: no other vehicle may silently take
+/// its place.
+pub fn vehicle(folder: Option<&Path>, expected: bool) -> Result<Vehicle, String> {
     let missing = |why: String| {
-        let note = expected.then(|| {
-            format!(
-                "this FMU carries a vehicle of its own, but {why}; the default vehicle takes its place and the start values of modelDescription.xml do not hold"
-            )
-        });
-        Ok((Vehicle::default(), note))
+        let advice = "instantiate with the path of the resources folder of the unpacked archive";
+        if expected {
+            Err(format!("this FMU carries a vehicle of its own, but {why}; {advice}"))
+        } else {
+            Ok(Vehicle::default())
+        }
     };
     let Some(folder) = folder else {
         return missing("the importer gave no resource path".to_owned());
     };
     let path = folder.join(VEHICLE_FILE);
-    match std::fs::read_to_string(&path) {
-        Ok(text) => {
-            let column = water_column(folder)?;
-            Vehicle::parse(&text, &path).map(|vehicle| (vehicle.in_water(column), None))
-        }
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-            missing(format!("{} does not exist", path.display()))
-        }
-        Err(error) => missing(format!("{} cannot be read: {error}", path.display())),
-    }
+    let Some(text) = text_of(&path)? else {
+        return missing(format!("{} does not exist", path.display()));
+    };
+    let vehicle = Vehicle::parse(&text, &path)?;
+    let path = folder.join(COLUMN_FILE);
+    let Some(column) = text_of(&path)? else { return Ok(vehicle) };
+    let resources = resources_hash(&text, Some(&column));
+    let column = WaterColumn::parse(&column, &path).map_err(|error| error.to_string())?;
+    Ok(Vehicle { resources, ..vehicle.in_water(column) })
 }
 
-/// The water column in this folder, if there is one.
-fn water_column(folder: &Path) -> Result<Option<WaterColumn>, String> {
-    let path = folder.join(COLUMN_FILE);
-    match std::fs::read_to_string(&path) {
-        Ok(text) => WaterColumn::parse(&text, &path).map(Some).map_err(|error| error.to_string()),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+/// The text of this file, if there is one.
+fn text_of(path: &Path) -> Result<Option<String>, String> {
+    match std::fs::read_to_string(path) {
+        Ok(text) => Ok(Some(text)),
+        // Whatever is given as a folder and is none has no files in it.
+        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(None),
         Err(error) => Err(format!("{} cannot be read: {error}", path.display())),
     }
 }
@@ -149,6 +142,7 @@ fn path_of(bytes: Vec<u8>) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glidepolar::fmu_token::marked;
 
     #[test]
     fn uris_become_folders() {
@@ -169,12 +163,13 @@ mod tests {
 
     #[test]
     fn only_a_vehicle_that_was_promised_is_missed() {
-        let (_, note) = vehicle(None, false).unwrap();
-        assert_eq!(note, None);
-        let (_, note) = vehicle(Some(Path::new("/no/such/folder")), true).unwrap();
-        assert!(note.unwrap().contains("/no/such/folder/vehicle.toml does not exist"));
+        assert_eq!(vehicle(None, false).unwrap().name, Vehicle::default().name);
+        assert!(vehicle(None, true).unwrap_err().contains("no resource path"));
+        let message = vehicle(Some(Path::new("/no/such/folder")), true).unwrap_err();
+        assert!(message.contains("/no/such/folder/vehicle.toml does not exist"), "{message}");
         assert_eq!(carries_vehicle(token()), Some(false));
-        assert_eq!(carries_vehicle(&format!("{}{OWN_VEHICLE}", token())), Some(true));
+        assert_eq!(carries_vehicle(&marked(token(), 5)), Some(true));
+        assert_eq!(carries_vehicle(&format!("{}+vehicle", token())), None);
         assert_eq!(carries_vehicle("{other}"), None);
     }
 }

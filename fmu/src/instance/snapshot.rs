@@ -1,8 +1,8 @@
 //! Saved states: kept in the instance under a handle, or written out as bytes that another process, machine or version
 //! of the same table can read back, bit for bit.
 //!
-//! The bytes: a mark, the version of this layout, the token of the table of variables, the interface, the fields of
-//! [`Core`] in the order of `fields` (numbers as little-endian IEEE 754), and a CRC-32 of all before it.
+//! The bytes: a mark, the version of this layout, the token of the table of variables, the interface, a hash of the
+//! resources (a state is that of one vehicle in one water), the fields of [`Core`] in the order of `fields` (numbers as little-endian IEEE 754), and a CRC-32 of all before it.
 
 use glidepolar::dynamics::{Inputs, Parameters, State, Stop};
 
@@ -13,7 +13,8 @@ use crate::model::glider::{actuation_number, actuation_of, stop_number};
 use crate::model::table::token;
 
 const MARK: &[u8; 8] = b"glidepol";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
+const RESOURCES_BYTES: usize = 8;
 const CHECKSUM_BYTES: usize = 4;
 
 /// A saved state, by the address at which the instance keeps it; nothing is ever read through it.
@@ -49,6 +50,7 @@ impl Instance {
     pub fn serialized(&self, handle: Handle) -> Outcome<Vec<u8>> {
         let mut core = (*self.saved[self.place(handle)?]).clone();
         let mut bytes = self.header();
+        bytes.extend(self.resources.to_le_bytes());
         // Fields of a state that exists are all writable.
         let _ = fields(&mut core, &mut Writer(&mut bytes));
         bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
@@ -58,8 +60,10 @@ impl Instance {
     /// The saved state that these bytes describe.
     pub fn deserialized(&mut self, bytes: &[u8]) -> Outcome<Handle> {
         let header = self.header();
-        let foreign = |why: &str| Err(Refusal::error(format!("these {} bytes are no saved state: {why}", bytes.len())));
-        if bytes.len() < header.len() + CHECKSUM_BYTES {
+        let foreign = |why: &str| {
+            Err(Refusal::error(format!("these {} bytes are no saved state of this instance: {why}", bytes.len())))
+        };
+        if bytes.len() < header.len() + RESOURCES_BYTES + CHECKSUM_BYTES {
             return foreign("too few; pass all that was serialized");
         }
         let (content, checksum) = bytes.split_at(bytes.len() - CHECKSUM_BYTES);
@@ -72,8 +76,15 @@ impl Instance {
         if !content.starts_with(&header) {
             return foreign("another version of this FMU wrote them, or an instance of the other interface");
         }
+        let (resources, content) = content[header.len()..].split_at(RESOURCES_BYTES);
+        if resources != self.resources.to_le_bytes() {
+            let own = self.vehicle_name.to_string_lossy();
+            return foreign(&format!(
+                "an instance with another vehicle or other water in its resources wrote them; this one flies \"{own}\""
+            ));
+        }
         let mut core = self.at_start.clone();
-        let mut reader = Reader(&content[header.len()..]);
+        let mut reader = Reader(content);
         if fields(&mut core, &mut reader).is_none() || !reader.0.is_empty() {
             return foreign("the fields do not fit");
         }

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
 use glidepolar::dynamics::{Actuation, Parameters};
+use glidepolar::fmu_token::resources_hash;
 use glidepolar::glide::{start, start_in};
 use glidepolar::vehicle::builtin;
 use glidepolar::water::WaterColumn;
@@ -20,6 +21,8 @@ pub struct Vehicle {
     pub name: String,
     /// The glider at the start of a simulation.
     pub glider: Glider,
+    /// What tells the files that it was read from, vehicle and water, from others.
+    pub resources: u64,
 }
 
 impl Default for Vehicle {
@@ -42,22 +45,21 @@ impl Vehicle {
     pub fn parse(text: &str, origin: impl AsRef<Path>) -> Result<Self, String> {
         let file = glidepolar::vehicle::Vehicle::parse(text, origin.as_ref()).map_err(|error| error.to_string())?;
         let parameters = file.parameters().map_err(|error| error.to_string())?;
-        Ok(Vehicle::new(&file.name, parameters))
+        Ok(Vehicle { resources: resources_hash(text, None), ..Vehicle::new(&file.name, parameters) })
     }
 
     /// The vehicle with these parameters, in the library's start.
-    pub fn new(name: &str, parameters: Parameters<f64>) -> Self {
+    fn new(name: &str, parameters: Parameters<f64>) -> Self {
         let start = start(&parameters);
         let values = Values { parameters, time_s: 0.0, state: start.state, inputs: start.inputs };
         let discrete = DiscreteState::default();
         let mut glider = Glider { values, actuation: Actuation::Servo, discrete, column: None, uses_column: false };
         glider.complete_start();
-        Vehicle { name: name.to_owned(), glider }
+        Vehicle { name: name.to_owned(), glider, resources: 0 }
     }
 
-    /// The same vehicle in the water of this column, where there is one: the start is steady in the water at its depth.
-    pub fn in_water(self, column: Option<WaterColumn>) -> Self {
-        let Some(column) = column else { return self };
+    /// The same vehicle in the water of this column: the start is steady in the water at its depth.
+    pub fn in_water(self, column: WaterColumn) -> Self {
         let mut glider = self.glider;
         let start = start_in(&glider.values.parameters, |depth_m| column.at(depth_m));
         (glider.values.state, glider.values.inputs) = (start.state, start.inputs);
