@@ -63,6 +63,17 @@ pub fn support_N<T: Number>(
     if depth < 0.0 { force.at_most(0.0) } else { force.at_least(0.0) }
 }
 
+/// The limits of ballast or moving mass that stand the wrong way round, by name and value, the lower one first.
+pub fn reversed(parameters: &Parameters<f64>) -> Option<[(&'static str, f64); 2]> {
+    let p = parameters;
+    [
+        [("ballast_min_m3", p.ballast_min_m3), ("ballast_max_m3", p.ballast_max_m3)],
+        [("moving_mass_min_m", p.moving_mass_min_m), ("moving_mass_max_m", p.moving_mass_max_m)],
+    ]
+    .into_iter()
+    .find(|[(_, low), (_, high)]| low > high)
+}
+
 /// How far a limit of this range must be passed to be met.
 fn past_limit(low: f64, high: f64) -> f64 {
     PAST_LIMIT * (high - low).abs().max(LEAST_RANGE)

@@ -39,7 +39,7 @@ pub(super) fn read(text: &str, origin: &Path) -> Result<Vehicle, InputError> {
     })?;
     let Reader { sections, mechanisms, uncertainty, .. } = reader;
     let document = document.into_mut();
-    Ok(Vehicle {
+    let vehicle = Vehicle {
         name,
         source: source.unwrap_or_default(),
         sections,
@@ -47,7 +47,11 @@ pub(super) fn read(text: &str, origin: &Path) -> Result<Vehicle, InputError> {
         uncertainty,
         is_builtin: false,
         document,
-    })
+    };
+    match vehicle.reversed_limits() {
+        Some(problem) => Err(InputError::new(Place::file(origin), problem).help("exchange the two")),
+        None => Ok(vehicle),
+    }
 }
 
 /// An unknown key, with the nearest known one.

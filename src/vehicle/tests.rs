@@ -62,6 +62,22 @@ fn the_height_of_the_centre_of_gravity_is_the_whole_vehicles() {
 const MINIMAL: &str = "name = \"x\"\n[geometry]\nfrontal_area_m2 = 0.03\nlength_m = 1.8\n[mass]\nmass_kg = 50\ndisplaced_volume_m3 = 0.05\n[hydro]\na_per_rad = 7.0\nb = 0.1\nc_per_rad2 = 2.0\n";
 
 #[test]
+fn limits_the_wrong_way_round_are_refused_by_their_keys_and_values() {
+    let text = builtin::text("slocum-graver").unwrap();
+    let mut vehicle = Vehicle::parse(text, "here").unwrap();
+    vehicle.set("ballast.max_cc", -600.0).unwrap();
+    let error = Vehicle::parse(&vehicle.to_toml(), "here").unwrap_err().to_string();
+    assert!(error.contains("`ballast.max_cc` = -600 cm3 lies below `ballast.min_cc` = -500 cm3"), "{error}");
+    let mut vehicle = Vehicle::parse(text, "here").unwrap();
+    vehicle.set("moving_mass.min_m", 0.3).unwrap();
+    let error = Vehicle::parse(&vehicle.to_toml(), "here").unwrap_err().to_string();
+    assert!(error.contains("`moving_mass.max_m` = 0.2 m lies below `moving_mass.min_m` = 0.3 m"), "{error}");
+    // Limits may coincide.
+    vehicle.set("moving_mass.min_m", 0.2).unwrap();
+    assert!(Vehicle::parse(&vehicle.to_toml(), "here").is_ok());
+}
+
+#[test]
 fn a_steady_glide_needs_little_and_a_time_history_says_what_it_lacks() {
     let vehicle = Vehicle::parse(MINIMAL, "x.toml").unwrap();
     assert_eq!(vehicle.glide_parameters().b, 0.1);

@@ -2,6 +2,7 @@
 
 use super::Vehicle;
 use super::keys::{KEYS, Need};
+use crate::dynamics::limits::reversed;
 use crate::dynamics::{Parameters, parameter_index};
 
 /// Keys that time histories need and the vehicle file does not give.
@@ -15,6 +16,18 @@ pub struct MissingKeys {
 }
 
 impl Vehicle {
+    /// What is wrong with the limits of ballast or moving mass, where they stand the wrong way round.
+    pub(super) fn reversed_limits(&self) -> Option<String> {
+        let [(low, least), (high, largest)] = reversed(&self.glide_parameters())?;
+        // In the units of the file, to the figures that a conversion leaves.
+        let shown =
+            |name: &str, value: f64| match name.strip_suffix("_m3").and_then(|name| name.strip_prefix("ballast_")) {
+                Some(end) => format!("`ballast.{end}_cc` = {} cm3", (value * 1e12).round() / 1e6),
+                None => format!("`{}` = {value} m", name.replacen("moving_mass_", "moving_mass.", 1)),
+            };
+        Some(format!("{} lies below {}", shown(high, largest), shown(low, least)))
+    }
+
     /// The numbers of the equations of motion.
     ///
     /// # Errors
