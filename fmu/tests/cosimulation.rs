@@ -315,6 +315,89 @@ fn outputs_have_exact_derivatives() {
     }
 }
 
+fn output_rate(glider: &Glider2, name: &str) -> f64 {
+    let (mut rate, order) = (f64::NAN, 1);
+    // SAFETY: a live component and single places.
+    glider.ok(unsafe { fmi2GetRealOutputDerivatives(glider.component, &vr(name), 1, &order, &mut rate) });
+    rate
+}
+
+#[test]
+fn output_derivatives_know_how_the_inputs_moved_until_they_are_set() {
+    let glider = Glider2::new(CO_SIMULATION);
+    glider.begin();
+    assert_eq!(glider.step(0.0, 2.0), OK);
+    // The glide is steady but for the water: what it carries grows by the slope at the end, 0.01 + 0.002 * 5 kg/m3/s.
+    let displaced = 50.0 / 1027.0 + glider.get("ballast_m3");
+    glider.slope("water_density_kg_m3", 1, 0.01);
+    glider.slope("water_density_kg_m3", 2, 0.002);
+    assert!((output_rate(&glider, "net_mass_kg") + 0.01 * displaced).abs() < 1e-9);
+    assert_eq!(glider.step(2.0, 5.0), OK);
+    let expected = -0.02 * displaced;
+    let found = output_rate(&glider, "net_mass_kg");
+    assert!((found - expected).abs() < 1e-9, "{found} against {expected}");
+    // A saved state knows it, too, written out and read back.
+    let (mut state, mut again, mut size) = (std::ptr::null_mut(), std::ptr::null_mut(), 0);
+    // SAFETY: a live component and a buffer of its size.
+    unsafe {
+        glider.ok(fmi2GetFMUstate(glider.component, &mut state));
+        glider.ok(fmi2SerializedFMUstateSize(glider.component, state, &mut size));
+        let mut bytes = vec![0u8; size];
+        glider.ok(fmi2SerializeFMUstate(glider.component, state, bytes.as_mut_ptr(), size));
+        glider.set("water_density_kg_m3", glider.get("water_density_kg_m3"));
+        assert!(output_rate(&glider, "net_mass_kg").abs() < 1e-9);
+        glider.ok(fmi2DeSerializeFMUstate(glider.component, bytes.as_ptr(), size, &mut again));
+        glider.ok(fmi2SetFMUstate(glider.component, again));
+    }
+    assert_eq!(output_rate(&glider, "net_mass_kg"), found);
+    // In the step that follows the water stands still.
+    assert_eq!(glider.step(7.0, 5.0), OK);
+    assert!(output_rate(&glider, "net_mass_kg").abs() < 1e-9);
+}
+
+#[test]
+fn an_input_does_not_move_out_of_its_bounds() {
+    let glider = Glider2::new(CO_SIMULATION);
+    glider.begin();
+    glider.slope("water_density_kg_m3", 1, 100.0);
+    let before = glider.get("water_density_kg_m3");
+    assert_eq!(glider.step(0.0, 60.0), DISCARD);
+    let messages = glider.environment.messages.take();
+    assert_eq!(messages.len(), 1, "{messages:?}");
+    assert!(
+        messages[0].1.contains("water_density_kg_m3 = ") && messages[0].1.contains("900.0 to 1300.0"),
+        "{messages:?}"
+    );
+    assert_eq!(glider.get("water_density_kg_m3"), before);
+    // As far as it stays within them it may.
+    assert_eq!(glider.step(0.0, 2.0), OK);
+    assert_eq!(glider.get("water_density_kg_m3"), before + 200.0);
+}
+
+#[test]
+fn limits_the_wrong_way_round_are_refused() {
+    let glider = Glider3::co_simulation(Options::default());
+    glider.set(&[("ballast_max_m3", -6e-4)]);
+    // SAFETY: a live instance.
+    unsafe {
+        glider.ok(fmi3EnterInitializationMode(glider.instance, 0, 0.0, 0.0, 0, 0.0));
+        assert_eq!(fmi3ExitInitializationMode(glider.instance), ERROR);
+        let messages = glider.environment.messages.take();
+        assert!(messages[0].1.contains("ballast_max_m3 = -0.0006 lies below ballast_min_m3 = -0.0005"), "{messages:?}");
+        glider.set(&[("ballast_min_m3", -7e-4)]);
+        glider.ok(fmi3ExitInitializationMode(glider.instance));
+    }
+    glider.environment.messages.take();
+    let before = glider.states();
+    glider.set(&[("moving_mass_min_m", 0.3)]);
+    assert_eq!(glider.step(0.0, 1.0).status, DISCARD);
+    let messages = glider.environment.messages.take();
+    assert!(messages[0].1.contains("moving_mass_max_m = 0.2 lies below moving_mass_min_m = 0.3"), "{messages:?}");
+    assert_eq!(glider.states(), before);
+    glider.set(&[("moving_mass_max_m", 0.4)]);
+    assert_eq!(glider.step(0.0, 1.0).status, OK);
+}
+
 #[test]
 fn a_step_that_makes_no_sense_is_refused_and_changes_nothing() {
     let glider = Glider3::started(Options::default(), &[]);

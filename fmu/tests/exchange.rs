@@ -175,6 +175,55 @@ fn the_moving_mass_runs_into_its_stop_at_an_event_and_hands_over_its_momentum() 
 }
 
 #[test]
+fn what_is_no_number_is_discarded_by_its_name() {
+    let importer = Importer::new(&[], 0);
+    let glider = &importer.glider;
+    for (state, size, name, unknown) in
+        [("v1_m_s", 1e160, "lift_N", "lift_N"), ("pitch_rate_rad_s", 1e300, "der(v1_m_s)", "der(")]
+    {
+        let mut x = importer.states();
+        x[STATES.iter().position(|known| *known == state).unwrap()] = size;
+        let (mut rates, mut value) = ([0.0; N], 0.0);
+        // SAFETY: a live instance and room for all.
+        unsafe {
+            let before = importer.states();
+            glider.ok(fmi3SetContinuousStates(glider.instance, x.as_ptr(), N));
+            assert_eq!(fmi3GetContinuousStateDerivatives(glider.instance, rates.as_mut_ptr(), N), DISCARD);
+            assert_eq!(fmi3GetFloat64(glider.instance, &vr(name), 1, &mut value, 1), DISCARD);
+            let messages = glider.environment.messages.take();
+            assert!(
+                messages.len() == 2 && messages[0].1.contains("der(") && messages[1].1.contains(unknown),
+                "{messages:?}"
+            );
+            // What is a number is read, and back in range all is well.
+            assert_eq!(glider.get(state), size);
+            glider.ok(fmi3SetContinuousStates(glider.instance, before.as_ptr(), N));
+            glider.ok(fmi3GetContinuousStateDerivatives(glider.instance, rates.as_mut_ptr(), N));
+        }
+    }
+}
+
+#[test]
+fn limits_the_wrong_way_round_keep_an_instance_at_its_event() {
+    let importer = Importer::new(&[], 2);
+    let glider = &importer.glider;
+    let before = importer.states();
+    // SAFETY: a live instance.
+    unsafe {
+        glider.ok(fmi3EnterEventMode(glider.instance));
+        glider.set(&[("moving_mass_max_m", -0.3)]);
+        let (mut a, mut b, mut c, mut d, mut e, mut t) = (0, 0, 0, 0, 0, 0.0);
+        glider.ok(fmi3UpdateDiscreteStates(glider.instance, &mut a, &mut b, &mut c, &mut d, &mut e, &mut t));
+        assert_eq!(fmi3EnterContinuousTimeMode(glider.instance), ERROR);
+        let messages = glider.environment.messages.take();
+        assert!(messages[0].1.contains("moving_mass_max_m = -0.3 lies below moving_mass_min_m = -0.2"), "{messages:?}");
+        glider.set(&[("moving_mass_max_m", 0.3)]);
+        glider.ok(fmi3EnterContinuousTimeMode(glider.instance));
+    }
+    assert_eq!(importer.states(), before);
+}
+
+#[test]
 fn right_after_an_event_every_indicator_has_the_sign_of_its_side() {
     let signs = |importer: &Importer| {
         let z = importer.indicators(importer.time, &importer.states());

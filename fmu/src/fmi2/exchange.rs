@@ -57,6 +57,7 @@ pub unsafe extern "C" fn fmi2EnterContinuousTimeMode(component: Component) -> Fm
     unsafe {
         call::<Fmi2>(component, "fmi2EnterContinuousTimeMode", |c| {
             allow(&c.instance, EVENT)?;
+            c.instance.check_limits()?;
             c.instance.enter(Phase::ContinuousTime);
             Ok(())
         })

@@ -125,7 +125,7 @@ unsafe fn do_step(c: *mut Component<Fmi3>, current_s: f64, size_s: f64) -> Outco
             }
         }
         end.early = (*c).instance.time_s() < step.target_s;
-        (*c).instance.end_step();
+        (*c).instance.end_step(&step);
         Ok(end)
     }
 }

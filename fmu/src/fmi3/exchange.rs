@@ -82,6 +82,7 @@ pub unsafe extern "C" fn fmi3EnterContinuousTimeMode(instance: Pointer) -> FmiSt
     unsafe {
         call::<Fmi3>(instance, "fmi3EnterContinuousTimeMode", |c| {
             allow(&c.instance, EVENT)?;
+            c.instance.check_limits()?;
             c.instance.enter(Phase::ContinuousTime);
             Ok(())
         })

@@ -17,6 +17,9 @@ impl Instance {
         for (&reference, value) in references.iter().zip(values) {
             let variable = of_kind(reference, Kind::Real)?;
             *value = reading.real(variable.slot).ok_or_else(|| fault(variable))?;
+            if !value.is_finite() {
+                return Err(not_finite(variable, *value));
+            }
         }
         Ok(())
     }
@@ -167,7 +170,7 @@ pub fn kind_name(kind: Kind) -> &'static str {
     }
 }
 
-fn check_value(variable: &Variable, value: f64) -> Outcome {
+pub(super) fn check_value(variable: &Variable, value: f64) -> Outcome {
     let name = &variable.name;
     if !value.is_finite() {
         return Err(Refusal::error(format!("{name} = {value:?}: expected a finite number")));
@@ -179,6 +182,14 @@ fn check_value(variable: &Variable, value: f64) -> Outcome {
         }
         _ => Ok(()),
     }
+}
+
+/// What a calculated number says that is none.
+pub(super) fn not_finite(variable: &Variable, value: f64) -> Refusal {
+    Refusal::discard(format!(
+        "{} is {value} here: states, inputs or parameters are out of range; go back to where they were, or take a shorter step",
+        variable.name
+    ))
 }
 
 fn fault(variable: &Variable) -> Refusal {

@@ -4,9 +4,11 @@
 use glidepolar::dynamics::{N_STATES, STATE_NOMINALS, State, Stop};
 
 use super::Instance;
+use super::access::not_finite;
 use super::refusal::{Outcome, Refusal, Status};
-use crate::model::Glider;
 use crate::model::glider::DiscreteState;
+use crate::model::table::reference_of;
+use crate::model::{Glider, Slot, variable};
 
 /// What an event brought.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,7 +49,9 @@ impl Instance {
 
     /// Their rates of change.
     pub fn derivatives(&self, derivatives: &mut [f64]) -> Outcome {
-        fill(derivatives, &self.now().derivative().as_array(), "derivatives")
+        let rates = self.now().derivative().as_array();
+        check_finite(&rates, Slot::Derivative)?;
+        fill(derivatives, &rates, "derivatives")
     }
 
     /// Their usual sizes.
@@ -57,13 +61,16 @@ impl Instance {
 
     /// The event indicators.
     pub fn indicators(&self, indicators: &mut [f64]) -> Outcome {
-        fill(indicators, &self.now().indicators(), "event indicators")
+        let z = self.now().indicators();
+        check_finite(&z, Slot::Indicator)?;
+        fill(indicators, &z, "event indicators")
     }
 
     /// Brings the discrete states up to date.
     pub fn handle_event(&mut self) -> EventOutcome {
         let (before, state) = (self.core.glider.discrete, self.core.glider.values.state);
-        let states_changed = self.core.glider.handle_event();
+        // Between limits that stand the wrong way round nothing has its place; the next phase refuses them.
+        let states_changed = self.check_limits().is_ok() && self.core.glider.handle_event();
         self.core.unsettled = false;
         self.tell_of_moves(&state, &self.core.glider);
         let after = self.core.glider.discrete;
@@ -145,6 +152,17 @@ fn fill(target: &mut [f64], source: &[f64], what: &str) -> Outcome {
     }
     target.copy_from_slice(source);
     Ok(())
+}
+
+/// Refuses what is not finite, by the name of its place.
+fn check_finite(values: &[f64], slot: fn(usize) -> Slot) -> Outcome {
+    match values.iter().enumerate().find(|(_, value)| !value.is_finite()) {
+        Some((i, value)) => Err(variable(reference_of(slot(i))).map_or_else(
+            || Refusal::discard(format!("number {i} is {value}")),
+            |variable| not_finite(variable, *value),
+        )),
+        None => Ok(()),
+    }
 }
 
 fn wrong_length(found: usize, expected: usize, what: &str) -> Refusal {

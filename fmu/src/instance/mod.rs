@@ -20,6 +20,7 @@ use std::ffi::CString;
 
 use glidepolar::dynamics::Integrator;
 use glidepolar::dynamics::integrate::DEFAULT_TOLERANCE;
+use glidepolar::dynamics::limits::reversed;
 
 use crate::model::Glider;
 use crate::model::vehicle::Vehicle;
@@ -169,6 +170,7 @@ impl Instance {
 
     /// The simulation begins, in `next`.
     pub fn exit_initialization(&mut self, next: Phase) -> Outcome {
+        self.check_limits()?;
         let glider = self.started();
         if !glider.derivative().as_array().into_iter().all(f64::is_finite) {
             return Err(Refusal::error(
@@ -181,6 +183,17 @@ impl Instance {
         self.core.phase = next;
         self.log.event("the simulation begins");
         Ok(())
+    }
+
+    /// Refuses limits of ballast or moving mass that stand the wrong way round. Looked at where a simulation goes on, not
+    /// where one of a pair is set: the other may follow.
+    pub fn check_limits(&self) -> Outcome {
+        match reversed(&self.core.glider.values.parameters) {
+            None => Ok(()),
+            Some([(low, least), (high, largest)]) => Err(Refusal::error(format!(
+                "{high} = {largest:?} lies below {low} = {least:?}; set them the other way round"
+            ))),
+        }
     }
 
     /// Goes to another phase.

@@ -13,7 +13,7 @@ use crate::model::glider::{actuation_number, actuation_of, stop_number};
 use crate::model::table::token;
 
 const MARK: &[u8; 8] = b"glidepol";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 const RESOURCES_BYTES: usize = 8;
 const CHECKSUM_BYTES: usize = 4;
 
@@ -144,6 +144,7 @@ fn fields(core: &mut Core, codec: &mut impl Codec) -> Option<()> {
     for order in &mut core.slopes.derivatives {
         *order = codec.reals(*order)?;
     }
+    core.slopes.at_end = codec.reals(core.slopes.at_end)?;
     let has_stop = codec.byte(u8::from(core.stop_time_s.is_some()))? != 0;
     let stop = codec.real(core.stop_time_s.unwrap_or(0.0))?;
     core.stop_time_s = has_stop.then_some(stop);

@@ -8,12 +8,13 @@ use glidepolar::dynamics::limits::N_EVENTS;
 use glidepolar::dynamics::state::N_INPUTS;
 use glidepolar::dynamics::{Advance, Inputs, Integrator, Parameters, State};
 
-use super::access::of_kind;
+use super::access::{check_value, of_kind};
 use super::refusal::{Outcome, Refusal};
 use super::{Core, Instance};
 use crate::model::glider::Rules;
+use crate::model::table::reference_of;
 use crate::model::tangent::Tangent;
-use crate::model::{Causality, Kind, Slot};
+use crate::model::{Causality, Kind, Slot, variable};
 
 /// Highest derivative of an input that can be given.
 pub const MAX_INPUT_ORDER: usize = 3;
@@ -40,17 +41,20 @@ pub struct InputSlopes {
     pub(super) derivatives: [[f64; N_INPUTS]; MAX_INPUT_ORDER],
     /// Whether any of them is there.
     pub(super) any: bool,
+    /// How fast each input moved where the last step ended, until it is set.
+    pub(super) at_end: [f64; N_INPUTS],
 }
 
 impl Default for InputSlopes {
     fn default() -> Self {
-        InputSlopes { derivatives: [[0.0; N_INPUTS]; MAX_INPUT_ORDER], any: false }
+        InputSlopes { derivatives: [[0.0; N_INPUTS]; MAX_INPUT_ORDER], any: false, at_end: [0.0; N_INPUTS] }
     }
 }
 
 impl InputSlopes {
     /// An input that is set stands still from there on, unless its derivatives are given after it.
     pub(super) fn forget(&mut self, input: usize) {
+        self.at_end[input] = 0.0;
         if self.any {
             self.derivatives.iter_mut().for_each(|order| order[input] = 0.0);
         }
@@ -70,6 +74,13 @@ impl InputSlopes {
             values.iter_mut().zip(derivatives).for_each(|(value, d)| *value += power * *d / factorial);
         }
         Inputs::from_array(values)
+    }
+
+    /// Their rates of change at a communication point: those that were given for the next step, or else those with
+    /// which the last one ended.
+    fn rates_here(&self) -> [f64; N_INPUTS] {
+        let next = self.rates(0.0);
+        std::array::from_fn(|i| next[i] + self.at_end[i])
     }
 
     /// Their rates of change this long after they were set.
@@ -121,6 +132,9 @@ impl Instance {
         {
             return Err(Refusal::error(format!("the step would end at {target_s} s, after the stop time {stop} s")));
         }
+        // The next step may do: whoever set one limit sets the other.
+        self.check_limits().map_err(|refusal| Refusal::discard(refusal.message))?;
+        self.check_moving_inputs(size_s)?;
         if self.core.unsettled {
             self.handle_event();
         }
@@ -130,6 +144,31 @@ impl Instance {
             inputs: self.core.glider.values.inputs,
             evaluations_left: most_evaluations(size_s),
         })
+    }
+
+    /// Refuses a step in which an input would move out of its bounds: it could not be set there either.
+    fn check_moving_inputs(&self, size_s: f64) -> Outcome {
+        /// A cubic may come back by the end.
+        const LOOKS: u32 = 16;
+        let slopes = &self.core.slopes;
+        if !slopes.any {
+            return Ok(());
+        }
+        let moves = |input: usize| slopes.derivatives.iter().any(|order| order[input] != 0.0);
+        for look in 1..=LOOKS {
+            let after_s = size_s * f64::from(look) / f64::from(LOOKS);
+            let values = slopes.inputs(&self.core.glider.values.inputs, after_s).as_array();
+            for (input, value) in values.into_iter().enumerate().filter(|(input, _)| moves(*input)) {
+                let variable = variable(reference_of(Slot::Input(input)));
+                variable.map_or(Ok(()), |variable| check_value(variable, value)).map_err(|refusal| {
+                    Refusal::discard(format!(
+                        "its derivatives carry an input out of its bounds {after_s} s into the step: {}; give other derivatives or a shorter step",
+                        refusal.message
+                    ))
+                })?;
+            }
+        }
+        Ok(())
     }
 
     /// Everything as it is, to go back to when a step fails.
@@ -149,7 +188,7 @@ impl Instance {
             let mut step = self.begin_step(current_s, size_s)?;
             let end_s = step.target_s;
             self.advance_over_events(&mut step, end_s)?;
-            self.end_step();
+            self.end_step(&step);
             Ok(())
         };
         let result = steps();
@@ -241,9 +280,10 @@ impl Instance {
         }
     }
 
-    /// The step is over: inputs stand still until they are set again.
-    pub fn end_step(&mut self) {
-        self.core.slopes = InputSlopes::default();
+    /// The step is over: inputs stand still in the next one unless they are given derivatives again.
+    pub fn end_step(&mut self, step: &Step) {
+        let at_end = self.core.slopes.rates(self.time_s() - step.begun_s);
+        self.core.slopes = InputSlopes { at_end, ..InputSlopes::default() };
     }
 
     /// Sets derivatives of inputs at this communication point, all or none. They hold for one step.
@@ -265,6 +305,7 @@ impl Instance {
         let all = || references.iter().zip(orders.iter().zip(values)).map(checked);
         all().try_for_each(|one| one.map(|_| ()))?;
         for (input, order, value) in all().flatten() {
+            self.core.slopes.at_end[input] = 0.0;
             self.core.slopes.derivatives[order - 1][input] = value;
             self.core.slopes.any = true;
         }
@@ -274,7 +315,7 @@ impl Instance {
     /// Time derivatives of outputs, exact.
     pub fn output_derivatives(&self, references: &[u32], orders: &[i32], values: &mut [f64]) -> Outcome {
         let glider = self.now();
-        let tangent = Tangent::in_time(&glider, self.core.slopes.rates(0.0));
+        let tangent = Tangent::in_time(&glider, self.core.slopes.rates_here());
         for ((&reference, &order), value) in references.iter().zip(orders).zip(values) {
             let variable = of_kind(reference, Kind::Real)?;
             check_order(order, 1)?;
