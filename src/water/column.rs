@@ -45,6 +45,8 @@ impl WaterColumn {
     /// An unknown or missing column, a cell that is no number or out of bounds, a depth that does not grow; with line
     /// and column.
     pub fn parse(text: &str, origin: &Path) -> Result<WaterColumn, InputError> {
+        // Spreadsheets begin a CSV file with a byte order mark.
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
         let Some((line, header)) = lines.next() else {
             let expected = format!("the file is empty, expected a header `{}`", COLUMNS.join(","));
@@ -189,6 +191,12 @@ mod tests {
     fn one_row_is_water_that_is_the_same_everywhere() {
         let column = WaterColumn::parse("depth_m,density_kg_m3,temperature_C\n0,1025,10\n", Path::new("w")).unwrap();
         assert_eq!(column.at(77.0).density_kg_m3, 1025.0);
+    }
+
+    #[test]
+    fn a_byte_order_mark_is_no_part_of_the_table() {
+        let marked = WaterColumn::parse(&format!("\u{feff}{TABLE}"), Path::new("w")).unwrap();
+        assert_eq!(marked, column());
     }
 
     #[test]
