@@ -104,6 +104,14 @@ fn start_of(parameters: &Parameters<f64>, water: Option<Water<'_>>) -> Start {
     }
 }
 
+/// Whether the packed glider starts at rest, since no steady glide down is within its reach.
+///
+/// # Errors
+/// Where the vehicle file lacks what motion needs.
+pub fn starts_at_rest(vehicle: &Vehicle, water: Option<Water<'_>>) -> Result<bool, MissingKeys> {
+    Ok(start_of(&vehicle.parameters()?, water).is_at_rest())
+}
+
 /// Every start value that follows from the vehicle and its water, by the FMU's name for it.
 fn starts(parameters: &Parameters<f64>, water: Option<Water<'_>>) -> Vec<(&'static str, f64)> {
     let Start { state, inputs } = start_of(parameters, water);
@@ -217,7 +225,7 @@ fn escaped(text: &str) -> String {
 fn page(page: &str, name: &str, parameters: &Parameters<f64>, water: Option<Water<'_>>, stop_s: f64) -> String {
     let start = start_of(parameters, water);
     let mut page = page.to_owned();
-    for (key, value) in fmu_page::figures(parameters, &start, stop_s) {
+    for (key, value) in fmu_page::figures(parameters, &start, water.map(|water| water.column), stop_s) {
         fill(&mut page, fmu_page::PROSE_MARK, key, &value);
     }
     fill(&mut page, fmu_page::PROSE_MARK, "vehicle", &escaped(name));
@@ -226,7 +234,7 @@ fn page(page: &str, name: &str, parameters: &Parameters<f64>, water: Option<Wate
     }
     fill(&mut page, fmu_page::CELL_MARK, "water_source", if water.is_some() { "1" } else { "0" });
     fill(&mut page, fmu_page::CELL_MARK, "vehicle_name", &escaped(name));
-    notice(&mut page, water.is_some(), start.state.v1_m_s == 0.0);
+    notice(&mut page, water.is_some(), start.is_at_rest());
     page
 }
 
@@ -354,7 +362,7 @@ mod tests {
         let start = start(&Vehicle::load("rogue").unwrap().parameters().unwrap());
         let (pitch, mass) = (start.state.pitch_rad.to_degrees(), start.inputs.moving_mass_command_m);
         for expected in [
-            format!("data-fill=\"start_pitch\">{pitch:.1}<"),
+            format!("steady glide down: pitch {pitch:.1} deg, "),
             format!("data-fill=\"down_mass\">{mass:.5}<"),
             "data-start=\"hull_mass_kg\">8.22<".to_owned(),
             "data-start=\"water_density_kg_m3\">1000<".to_owned(),
@@ -367,6 +375,34 @@ mod tests {
         assert_eq!(cells(&rogue), cells(&default));
         assert_eq!(rogue.matches("<td").count(), default.matches("<td").count());
         assert!(!rogue.contains("SLOCUM"), "a word of another vehicle");
+    }
+
+    #[test]
+    fn the_page_tells_what_the_run_in_its_own_water_does() {
+        let prose = |vehicle: &Vehicle, water: Option<Water<'_>>| {
+            let packed = pack(&template("fmi3"), vehicle, water).unwrap();
+            let page = String::from_utf8(packed.get(PAGE).unwrap().to_vec()).unwrap();
+            let (_, rest) = page.split_once("data-fill=\"first_run\">").unwrap();
+            rest.split_once('<').unwrap().0.to_owned()
+        };
+        let mut vehicle = Vehicle::load("slocum-graver").unwrap();
+        assert!(prose(&vehicle, None).contains("Left alone, it is 86.1 m deep after 600 s, and goes on like that"));
+        // Water that grows denser stops the dive where it carries the glider: by Archimedes, whatever the equations.
+        let table = "depth_m,density_kg_m3,temperature_C\n0,1025,15\n20,1025,15\n40,1040,5\n";
+        let column = WaterColumn::parse(table, Path::new("water.csv")).unwrap();
+        let stopped = prose(&vehicle, Some(Water { column: &column, text: table }));
+        let (_, rest) = stopped.split_once("it is ").unwrap();
+        let depth: f64 = rest.split_once(" m deep after 600 s: ").unwrap().0.parse().unwrap();
+        assert!((20.0..40.0).contains(&depth), "{stopped}");
+        let start = start_in(&vehicle.parameters().unwrap(), |depth_m| column.at(depth_m));
+        let displaced = 50.0 / 1027.0 + start.inputs.ballast_command_m3;
+        assert!((column.at(depth).density_kg_m3 * displaced - 50.0).abs() < 0.05, "{stopped}");
+        // A buoyancy engine too small for any glide.
+        vehicle.set("ballast.min_cc", -1.0).unwrap();
+        vehicle.set("ballast.max_cc", 1.0).unwrap();
+        assert!(starts_at_rest(&vehicle, None).unwrap());
+        let resting = prose(&vehicle, None);
+        assert!(resting.contains("no steady glide down") && !resting.contains("without a transient"), "{resting}");
     }
 
     #[test]

@@ -7,7 +7,7 @@ use glidepolar_archive::{Archive, Limits};
 
 use super::fmu::{Standard, packed};
 use super::{Changes, CliError};
-use crate::fmu_archive::{PackError, Water, pack};
+use crate::fmu_archive::{PackError, Water, pack, starts_at_rest};
 use crate::input::{InputError, printable};
 use crate::output::{Replace, write_whole};
 use crate::water::WaterColumn;
@@ -70,6 +70,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         PackError::MissingKeys(missing) => CliError::MissingKeys(missing),
         other => CliError::Usage(other.to_string()),
     })?;
+    if starts_at_rest(&vehicle, water)? {
+        let name = printable(&vehicle.name);
+        eprintln!("warning: {name} has no steady glide down within its limits: the FMU starts level and at rest");
+    }
     let mut bytes = std::io::Cursor::new(Vec::new());
     packed.write_to(&mut bytes).map_err(|error| CliError::Failed(error.to_string()))?;
     let replace = if arguments.force || is_own(&arguments.output) { Replace::Any } else { Replace::Own };

@@ -26,6 +26,11 @@ pub struct Start {
 }
 
 impl Start {
+    /// Whether no steady glide down was within reach.
+    pub fn is_at_rest(&self) -> bool {
+        self.state.v1_m_s == 0.0
+    }
+
     /// The same start for a glider with other parameters, which need not glide steadily in it: depth, attitude,
     /// velocities and commands stay, the moving mass sits at its height and at rest in the hull. So starts an FMU whose
     /// parameters were set.
@@ -42,6 +47,12 @@ impl Start {
 }
 
 impl SteadyGlide<f64> {
+    /// Whether ballast and moving mass reach what it takes.
+    pub(crate) fn is_within_reach(&self, p: &Parameters<f64>) -> bool {
+        (p.ballast_min_m3..=p.ballast_max_m3).contains(&self.ballast_m3)
+            && (p.moving_mass_min_m..=p.moving_mass_max_m).contains(&self.moving_mass_m)
+    }
+
     /// The state of a glider in this glide at a depth \[m\], its moving mass at rest in the hull.
     pub fn state(&self, parameters: &Parameters<f64>, depth_m: f64) -> State<f64> {
         State {
@@ -102,13 +113,11 @@ fn glide_down(p: &Parameters<f64>, inputs: &Inputs<f64>) -> Option<SteadyGlide<f
         temperature_C: inputs.water_temperature_C,
         time_s: 0.0,
     };
-    let within_reach = |glide: &SteadyGlide<f64>| {
-        (p.ballast_min_m3..=p.ballast_max_m3).contains(&glide.ballast_m3)
-            && (p.moving_mass_min_m..=p.moving_mass_max_m).contains(&glide.moving_mass_m)
-    };
     let mut path_deg = PATH_DEG;
     while path_deg >= STEEPEST_DEG {
-        if let Some(glide) = at_path(p, &water, path_deg.to_radians(), SPEED_M_S).ok().filter(within_reach) {
+        if let Some(glide) =
+            at_path(p, &water, path_deg.to_radians(), SPEED_M_S).ok().filter(|glide| glide.is_within_reach(p))
+        {
             return Some(glide);
         }
         path_deg -= STEEPER_DEG;

@@ -23,7 +23,7 @@ pub fn documentation(vehicle: &Vehicle) -> String {
         // Marked, so that the figures can be filled anew when another vehicle is packed.
         (key, format!("<span {PROSE_MARK}=\"{key}\">{value}</span>"))
     };
-    let figures = figures(&values.parameters, &start, DEFAULT_EXPERIMENT.0);
+    let figures = figures(&values.parameters, &start, None, DEFAULT_EXPERIMENT.0);
     let fill = figures.into_iter().chain([("vehicle", escape(&vehicle.name))]).map(marked).chain([
         ("tolerance", format!("{DEFAULT_TOLERANCE:e}")),
         ("implicit_from", format!("{IMPLICIT_FROM:e}")),
