@@ -46,6 +46,31 @@ fn every_unit_is_used_and_every_display_unit_has_a_factor() {
 }
 
 #[test]
+fn every_number_has_a_unit() {
+    for variable in variables().iter().filter(|variable| variable.kind == Kind::Real) {
+        assert!(variable.unit.is_some(), "{}", variable.name);
+    }
+}
+
+#[test]
+fn the_step_that_is_proposed_is_one_that_euler_s_method_takes() {
+    use glidepolar_fmu::description::DEFAULT_EXPERIMENT;
+    let mut glider = Vehicle::default().glider;
+    let start = glider.values.state;
+    // Nudged off its glide, it comes back: a step too long for its fastest mode would drive it away.
+    glider.values.state.pitch_rate_rad_s += 1e-3;
+    let step = DEFAULT_EXPERIMENT.1;
+    for _ in 0..(600.0 / step) as usize {
+        let rates = glider.derivative().as_array();
+        let mut state = glider.values.state.as_array();
+        state.iter_mut().zip(rates).for_each(|(value, rate)| *value += step * rate);
+        glider.values.state = glidepolar::dynamics::State::from_array(state);
+    }
+    let end = glider.values.state;
+    assert!((end.v1_m_s - start.v1_m_s).abs() < 1e-6 && (end.pitch_rad - start.pitch_rad).abs() < 1e-6, "{end:?}");
+}
+
+#[test]
 fn the_token_is_a_guid_and_stays_as_long_as_the_table() {
     let digits: String = token().chars().filter(char::is_ascii_hexdigit).collect();
     assert_eq!((token().len(), digits.len()), (38, 32), "{}", token());

@@ -224,6 +224,19 @@ fn limits_the_wrong_way_round_keep_an_instance_at_its_event() {
 }
 
 #[test]
+fn what_cannot_be_set_between_events_is_told_with_what_can() {
+    let importer = Importer::new(&[], 0);
+    let glider = &importer.glider;
+    for (name, expected) in [("b", "only inputs and states move; enter Event Mode first"), ("hull_mass_kg", "fixed")] {
+        // SAFETY: a live instance.
+        assert_eq!(unsafe { fmi3SetFloat64(glider.instance, &vr(name), 1, &0.2, 1) }, ERROR);
+        let messages = glider.environment.messages.take();
+        assert!(messages[0].1.contains(expected), "{messages:?}");
+    }
+    glider.set(&[("current_x_m_s", 0.1), ("pitch_rad", -0.3)]);
+}
+
+#[test]
 fn right_after_an_event_every_indicator_has_the_sign_of_its_side() {
     let signs = |importer: &Importer| {
         let z = importer.indicators(importer.time, &importer.states());

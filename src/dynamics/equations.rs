@@ -24,7 +24,9 @@ use super::parameters::Parameters;
 use super::state::{Actuation, Inputs, Modes, State, Stop};
 use crate::Number;
 
-/// Bandwidth of the servos \[1/s\]: a set-point within the rate limit is approached with this time constant.
+/// Bandwidth of the servos \[1/s\]: the speed that a servo asks for, below its largest rate, is this times the way to its
+/// set-point. The ballast has that speed at once and is of first order; the moving mass takes it up first and is of second
+/// order, `r'' = 4 (sat((command - r) 1) - r')`, critically damped.
 const SERVO_RATE_1_S: f64 = 1.0;
 
 /// Bandwidth with which the moving mass takes up the speed that its servo asks for \[1/s\].

@@ -130,12 +130,13 @@ impl Instance {
             Phase::Instantiated | Phase::Initialization => Ok(()),
             Phase::Event | Phase::Step if input || tunable => Ok(()),
             Phase::ContinuousTime | Phase::Intermediate if input => Ok(()),
-            Phase::ContinuousTime if tunable => {
-                refused("in Continuous-Time Mode only inputs can; enter Event Mode first")
-            }
+            Phase::ContinuousTime if tunable => refused(
+                "in Continuous-Time Mode a parameter stays as it is, only inputs and states move; enter Event Mode first",
+            ),
             _ if variable.causality == Causality::Parameter => {
                 refused(&format!("in {phase} a fixed parameter stays as it is; set it before the simulation begins"))
             }
+            Phase::ContinuousTime => refused("in Continuous-Time Mode only inputs and continuous states can"),
             _ => refused(&format!("in {phase} only inputs and tunable parameters can")),
         }
     }

@@ -374,19 +374,25 @@ const OUTPUTS: &[Row] = &[
 ];
 
 /// Name and meaning of the event indicators, in the order of the library's. The ends of ballast and moving mass are
-/// watched by volume or length while free, by flow or force when held.
+/// watched by volume \[m3\] or length \[m\] while free, by flow \[kg/s\] or force \[N\] when held: one unit cannot say so.
 const INDICATORS: [(&str, &str); N_EVENTS] = [
     ("indicator_surface", "Event indicator: changes sign at the surface"),
     ("indicator_seabed", "Event indicator: changes sign at the seabed"),
-    ("indicator_ballast_min", "Event indicator: changes sign when the ballast comes to its minimum or leaves it"),
-    ("indicator_ballast_max", "Event indicator: changes sign when the ballast comes to its maximum or leaves it"),
+    (
+        "indicator_ballast_min",
+        "Event indicator: changes sign when the ballast comes to its minimum or leaves it (m3 while free, kg/s when held)",
+    ),
+    (
+        "indicator_ballast_max",
+        "Event indicator: changes sign when the ballast comes to its maximum or leaves it (m3 while free, kg/s when held)",
+    ),
     (
         "indicator_moving_mass_aft",
-        "Event indicator: changes sign when the moving mass comes to its aft stop or leaves it",
+        "Event indicator: changes sign when the moving mass comes to its aft stop or leaves it (m while free, N when held)",
     ),
     (
         "indicator_moving_mass_forward",
-        "Event indicator: changes sign when the moving mass comes to its forward stop or leaves it",
+        "Event indicator: changes sign when the moving mass comes to its forward stop or leaves it (m while free, N when held)",
     ),
 ];
 
@@ -483,7 +489,7 @@ fn indicator(index: usize) -> Variable {
     Variable {
         bounds: None,
         nominal: None,
-        unit: if index < 2 { unit_named("m") } else { None },
+        unit: unit_named(if index < 2 { "m" } else { "1" }),
         ..real(&(name, "m", 0.0, 0.0, 1.0, description), Slot::Indicator(index))
     }
 }
