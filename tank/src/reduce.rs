@@ -153,7 +153,14 @@ impl<'a> Reduction<'a> {
             if runs.is_empty() {
                 self.warnings.push("no tare runs: the strut's force is still in all coefficients".to_owned());
             }
-            Tare::of(&runs, zeros.dof)
+            let tare = Tare::of(&runs, zeros.dof);
+            if tare.is_none() && !runs.is_empty() {
+                self.warnings.push(format!(
+                    "no tare can be made of the {} tare runs: the strut's force is still in all coefficients",
+                    runs.len()
+                ));
+            }
+            tare
         };
         steady.is_tared = tare.is_some();
         let common = Common { balance, zeros: &zeros, tare: tare.as_ref() };
@@ -287,15 +294,13 @@ impl<'a> Reduction<'a> {
 
     fn check_tare_range(&mut self, tare: Option<&Tare>) {
         let Some(tare) = tare else { return };
-        let largest = self
-            .usable()
-            .filter(|(run, _)| run.kind == Kind::Static)
-            .map(|(run, _)| run.yaw_deg.abs())
-            .fold(0.0, f64::max);
-        if largest > tare.largest_deg + 1.0 {
+        self.warnings.extend(tare.doubts.iter().map(|doubt| (*doubt).to_owned()));
+        let yaw_deg = || self.usable().filter(|(run, _)| run.kind == Kind::Static).map(|(run, _)| run.yaw_deg);
+        let (lowest, highest) = (yaw_deg().fold(f64::INFINITY, f64::min), yaw_deg().fold(f64::NEG_INFINITY, f64::max));
+        let [from_deg, to_deg] = tare.between_deg;
+        if lowest < from_deg - 1.0 || highest > to_deg + 1.0 {
             self.warnings.push(format!(
-                "the strut was tared up to {:.1} deg only, static runs go to {largest:.1} deg: the tare is extrapolated there",
-                tare.largest_deg
+                "the strut was tared from {from_deg:.1} to {to_deg:.1} deg only, static runs go from {lowest:.1} to {highest:.1} deg: the tare is extrapolated there",
             ));
         }
     }

@@ -38,7 +38,15 @@ pub enum Scatter {
     BetweenRuns,
     /// The variances given, all scaled by one factor that the residuals ask for.
     Scaled,
+    /// The variances given as they are: for as many parameters as observations, whose residuals say nothing.
+    Given,
 }
+
+/// Fewer degrees of freedom than this are no judge of a scatter that is smaller than the variances given.
+const FEW_DOF: usize = 3;
+
+/// Degrees of freedom with which the variance of one observation is known from within its own run, about.
+const GIVEN_DOF: usize = 4;
 
 /// The solution.
 #[derive(Debug, Clone)]
@@ -55,7 +63,7 @@ pub struct Fit {
     pub residuals: DVector<f64>,
     /// Weight of each observation: 1 over its variance.
     pub weights: DVector<f64>,
-    /// Observations less parameters.
+    /// Degrees of freedom of the scatter: observations less parameters where the residuals judge it.
     pub dof: usize,
     /// Degrees of freedom of each parameter's variance, by Welch and Satterthwaite.
     pub parameter_dof: Vec<f64>,
@@ -69,10 +77,11 @@ impl Problem {
     /// Solves it; none if there are no degrees of freedom left or the parameters cannot be told apart.
     pub fn solve(&self, scatter: Scatter) -> Option<Fit> {
         let (n, p) = self.design.shape();
-        if n <= p {
+        let is_judged = scatter != Scatter::Given;
+        if n < p || n == p && is_judged {
             return None;
         }
-        let dof = n - p;
+        let dof = if is_judged { n - p } else { GIVEN_DOF * n };
         let weights_for = |between: f64| match scatter {
             Scatter::Equal => DVector::from_element(n, 1.0),
             _ => self.variance.map(|v| 1.0 / (v + between * between)),
@@ -86,7 +95,10 @@ impl Problem {
         let parameters = &gain * &self.observed;
         let residuals = &self.observed - &self.design * &parameters;
         let chi2: f64 = residuals.iter().zip(weights.iter()).map(|(r, w)| w * r * r).sum();
-        let chi2_per_dof = chi2 / dof as f64;
+        let chi2_per_dof = if is_judged { chi2 / dof as f64 } else { 1.0 };
+        // One or two residuals may be next to nothing by chance; what the runs themselves show is then the better judge.
+        let is_by_chance = scatter == Scatter::BetweenRuns && dof < FEW_DOF && chi2_per_dof < 1.0;
+        let chi2_per_dof = if is_by_chance { 1.0 } else { chi2_per_dof };
         let own_covariance = normal_inverse * chi2_per_dof;
         let mut covariance = own_covariance.clone();
         let mut by_source: Vec<(DMatrix<f64>, f64)> = vec![(own_covariance.clone(), dof as f64)];

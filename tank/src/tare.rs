@@ -1,7 +1,9 @@
 //! The strut's own force against angle and speed, from runs without a model.
 //!
 //! Each channel over the dynamic pressure is a short series in the sine of the drift angle; the axial force also in the
-//! logarithm of the speed, since friction does not go with its square. As many terms as the angles and speeds support.
+//! logarithm of the speed, since friction does not go with its square. As many terms as the angles and speeds support, and
+//! at least what a strut has by its symmetry: an axial force that is even in the angle, a side force and a moment that go
+//! with its sine.
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -17,8 +19,10 @@ pub struct Tare {
     reference_speed_m_s: f64,
     /// Tare runs that entered.
     pub runs: usize,
-    /// Largest drift angle that was tared \[deg\].
-    pub largest_deg: f64,
+    /// Drift angles between which was tared \[deg\].
+    pub between_deg: [f64; 2],
+    /// What a short programme of tare runs leaves open, in sentences.
+    pub doubts: Vec<&'static str>,
 }
 
 #[derive(Debug, Clone)]
@@ -66,11 +70,10 @@ const SAME_SPEED: f64 = 0.05;
 impl Tare {
     /// Fits the tare runs; none if they are too few.
     pub fn of(runs: &[TareRun], zero_dof: f64) -> Option<Tare> {
-        let angles = distinct(runs.iter().map(|run| run.yaw_rad.to_degrees()), |a, b| (a - b).abs() < SAME_DEG);
-        let speeds = distinct(runs.iter().map(|run| run.speed_m_s), |a, b| (a / b - 1.0).abs() < SAME_SPEED);
+        let programme = Programme::of(runs);
         let reference_speed_m_s = crate::series::median(&runs.iter().map(|run| run.speed_m_s).collect::<Vec<_>>());
         let channel = |index: usize| {
-            let terms = terms(index, angles, speeds, runs.len());
+            let terms = programme.terms(index);
             let fit = fit(index, &terms, runs, reference_speed_m_s, zero_dof)?;
             let mut response = fit.gain.clone();
             for (mut column, run) in response.column_iter_mut().zip(runs) {
@@ -80,8 +83,24 @@ impl Tare {
             Some(Channel { terms, fit, response, root })
         };
         let channels = [channel(0)?, channel(1)?, channel(2)?];
-        let largest_deg = runs.iter().map(|run| run.yaw_rad.abs().to_degrees()).fold(0.0, f64::max);
-        Some(Tare { channels, reference_speed_m_s, runs: runs.len(), largest_deg })
+        let yaw_deg = || runs.iter().map(|run| run.yaw_rad.to_degrees());
+        let between_deg = [yaw_deg().fold(f64::INFINITY, f64::min), yaw_deg().fold(f64::NEG_INFINITY, f64::max)];
+        let mut doubts = Vec::new();
+        match programme.angles {
+            1 if programme.at_zero => doubts.push(
+                "the strut was tared straight ahead alone: its side force and yaw moment at drift angles are still in CL and CM, and an axial force that grows with the angle in CD; tare at the largest angles of the sweep as well",
+            ),
+            1 => doubts.push(
+                "the strut was tared at one angle alone: its side force and yaw moment are taken to go with the sine of the angle; tare at several angles of both sides",
+            ),
+            _ => {}
+        }
+        if channels.iter().any(|channel| channel.terms.len() == runs.len()) {
+            doubts.push(
+                "there are no more tare runs than terms of the strut's force: how far tare runs scatter is not known, and intervals take them to scatter within themselves alone; repeat a tare run",
+            );
+        }
+        Some(Tare { channels, reference_speed_m_s, runs: runs.len(), between_deg, doubts })
     }
 
     /// AF, SF, YM of the strut in a motion; `density_kg_m3` of the water.
@@ -125,19 +144,53 @@ impl Tare {
     }
 }
 
-fn terms(channel: usize, angles: usize, speeds: usize, runs: usize) -> Vec<Term> {
-    let mut terms: Vec<Term> = vec![|_| 1.0];
-    let wanted: [(bool, Term); 3] = if channel == 0 {
-        [(angles >= 3, |x| x.sine * x.sine), (angles >= 3, |x| x.sine), (speeds >= 2, |x| x.log_speed)]
-    } else {
-        [(angles >= 2, |x| x.sine), (angles >= 5, |x| x.sine.powi(3)), (false, |_| 0.0)]
-    };
-    // Half as many runs again as terms, and two to judge the scatter by.
-    terms.extend(wanted.into_iter().filter(|(supported, _)| *supported).map(|(_, term)| term));
-    while terms.len() > 1 && runs < terms.len() + 2 {
-        terms.pop();
+/// What the tare runs were made at.
+struct Programme {
+    runs: usize,
+    /// Different angles, and different ones whatever their sign.
+    angles: usize,
+    sizes: usize,
+    speeds: usize,
+    /// Whether all angles are zero.
+    at_zero: bool,
+}
+
+impl Programme {
+    fn of(runs: &[TareRun]) -> Programme {
+        let yaw_deg = || runs.iter().map(|run| run.yaw_rad.to_degrees());
+        let same = |a: f64, b: f64| (a - b).abs() < SAME_DEG;
+        Programme {
+            runs: runs.len(),
+            angles: distinct(yaw_deg(), same),
+            sizes: distinct(yaw_deg().map(f64::abs), same),
+            speeds: distinct(runs.iter().map(|run| run.speed_m_s), |a, b| (a / b - 1.0).abs() < SAME_SPEED),
+            at_zero: yaw_deg().all(|yaw_deg| yaw_deg.abs() < SAME_DEG),
+        }
     }
-    terms
+
+    /// The terms of one channel: what a strut must have, and more of them where two runs more than terms judge the scatter.
+    fn terms(&self, channel: usize) -> Vec<Term> {
+        let constant: Term = |_| 1.0;
+        let sine: Term = |x| x.sine;
+        let mut terms = match (channel, self.angles) {
+            (0, _) if self.sizes >= 2 => vec![constant, |x: Argument| x.sine * x.sine],
+            (0, _) => vec![constant],
+            (_, 1) if self.at_zero => vec![constant],
+            (_, 1) => vec![sine],
+            _ => vec![constant, sine],
+        };
+        let more: [(bool, Term); 2] = if channel == 0 {
+            [(self.angles >= 3, sine), (self.speeds >= 2, |x| x.log_speed)]
+        } else {
+            [(self.angles >= 5, |x| x.sine.powi(3)), (false, constant)]
+        };
+        for (is_supported, term) in more {
+            if is_supported && self.runs >= terms.len() + 3 {
+                terms.push(term);
+            }
+        }
+        terms
+    }
 }
 
 fn fit(channel: usize, terms: &[Term], runs: &[TareRun], reference_speed_m_s: f64, zero_dof: f64) -> Option<Fit> {
@@ -158,7 +211,7 @@ fn fit(channel: usize, terms: &[Term], runs: &[TareRun], reference_speed_m_s: f6
         )),
         shared: vec![Shared { influence: zeros, dof: zero_dof }],
     };
-    problem.solve(Scatter::BetweenRuns)
+    problem.solve(if n > terms.len() { Scatter::BetweenRuns } else { Scatter::Given })
 }
 
 fn distinct(values: impl Iterator<Item = f64>, same: impl Fn(f64, f64) -> bool) -> usize {
@@ -166,4 +219,63 @@ fn distinct(values: impl Iterator<Item = f64>, same: impl Fn(f64, f64) -> bool) 
     sorted.sort_by(f64::total_cmp);
     sorted.dedup_by(|a, b| same(*a, *b));
     sorted.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SPEED_M_S: f64 = 2.0;
+    const PRESSURE_PA: f64 = 2000.0;
+
+    /// A strut whose axial force is even in the angle, and whose side force and moment go with its sine.
+    fn strut(yaw_deg: f64) -> Vector3<f64> {
+        let sine = yaw_deg.to_radians().sin();
+        Vector3::new(2.4 + 3.0 * sine * sine, 8.0 * sine, 0.5 * sine)
+    }
+
+    fn tared_at(yaw_deg: &[f64]) -> Tare {
+        let run = |yaw_deg: &f64| TareRun {
+            yaw_rad: yaw_deg.to_radians(),
+            speed_m_s: SPEED_M_S,
+            nominal_speed_m_s: SPEED_M_S,
+            dynamic_pressure_Pa: PRESSURE_PA,
+            force: strut(*yaw_deg),
+            variance: Vector3::repeat(1e-6),
+            zero_influence: Influence::none(3),
+        };
+        Tare::of(&yaw_deg.iter().map(run).collect::<Vec<_>>(), 10.0).expect("a tare")
+    }
+
+    fn at(tare: &Tare, yaw_deg: f64) -> Vector3<f64> {
+        let motion = Motion::straight(SPEED_M_S, yaw_deg.to_radians(), 0.0);
+        tare.force(&motion, PRESSURE_PA / (0.5 * SPEED_M_S * SPEED_M_S))
+    }
+
+    #[test]
+    fn few_tare_runs_give_what_the_symmetry_of_a_strut_allows() {
+        for angles in
+            [&[-8.0, -4.0, 0.0, 4.0, 8.0][..], &[-8.0, 0.0, 8.0], &[-4.0, 0.0, 4.0], &[0.0, 8.0], &[-8.0, -4.0]]
+        {
+            let tare = tared_at(angles);
+            for yaw_deg in [-8.0, -3.0, 0.0, 5.0] {
+                let error = at(&tare, yaw_deg) - strut(yaw_deg);
+                assert!(error.norm() < 1e-9, "{angles:?} at {yaw_deg}: {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn one_tare_angle_is_used_and_what_it_leaves_open_is_said() {
+        let ahead = tared_at(&[0.0]);
+        assert!((at(&ahead, 8.0) - Vector3::new(2.4, 0.0, 0.0)).norm() < 1e-9);
+        assert!(ahead.doubts[0].contains("straight ahead alone") && ahead.doubts[1].contains("repeat a tare run"));
+        let aside = tared_at(&[-8.0, -8.0]);
+        // The side force goes with the sine; of the axial force only the level at that angle is known.
+        let expected = Vector3::new(strut(8.0)[0], strut(4.0)[1], strut(4.0)[2]);
+        assert!((at(&aside, 4.0) - expected).norm() < 1e-9);
+        assert_eq!(aside.doubts.len(), 1);
+        assert!(aside.doubts[0].contains("at one angle alone"));
+        assert!(tared_at(&[-8.0, 0.0, 8.0]).doubts.is_empty());
+    }
 }
