@@ -18,6 +18,7 @@ mod condense;
 mod csv;
 mod density;
 mod glide_table;
+mod motors;
 mod netcdf;
 mod observation;
 mod og1;

@@ -6,6 +6,7 @@
 use super::channels::{Channel, FlightLog};
 use super::clean::{Notes, OtherUnits, despike, fill, fill_angle, median_step, order};
 use super::density::{densities_kg_m3, practical_salinity};
+use super::motors::motors;
 use super::observation::{DBAR_PA, Observation};
 use super::segment::{Leg, legs};
 use super::vertical_velocity::vertical_velocity;
@@ -53,14 +54,11 @@ impl Default for Settings {
     }
 }
 
-/// So near to the usual pitch of its leg a glider has turned into it \[rad\].
+/// So near to the usual pitch of the first minutes of its leg a glider has turned into it \[rad\].
 const PITCHED_WITHIN_RAD: f64 = 0.05;
 
-/// Rate of the ballast volume from which on its pump is taken to run \[cc/s\].
-const BALLAST_MOVES_CC_S: f64 = 0.5;
-
-/// Rate of the battery from which on its motor is taken to run \[m/s\].
-const BATTERY_MOVES_M_S: f64 = 0.0005;
+/// These first minutes \[s\]: turning takes one or two of them.
+const FIRST_MINUTES_S: f64 = 300.0;
 
 /// More samples than this wait for a turning point at most; a stretch without any is cut there.
 const LONGEST_WAIT: usize = 500_000;
@@ -229,6 +227,15 @@ impl Preparation {
         self.counters.stretch += 1;
 
         let mut dropped = 0;
+        let on_legs: usize = legs.iter().map(|leg| leg.end - leg.first).sum();
+        let with_motors =
+            legs.iter().map(|leg| moving[leg.first..leg.end].iter().filter(|m| **m).count()).sum::<usize>();
+        if 2 * with_motors > on_legs {
+            self.notes.add(
+                "rows left out because a motor moved or had just moved, more than half of their stretch",
+                with_motors,
+            );
+        }
         for leg in &legs {
             self.counters.open_leg(leg.descends, &log, leg.first);
             let (start_s, end_s) = (turned_s(&log, leg), time[leg.end - 1]);
@@ -373,37 +380,13 @@ fn density_kg_m3(log: &FlightLog, teos10: &[[f64; 2]], settings: &Settings) -> V
     density
 }
 
-/// When a glider has turned into a leg: past the turning point, and pitched as it is on the leg \[s\].
+/// When a glider has turned into a leg: past the turning point, and pitched as it is on the first minutes of the leg \[s\].
 fn turned_s(log: &FlightLog, leg: &Leg) -> f64 {
-    let pitch = |i: usize| log.at(Channel::Pitch, i);
-    let mut known: Vec<f64> = (leg.first..leg.end).map(pitch).filter(|pitch| pitch.is_finite()).collect();
+    let (time, pitch) = (log.column(Channel::Time), |i: usize| log.at(Channel::Pitch, i));
+    // No more than the first minutes: a pitch that drifts along the leg is another at its end, and steady all the same.
+    let end = leg.first + time[leg.first..leg.end].partition_point(|t| *t <= time[leg.first] + FIRST_MINUTES_S);
+    let mut known: Vec<f64> = (leg.first..end).map(pitch).filter(|pitch| pitch.is_finite()).collect();
     let usual = if known.is_empty() { f64::NAN } else { super::median(&mut known) };
-    let turned = (leg.first..leg.end).find(|&i| (pitch(i) - usual).abs() <= PITCHED_WITHIN_RAD);
-    log.column(Channel::Time)[turned.unwrap_or(leg.first)]
-}
-
-/// Rows at which a motor moves or has just moved.
-fn motors(log: &FlightLog, settings: &Settings) -> Vec<bool> {
-    let time = log.column(Channel::Time);
-    let mut moving = vec![false; log.len()];
-    let mut mark = |from_s: f64, to_s: f64| {
-        let first = time.partition_point(|&t| t < from_s);
-        let end = time.partition_point(|&t| t <= to_s);
-        moving[first..end].fill(true);
-    };
-    let (before, after) = (settings.motor_margin_s, settings.settle_s.max(settings.motor_margin_s));
-    for i in 1..log.len() {
-        let dt = time[i] - time[i - 1];
-        let rate = |channel: Channel| (log.at(channel, i) - log.at(channel, i - 1)).abs() / dt;
-        if rate(Channel::Ballast) > BALLAST_MOVES_CC_S {
-            mark(time[i - 1] - before, time[i] + after);
-        }
-        if rate(Channel::BatteryPosition) > BATTERY_MOVES_M_S || rate(Channel::PitchMass) > BATTERY_MOVES_M_S {
-            mark(time[i - 1] - before, time[i] + before);
-        }
-        if log.at(Channel::MotorMoving, i) > 0.5 {
-            mark(time[i], time[i]);
-        }
-    }
-    moving
+    let turned = (leg.first..end).find(|&i| (pitch(i) - usual).abs() <= PITCHED_WITHIN_RAD);
+    time[turned.unwrap_or(leg.first)]
 }

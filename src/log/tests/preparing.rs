@@ -1,5 +1,7 @@
 //! From raw rows to observations, on saw-tooths whose every sample is known.
 
+use rand::{RngExt, SeedableRng, rngs::StdRng};
+
 use super::*;
 
 const SINK_DBAR_S: f64 = 0.2;
@@ -144,6 +146,30 @@ fn values_in_another_unit_are_counted_before_they_are_taken_out() {
 }
 
 #[test]
+fn the_noise_of_a_reading_is_no_motor() {
+    // Two tenths of a cubic centimetre and of a millimetre, at one row a second: steps of half a unit all the time.
+    let mut random = StdRng::seed_from_u64(5);
+    let mut log = saw_tooth(2);
+    let noisy = |value: f64, sd: f64, random: &mut StdRng| value + sd * (random.random::<f64>() - 0.5) * 12f64.sqrt();
+    let quiet = prepared(saw_tooth(2)).0.iter().filter(|o| o.steady).count();
+    let ballast: Vec<f64> = log.column(Channel::Ballast).iter().map(|cc| noisy(*cc, 0.2, &mut random)).collect();
+    let battery: Vec<f64> = (0..log.len()).map(|_| noisy(0.01, 2e-4, &mut random)).collect();
+    log.set(Channel::Ballast, ballast);
+    log.set(Channel::BatteryPosition, battery);
+    let (found, notes) = prepared(log.clone());
+    // Around the three turns, where the pump does run, the noise widens its move by the seconds of the means.
+    let steady = found.iter().filter(|o| o.steady).count();
+    assert!(steady <= quiet && steady >= quiet - 3 * 10, "{steady} of {quiet}: {notes:?}");
+    // A pump that runs is one all the same: 30 cc in mid-leg.
+    let n = log.len();
+    let pumped: Vec<f64> = (0..n).map(|i| log.at(Channel::Ballast, i) + if i < 450 { 0.0 } else { 30.0 }).collect();
+    log.set(Channel::Ballast, pumped);
+    let (found, _) = prepared(log);
+    let steady_at = |t: f64| found.iter().find(|o| o.time_s == t).is_some_and(|o| o.steady);
+    assert!(steady_at(440.0) && !steady_at(447.0) && !steady_at(530.0) && steady_at(545.0));
+}
+
+#[test]
 fn samples_while_a_motor_moves_are_not_steady() {
     let mut log = saw_tooth(1);
     let n = log.len();
@@ -166,6 +192,28 @@ fn a_glide_is_steady_after_it_has_pitched_into_its_leg() {
     let first = found.iter().find(|o| o.leg == 1 && o.steady).map(|o| o.time_s);
     // Within 0.05 rad of it after 57 s, then 90 s more.
     assert_eq!(first, Some(447.0));
+}
+
+#[test]
+fn a_pitch_that_drifts_along_its_leg_is_steady_all_the_same() {
+    let steady = |log: FlightLog| prepared(log).0.iter().filter(|o| o.steady).count();
+    // Legs of half an hour, and a pitch that changes by 0.3 rad on the way.
+    let mut log = FlightLog::default();
+    for i in 0..3600 {
+        let (descends, p) = (i < 1800, if i < 1800 { i } else { 3600 - i });
+        log.push(&[
+            (Channel::Time, f64::from(i)),
+            (Channel::Pressure, 1.0 + SINK_DBAR_S * f64::from(p)),
+            (Channel::Pitch, if descends { -0.45 } else { 0.45 }),
+            (Channel::Ballast, if descends { -200.0 } else { 200.0 }),
+            (Channel::Density, 1025.0),
+        ]);
+    }
+    let held = steady(log.clone());
+    let drifting = log.column(Channel::Pitch).iter().enumerate();
+    let drifting: Vec<f64> = drifting.map(|(i, p)| p * (0.7 + 0.6 * (i % 1800) as f64 / 1800.0)).collect();
+    log.set(Channel::Pitch, drifting);
+    assert_eq!(steady(log), held);
 }
 
 #[test]
