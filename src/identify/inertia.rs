@@ -106,8 +106,9 @@ fn of_one(
     let mass_kg = parameters.mass_kg() + parameters.added_mass_1_kg;
     let steep =
         (parameters.pitch_scale * observed.pitch_rad + parameters.pitch_offset_rad - here.angle_of_attack_rad).abs();
-    // Where it is no small correction any more the glide is not steady, and the sample tells little.
-    let most = 0.5 * steep.sin();
+    // Where it is no small correction any more the glide is not steady, and the sample tells little. A trial of a fit may put
+    // the path beyond the vertical.
+    let most = 0.5 * steep.sin().max(0.0);
     let x = (mass_kg * along / (net_kg.abs() * parameters.gravity_m_s2)).clamp(-most, most);
     let (across, along) = (steep.cos(), steep.sin() - x);
     Some(Inertia {
