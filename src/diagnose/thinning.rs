@@ -23,14 +23,21 @@ const LEAST_SPOILT_PERCENT: f64 = 2.0;
 const LEAST_EXCESS: f64 = 3.0;
 
 impl Fitted {
-    /// Drops everything that does not deserve its name; returns with what a refuted size goes.
+    /// Drops everything that does not deserve its name; returns with what a refuted size goes. Once one has gone the others
+    /// have other sizes, and may have been there for its sake alone: they are asked again, until all that are left stand.
     pub(super) fn thin_out(&mut self, problem: &impl Problem, baseline: &Fitted) -> Option<String> {
-        self.drop_what_does_not_predict(problem, baseline);
-        self.drop_what_chance_explains(problem, baseline);
-        let refuted = self.drop_what_needs_other_sizes(problem, baseline);
-        self.drop_what_cannot_be(problem, baseline);
-        self.drop_what_spoils(problem, baseline);
-        refuted
+        let mut refuted = None;
+        loop {
+            let before = self.included.len();
+            self.drop_what_does_not_predict(problem, baseline);
+            self.drop_what_chance_explains(problem, baseline);
+            refuted = refuted.or(self.drop_what_needs_other_sizes(problem, baseline));
+            self.drop_what_cannot_be(problem, baseline);
+            self.drop_what_spoils(problem, baseline);
+            if self.included.len() == before {
+                return refuted;
+            }
+        }
     }
 
     /// A mechanism that fits and does not predict is none: the one of least use goes, until all that are left predict.
