@@ -106,7 +106,9 @@ pub struct Rejected {
 /// Structure that no mechanism explains.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Unexplained {
-    /// Root mean square of what is left.
+    /// The quantity of which most is left, in units of its noise.
+    pub quantity: String,
+    /// Root mean square of what is left of it.
     pub rms: f64,
     /// What it goes with.
     pub depends_on: Vec<String>,

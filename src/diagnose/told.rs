@@ -17,6 +17,9 @@ use crate::estimate::Estimate;
 /// Share of a mechanism's trace beside the baseline's parameters below which it hardly shows.
 const HARDLY_SHOWN: f64 = 0.1;
 
+/// Most covariates that are told of what nothing explains.
+const MOST_TOLD: usize = 3;
+
 /// Probability below which a misfit is called one.
 const SIGNIFICANT: f64 = 0.01;
 
@@ -37,10 +40,15 @@ pub(super) fn report(problem: &impl Problem, baseline: &Fitted, extended: &Fitte
     named.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let causes: Vec<Cause> = named.iter().map(|named| named.cause.clone()).collect();
 
-    let depends_on: Vec<String> = curve.into_iter().collect();
-    let rows = baseline.evidence.quantities[0].rows.clone();
-    let unexplained = (!depends_on.is_empty())
-        .then(|| Unexplained { rms: holdout::rms(&extended.evidence.residual, rows), depends_on });
+    let wrong = wrong(candidates, baseline);
+    let mut depends_on: Vec<String> = curve.into_iter().collect();
+    if depends_on.is_empty() && causes.is_empty() {
+        // Nothing deserved a name, a curve neither: what is wrong is unexplained all the same.
+        for misfit in wrong.iter().filter(|misfit| misfit.quantity == wrong[0].quantity).take(MOST_TOLD) {
+            depends_on.push(misfit.regime.clone());
+        }
+    }
+    let unexplained = (!depends_on.is_empty()).then(|| left_over(extended, depends_on));
     let verdict = match (causes.is_empty(), unexplained.is_some()) {
         (true, false) => Verdict::None,
         (true, true) => Verdict::Unexplained,
@@ -52,7 +60,7 @@ pub(super) fn report(problem: &impl Problem, baseline: &Fitted, extended: &Fitte
         verdict,
         consistency: Vec::new(),
         warnings: Vec::new(),
-        wrong: wrong(candidates, baseline),
+        wrong,
         alternatives: alternatives(problem, extended, &lap),
         rejected: rejected(candidates, extended, &lap, &race, &causes),
         causes,
@@ -70,6 +78,21 @@ pub(super) fn report(problem: &impl Problem, baseline: &Fitted, extended: &Fitte
         gains: named.iter().map(|named| named.gain).collect(),
         without: named.into_iter().map(|named| named.without).collect(),
     }
+}
+
+/// What is left, of the quantity of which most is left in units of its noise.
+fn left_over(extended: &Fitted, depends_on: Vec<String>) -> Unexplained {
+    let evidence = &extended.evidence;
+    let excess = |quantity: usize| -> f64 {
+        let sd = |row: usize| extended.noises[quantity].sd(evidence.stated_sd[row]);
+        let rows = evidence.quantities[quantity].rows.clone();
+        let n = rows.len().max(1) as f64;
+        rows.map(|row| (evidence.residual[row] / sd(row)).powi(2)).sum::<f64>() / n
+    };
+    let most = (0..evidence.quantities.len()).max_by(|a, b| excess(*a).total_cmp(&excess(*b))).unwrap_or(0);
+    let quantity = &evidence.quantities[most];
+    let rms = holdout::rms(&evidence.residual, quantity.rows.clone());
+    Unexplained { quantity: quantity.name.to_owned(), rms, depends_on }
 }
 
 /// The quantity of which a gain is told.

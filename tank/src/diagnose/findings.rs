@@ -200,8 +200,8 @@ impl Teller<'_> {
             .collect();
         let told = gains.iter().find(|gain| gain.quantity == campaign.gain.quantity).unwrap_or(&gains[0]).clone();
         let unexplained = campaign.unexplained.as_ref().map(|unexplained| {
-            let rms = rms(&outcome.after.residual, self.rows(0, runs));
-            Unexplained { rms, depends_on: unexplained.depends_on.clone() }
+            let quantity = NAMES.iter().position(|name| *name == unexplained.quantity).unwrap_or(0);
+            Unexplained { rms: rms(&outcome.after.residual, self.rows(quantity, runs)), ..unexplained.clone() }
         });
         Diagnosis {
             verdict: match (causes.is_empty(), unexplained.is_some()) {

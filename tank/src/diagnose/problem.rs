@@ -337,6 +337,12 @@ impl Problem for TankProblem<'_> {
         Headline::MostGained
     }
 
+    /// An error of the moment centre passes on the side force, a strong crossflow included, which the slopes without it do not
+    /// know: they give that crossflow a moment of the wrong sign.
+    fn bends(&self) -> bool {
+        true
+    }
+
     fn rows_per_column(&self) -> f64 {
         2.0
     }

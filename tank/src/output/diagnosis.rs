@@ -28,7 +28,7 @@ pub fn sentences(diagnosis: &Diagnosis) -> Vec<String> {
     if let Some(left) = &diagnosis.unexplained {
         sentences.push(format!(
             "Unexplained: what is left ({} rms {:.2e}) goes with {}.",
-            NAMES[0],
+            left.quantity,
             left.rms,
             left.depends_on.join(", ")
         ));
