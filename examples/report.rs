@@ -3,15 +3,13 @@
 //! The balance readings are those of the DARPA SUBOFF bare hull (Roddy 1990, DTRC/SHD-1298-08, appendix B,
 //! configuration 3), converted to frontal area; the rest is drawn from formulas, and says so.
 
-use glidepolar::input::InputError;
-use glidepolar::output::OutputFolder;
+use glidepolar::output::{OutputError, OutputFolder};
 use glidepolar::report::{Axis, Block, Cell, Dash, Figure, InputFile, Layer, Panel, Report, Section, Table};
 
-fn main() -> Result<(), InputError> {
+fn main() -> Result<(), OutputError> {
     let folder = std::env::args().nth(1).unwrap_or_else(|| "report_example".to_owned());
-    let folder = OutputFolder::open(folder, false)?;
-    report().write(folder)?;
-    println!("{}", folder.path().join("report.html").display());
+    report().write(OutputFolder::open(&folder, false)?)?;
+    println!("{folder}/report.html");
     Ok(())
 }
 

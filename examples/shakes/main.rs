@@ -3,13 +3,12 @@
 mod run;
 
 use glidepolar::dynamics::{Actuation, IntegrationError, Parameters};
-use glidepolar::input::InputError;
 use glidepolar::output::{Replace, write_whole};
 use glidepolar::report::{Axis, Dash, Figure, Layer, Panel};
 use glidepolar::vehicle::Vehicle;
 use run::{Kept, Run};
 
-fn main() -> Result<(), InputError> {
+fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args().nth(1).unwrap_or_else(|| "shakes".to_owned());
     let parameters = Vehicle::load("adelaide")?.parameters().expect("a built-in vehicle is complete");
     let runs = [Actuation::RawAlongAxis1, Actuation::Servo].map(|who| run::run(&parameters, who));
@@ -17,7 +16,7 @@ fn main() -> Result<(), InputError> {
         panic!("the equations of a built-in vehicle have finite rates");
     };
     let folder = std::path::Path::new(&folder);
-    std::fs::create_dir_all(folder).map_err(|error| InputError::io(folder, &error))?;
+    std::fs::create_dir_all(folder)?;
     for figure in figures {
         write_whole(folder.join(figure.stem()).with_extension("svg"), figure.svg().as_bytes(), Replace::Any)?;
     }

@@ -4,7 +4,6 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use glidepolar::input::InputError;
 use glidepolar::output::OutputFolder;
 use glidepolar::report::{Axis, Cell, Dash, Figure, InputFile, Layer, Panel, Report, Section, Table};
 use glidepolar_tests::Trajectory;
@@ -32,7 +31,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn compare(folder: PathBuf, reference: PathBuf, flown: Vec<PathBuf>) -> Result<bool, InputError> {
+fn compare(folder: PathBuf, reference: PathBuf, flown: Vec<PathBuf>) -> Result<bool, Box<dyn std::error::Error>> {
     let name = |path: &PathBuf| path.file_stem().unwrap_or_default().to_string_lossy().replace('_', " ");
     let flights: Vec<(String, Trajectory)> = flown.iter().map(|path| (name(path), Trajectory::read(path))).collect();
     let against = Trajectory::read(&reference);
