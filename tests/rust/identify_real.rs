@@ -184,7 +184,7 @@ fn bad_input_of_every_kind_ends_with_code_2_and_one_message() {
     let header = "time_s,pressure_dbar,pitch_rad,vbd_cc,density_kg_m3\n";
     let cases = [
         ("empty.csv", String::new(), "empty"),
-        ("header.csv", header.to_owned(), "no leg"),
+        ("header.csv", header.to_owned(), "no row of data"),
         ("no_pitch.csv", "time_s,pressure_dbar,vbd_cc\n1,2,3\n".to_owned(), "no pitch"),
         ("comma.csv", "time_s;pressure_dbar;pitch_rad;vbd_cc\n1,0;2,0;0,1;3\n".to_owned(), "commas"),
         ("text.csv", format!("{header}1,2,down,3,1025\n"), "down"),

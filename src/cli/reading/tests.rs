@@ -94,6 +94,14 @@ fn a_doubtful_density_is_a_warning_with_what_to_do() {
 }
 
 #[test]
+fn descents_alone_at_one_ballast_volume_contradict_nothing() {
+    let descents: Vec<Row> = rows().into_iter().filter(|row| row[2] < 0.0).collect();
+    for command in [COMMANDS[0], COMMANDS[2]] {
+        told(command, &descents).unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    }
+}
+
+#[test]
 fn a_log_without_a_leg_is_told_what_it_lacks() {
     let one_row = &rows()[..1];
     let constant = changed(|row| row[1] = 50.0);

@@ -167,6 +167,11 @@ fn ballast_unit(observations: &[Observation]) -> Check {
     let (Some(low), Some(high)) = (of(0.05), of(0.95)) else {
         return not_checked(check, "no ballast volume");
     };
+    // One ballast volume is enough for a log of descents alone.
+    let goes = |down: bool| observations.iter().any(|o| o.steady && (o.sink_m_s > 0.0) == down);
+    if high - low < 5.0 && !(goes(true) && goes(false)) {
+        return not_checked(check, "the log goes one way alone");
+    }
     judge(
         check,
         (5.0..=5000.0).contains(&(high - low)),

@@ -166,7 +166,7 @@ fn the_noise_of_a_reading_is_no_motor() {
     log.set(Channel::Ballast, pumped);
     let (found, _) = prepared(log);
     let steady_at = |t: f64| found.iter().find(|o| o.time_s == t).is_some_and(|o| o.steady);
-    assert!(steady_at(440.0) && !steady_at(447.0) && !steady_at(530.0) && steady_at(545.0));
+    assert!(steady_at(430.0) && !steady_at(447.0) && !steady_at(538.0) && steady_at(555.0));
 }
 
 #[test]
