@@ -72,8 +72,8 @@ fn may_write(path: &Path, bytes: &[u8], replace: Replace) -> Result<PathBuf, Out
     Ok(target)
 }
 
-/// A folder for results: it takes its files one by one and writes them together. It remembers what it wrote in a small file, `.glidepolar`, so that a second run may replace the
-/// results of the first one but nothing else.
+/// A folder for results: it takes its files one by one and writes them together. It remembers what it wrote in a small
+/// file, `.glidepolar`, so that a second run may replace the results of the first one but nothing else.
 #[derive(Debug)]
 pub struct OutputFolder {
     root: PathBuf,

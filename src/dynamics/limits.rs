@@ -81,7 +81,8 @@ fn past_limit(low: f64, high: f64) -> f64 {
 
 /// Functions of the state whose change of sign is an event, in the order of [`EVENT_NAMES`].
 ///
-/// Those of surface and seabed know no mode: whoever keeps one shifts them. A limit that nothing can reach (a servo stops short of its limits) has the constant indicator 1.
+/// Those of surface and seabed know no mode: whoever keeps one shifts them. A limit that nothing can reach (a servo stops
+/// short of its limits) has the constant indicator 1.
 pub fn event_indicators<T: Number>(
     parameters: &Parameters<T>,
     actuation: Actuation,

@@ -2,7 +2,8 @@
 //! of the same table can read back, bit for bit.
 //!
 //! The bytes: a mark, the version of this layout, the token of the table of variables, the interface, a hash of the
-//! resources (a state is that of one vehicle in one water), the fields of [`Core`] in the order of `fields` (numbers as little-endian IEEE 754), and a CRC-32 of all before it.
+//! resources (a state is that of one vehicle in one water), the fields of [`Core`] in the order of `fields` (numbers as
+//! little-endian IEEE 754), and a CRC-32 of all before it.
 
 use glidepolar::dynamics::{Inputs, Parameters, State, Stop};
 
