@@ -56,7 +56,7 @@ use crate::vehicle::{MissingKeys, Vehicle};
 #[derive(Debug, Parser)]
 #[command(name = "glidepolar", version, propagate_version = true, max_term_width = 110)]
 #[command(after_help = "VEHICLE is a vehicle file (TOML) or the name of a built-in vehicle: `glidepolar vehicles`.\n\
-    Exit code: 0 done, 1 the question has no answer or it could not be written, 2 the input cannot be used.")]
+    Exit code: 0 done, 1 no answer or it could not be written, 2 the input cannot be used.")]
 pub struct Cli {
     #[command(subcommand)]
     command: Command,
