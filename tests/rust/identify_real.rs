@@ -189,7 +189,7 @@ fn bad_input_of_every_kind_ends_with_code_2_and_one_message() {
         ("comma.csv", "time_s;pressure_dbar;pitch_rad;vbd_cc\n1,0;2,0;0,1;3\n".to_owned(), "commas"),
         ("text.csv", format!("{header}1,2,down,3,1025\n"), "down"),
         ("short.csv", format!("{header}1,2,0.1\n"), "cells"),
-        ("nan.csv", format!("{header}{}", "1,nan,nan,nan,nan\n".repeat(9)), "no leg"),
+        ("nan.csv", format!("{header}{}", "1,nan,nan,nan,nan\n".repeat(9)), "not a single value"),
         ("binary.nc", "CDF\u{1}\u{0}\u{0}".to_owned(), "NetCDF"),
     ];
     for (name, text, expected) in cases {
