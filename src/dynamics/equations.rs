@@ -141,21 +141,28 @@ pub fn next_bend_s(
     let volume = p.ballast_m3(state.ballast_mass_kg);
     let to_go_m3 = (inputs.ballast_command_m3.held_within(p.ballast_min_m3, p.ballast_max_m3) - volume).abs();
     let ballast_s = to_go_m3 / p.ballast_rate_m3_s - 1.0 / SERVO_RATE_1_S;
+    let ahead = [ballast_s, moving_mass_bend_s(p, state, inputs)].into_iter().filter(|in_s| *in_s > 0.0);
+    ahead.min_by(f64::total_cmp).map(|in_s| time_s + in_s)
+}
 
-    let to_go_m =
-        inputs.moving_mass_command_m.held_within(p.moving_mass_min_m, p.moving_mass_max_m) - state.moving_mass_1_m;
+/// In which time the moving mass leaves its largest speed \[s\]; zero or less where it does not run at it.
+fn moving_mass_bend_s(p: &Parameters<f64>, state: &State<f64>, inputs: &Inputs<f64>) -> f64 {
+    let target_m = inputs.moving_mass_command_m.held_within(p.moving_mass_min_m, p.moving_mass_max_m);
+    let to_go_m = target_m - state.moving_mass_1_m;
     let limit = p.moving_mass_rate_m_s;
     let at_limit_m = to_go_m.abs() - limit / SERVO_RATE_1_S;
+    if at_limit_m <= 0.0 {
+        return 0.0;
+    }
     let speed =
         state.momentum_1_kg_m_s / p.moving_mass_kg - state.v1_m_s - state.moving_mass_3_m * state.pitch_rate_rad_s;
     // The speed nears its limit as exp(-k t): at_limit = limit t - lag (1 - exp(-k t)), solved by fixed point.
     let lag_m = (limit - speed * to_go_m.signum()) / SERVO_SPEED_RATE_1_S;
-    let mut moving_mass_s = at_limit_m / limit;
+    let mut in_s = at_limit_m / limit;
     for _ in 0..20 {
-        moving_mass_s = (at_limit_m + lag_m * (1.0 - (-SERVO_SPEED_RATE_1_S * moving_mass_s).exp())) / limit;
+        in_s = (at_limit_m + lag_m * (1.0 - (-SERVO_SPEED_RATE_1_S * in_s).exp())) / limit;
     }
-    let ahead = [ballast_s, moving_mass_s].into_iter().filter(|in_s| *in_s > 0.0);
-    ahead.min_by(f64::total_cmp).map(|in_s| time_s + in_s)
+    in_s
 }
 
 /// Force along axis 1 that the moving mass would need to stay where it is on the hull \[N\]. Against a stop, the

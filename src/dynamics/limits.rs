@@ -102,6 +102,7 @@ pub fn event_indicators<T: Number>(
     let (low, high) = (parameters.ballast_min_m3, parameters.ballast_max_m3);
     match modes.ballast {
         Stop::Free => {
+            // Twice: within once of it the ballast counts as at its limit.
             let past = 2.0 * past_limit(low.value(), high.value());
             z[2] = ballast - low + past;
             z[3] = high - ballast + past;

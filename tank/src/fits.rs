@@ -8,6 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::adequacy::{self, Adequacy};
 use crate::outlier::{self, Outlier};
 use crate::regression::{self, Fit, Problem, Scatter};
+use crate::series::distinct;
 use crate::sweep::{NAMES, Sweep};
 use crate::zero_drift::{self, Slope};
 
@@ -77,21 +78,19 @@ pub struct TooFewPoints {
     pub range_deg: f64,
 }
 
+/// Angles closer than this are one setting.
+const SAME_DEG: f64 = 0.25;
+
 /// Fits a sweep within a range of angles.
 ///
 /// # Errors
 /// Where too few points lie within the range.
 pub fn fit(sweep: &Sweep, range_deg: f64) -> Result<SweepFit, TooFewPoints> {
     let rows = sweep.within_deg(range_deg);
-    let too_few = || {
-        let mut angles: Vec<f64> = rows.iter().map(|i| sweep.points[*i].nominal_yaw_deg).collect();
-        angles.sort_by(f64::total_cmp);
-        // Angles closer than a quarter of a degree are one setting.
-        angles.dedup_by(|angle, before| *angle - *before < 0.25);
-        TooFewPoints { found: rows.len(), angles: angles.len(), range_deg }
-    };
+    let angles = distinct(rows.iter().map(|i| sweep.points[*i].nominal_yaw_deg), |a, b| (a - b).abs() < SAME_DEG);
+    let too_few = || TooFewPoints { found: rows.len(), angles, range_deg };
     // Points at one setting differ in angle by its scatter, and a fit would follow that.
-    if too_few().angles < 3 {
+    if angles < 3 {
         return Err(too_few());
     }
     let fits = coefficients(sweep, &rows).ok_or_else(too_few)?;

@@ -38,15 +38,16 @@ pub enum Scatter {
     BetweenRuns,
     /// The variances given, all scaled by one factor that the residuals ask for.
     Scaled,
-    /// The variances given as they are: for as many parameters as observations, whose residuals say nothing.
-    Given,
+    /// The variances given as they are, known on so many degrees of freedom: for as many parameters as observations, whose
+    /// residuals say nothing.
+    Given {
+        /// Degrees of freedom.
+        dof: usize,
+    },
 }
 
 /// Fewer degrees of freedom than this are no judge of a scatter that is smaller than the variances given.
 const FEW_DOF: usize = 3;
-
-/// Degrees of freedom with which the variance of one observation is known from within its own run, about.
-const GIVEN_DOF: usize = 4;
 
 /// The solution.
 #[derive(Debug, Clone)]
@@ -77,11 +78,11 @@ impl Problem {
     /// Solves it; none if there are no degrees of freedom left or the parameters cannot be told apart.
     pub fn solve(&self, scatter: Scatter) -> Option<Fit> {
         let (n, p) = self.design.shape();
-        let is_judged = scatter != Scatter::Given;
-        if n < p || n == p && is_judged {
+        let given = if let Scatter::Given { dof } = scatter { Some(dof) } else { None };
+        if n < p || n == p && given.is_none() {
             return None;
         }
-        let dof = if is_judged { n - p } else { GIVEN_DOF * n };
+        let dof = given.unwrap_or(n - p);
         let weights_for = |between: f64| match scatter {
             Scatter::Equal => DVector::from_element(n, 1.0),
             _ => self.variance.map(|v| 1.0 / (v + between * between)),
@@ -95,7 +96,7 @@ impl Problem {
         let parameters = &gain * &self.observed;
         let residuals = &self.observed - &self.design * &parameters;
         let chi2: f64 = residuals.iter().zip(weights.iter()).map(|(r, w)| w * r * r).sum();
-        let chi2_per_dof = if is_judged { chi2 / dof as f64 } else { 1.0 };
+        let chi2_per_dof = if given.is_none() { chi2 / dof as f64 } else { 1.0 };
         // One or two residuals may be next to nothing by chance; what the runs themselves show is then the better judge.
         let is_by_chance = scatter == Scatter::BetweenRuns && dof < FEW_DOF && chi2_per_dof < 1.0;
         let chi2_per_dof = if is_by_chance { 1.0 } else { chi2_per_dof };

@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 /// Degrees of freedom of a run's own variance, about.
-const OWN_DOF: f64 = 4.0;
+pub const OWN_DOF: f64 = 4.0;
 /// Weight of what runs at one speed share against a run's own, in degrees of freedom.
 const SPEED_DOF: f64 = 30.0;
 /// Weight of the trend over all speeds against the mean of the runs at one, in degrees of freedom.

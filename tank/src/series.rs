@@ -84,6 +84,14 @@ pub fn block_means(channel: &[f64], size: usize) -> Vec<f64> {
     channel.chunks_exact(size.max(1)).map(|block| block.iter().sum::<f64>() / block.len() as f64).collect()
 }
 
+/// How many different values there are, where two that are the same count once.
+pub fn distinct(values: impl Iterator<Item = f64>, same: impl Fn(f64, f64) -> bool) -> usize {
+    let mut sorted: Vec<f64> = values.collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted.dedup_by(|a, b| same(*a, *b));
+    sorted.len()
+}
+
 /// Median; not a number where there are no values.
 pub fn median(values: &[f64]) -> f64 {
     if values.is_empty() {

@@ -10,6 +10,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use crate::motion::Motion;
 use crate::regression::{Fit, Problem, Scatter, Shared};
 use crate::run_variance;
+use crate::series::distinct;
 use crate::shared::{self, Influence};
 
 /// The strut's force.
@@ -179,12 +180,12 @@ impl Programme {
             (_, 1) => vec![sine],
             _ => vec![constant, sine],
         };
-        let more: [(bool, Term); 2] = if channel == 0 {
-            [(self.angles >= 3, sine), (self.speeds >= 2, |x| x.log_speed)]
+        let more: &[(bool, Term)] = if channel == 0 {
+            &[(self.angles >= 3, sine), (self.speeds >= 2, |x| x.log_speed)]
         } else {
-            [(self.angles >= 5, |x| x.sine.powi(3)), (false, constant)]
+            &[(self.angles >= 5, |x| x.sine.powi(3))]
         };
-        for (is_supported, term) in more {
+        for &(is_supported, term) in more {
             if is_supported && self.runs >= terms.len() + 3 {
                 terms.push(term);
             }
@@ -211,14 +212,8 @@ fn fit(channel: usize, terms: &[Term], runs: &[TareRun], reference_speed_m_s: f6
         )),
         shared: vec![Shared { influence: zeros, dof: zero_dof }],
     };
-    problem.solve(if n > terms.len() { Scatter::BetweenRuns } else { Scatter::Given })
-}
-
-fn distinct(values: impl Iterator<Item = f64>, same: impl Fn(f64, f64) -> bool) -> usize {
-    let mut sorted: Vec<f64> = values.collect();
-    sorted.sort_by(f64::total_cmp);
-    sorted.dedup_by(|a, b| same(*a, *b));
-    sorted.len()
+    let given = Scatter::Given { dof: run_variance::OWN_DOF as usize * n };
+    problem.solve(if n > terms.len() { Scatter::BetweenRuns } else { given })
 }
 
 #[cfg(test)]
