@@ -178,7 +178,14 @@ fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
         );
     }
     if found.wrong.is_empty() {
-        println!("  nothing beyond what the measurement explains");
+        println!(
+            "  {}",
+            if found.causes.is_empty() {
+                "nothing beyond what the measurement explains"
+            } else {
+                "the misfit is alike everywhere: it goes with nothing that was looked at"
+            }
+        );
     }
     println!("CAUSE: {}", verdict(found.verdict));
     for cause in &found.causes {

@@ -45,7 +45,12 @@ fn named(found: &Diagnosis, sentence: String) -> Section {
 
 fn wrong(found: &Diagnosis) -> String {
     let Some(worst) = found.wrong.first() else {
-        return "The baseline misses the data by no more than measurement and moving water explain.".to_owned();
+        return if found.causes.is_empty() {
+            "The baseline misses the data by no more than measurement and moving water explain.".to_owned()
+        } else {
+            // A constant misfit, as that of a ballast offset: no covariate shows it.
+            "The baseline misses the data alike everywhere: the misfit goes with nothing that was looked at.".to_owned()
+        };
     };
     let mut others: Vec<&str> = Vec::new();
     for wrong in &found.wrong[1..] {
