@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::{CliError, Output};
+use super::{CliError, Output, warn};
 use crate::assemble::{Buildup, Effect, Figure, Lateral, Look, Parts, Pod, Surface, Term, build_up, effect};
 use crate::dynamics::{Parameters, Surroundings};
 use crate::estimate::Estimate;
@@ -122,7 +122,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let sensor = a.sensor.as_ref().map(|keys| answer(a, &vehicle, &parts, &read_pod(keys)?)).transpose()?;
     let (is_warning, pitch) = build.pitch.told(a.speed_m_s);
     if is_warning {
-        eprintln!("warning: {pitch}");
+        warn([&pitch]);
     }
     let report = Report { schema: "glidepolar.assemble/1", vehicle: vehicle.name.clone(), build, sensor };
     if a.output.shows_tables() {

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::identify::{TrimChoice, with_error};
 use super::reading::{Reading, noted, refused};
-use super::{CliError, Output, diagnose_page, vehicle_input};
+use super::{CliError, Output, diagnose_page, vehicle_input, warn};
 use crate::diagnose::sea::{Lift, SeaDiagnosis, SeaError, SeaProblem, Settings, diagnose_log};
 use crate::diagnose::{Check, Checked, Diagnosis, Point, Problem, Verdict};
 use crate::dynamics::parameter_index;
@@ -103,6 +103,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if arguments.output.shows_tables() {
         print(&found.told.diagnosis, &found.problem, trim.sentence());
     }
+    warn(&found.told.diagnosis.warnings);
     arguments.output.write_json(&found.told.diagnosis)
 }
 
@@ -165,7 +166,6 @@ fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
     for check in found.consistency.iter().filter(|check| check.outcome != Checked::Consistent) {
         println!("{}", checked(check));
     }
-    found.warnings.iter().for_each(|warning| println!("warning: {warning}"));
     println!("WRONG");
     for wrong in &found.wrong {
         println!(

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::reading::{Log, Reading};
-use super::{CliError, Output, identify_page, vehicle_input};
+use super::{CliError, Output, identify_page, vehicle_input, warn};
 use crate::identify::{Given, Identification, IdentifyError, Report, Request, Trim, Unsteady, identify, paper_form};
 use crate::log::Shorten;
 use crate::output::OutputFolder;
@@ -106,6 +106,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if arguments.output.shows_tables() {
         print(&report, &found);
     }
+    warn(&report.warnings);
     if let Some(out) = &arguments.out {
         let mut folder = arguments.output.folder(out)?;
         let page = identify_page::of_joint(&vehicle, &found, &report, &log.observations, &mut folder)?;
@@ -148,8 +149,8 @@ fn iterative(
             );
         }
         println!("vertical velocity of all steady samples, rms {:.1} mm/s", report.fit.w_rms_m_s * 1e3);
-        report.warnings.iter().for_each(|warning| println!("warning: {warning}"));
     }
+    warn(&report.warnings);
     if let Some(out) = &arguments.out {
         let mut folder = arguments.output.folder(out)?;
         let page = identify_page::of_iterative(vehicle, &report, &mut folder)?;
@@ -295,9 +296,6 @@ fn print(report: &Report, found: &Identification) {
             legs.joint_b,
             legs.joint_w_rms_m_s * 1e3
         );
-    }
-    for warning in &report.warnings {
-        println!("warning: {warning}");
     }
     for note in &report.notes {
         println!("note: {note}");

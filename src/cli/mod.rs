@@ -84,7 +84,7 @@ pub struct Output {
     /// Write the result as JSON to FILE; `-` prints it, and nothing else, on standard output
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub json: Option<PathBuf>,
-    /// Print no table
+    /// Print no table; warnings still go to standard error
     #[arg(long, short, help_heading = "Output")]
     pub quiet: bool,
     /// Replace files, too, that this program did not write
@@ -318,7 +318,16 @@ pub fn show(error: &CliError) {
     }
 }
 
+/// Says on standard error what a result is to be read with, `--quiet` or not: a script that keeps the tables keeps them clean,
+/// and one that throws them away has still been told.
+pub fn warn<S: std::fmt::Display>(warnings: impl IntoIterator<Item = S>) {
+    for warning in warnings {
+        anstream::eprintln!("{YELLOW}warning{YELLOW:#}: {warning}");
+    }
+}
+
 const RED: anstyle::Style = anstyle::AnsiColor::Red.on_default().bold();
+const YELLOW: anstyle::Style = anstyle::AnsiColor::Yellow.on_default().bold();
 const CYAN: anstyle::Style = anstyle::AnsiColor::Cyan.on_default().bold();
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::reading::{Gathering, no_rows, settings};
 use super::table::for_each_row;
 use super::track_page::{self, Remarks};
-use super::{CliError, Output, vehicle_input};
+use super::{CliError, Output, vehicle_input, warn};
 use crate::dynamics::Parameters;
 use crate::input::{InputError, Place};
 use crate::log::{CHANNELS, Channel, Columns, DBAR_PA, FlightLog, Opened, Shorten, in_situ_density_kg_m3, open};
@@ -173,6 +173,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if a.output.shows_tables() {
         report.print();
     }
+    warn(&report.warnings);
     a.output.write_json(&report)
 }
 
@@ -415,7 +416,6 @@ impl Report<'_> {
                 );
             }
         }
-        self.warnings.iter().for_each(|warning| println!("warning: {warning}"));
         if let Some(comparison) = &self.comparison {
             println!("{}", comparison.sentence());
         }

@@ -22,6 +22,8 @@ pub struct Bin {
     /// Means of its samples; roll and rudder are root mean squares, since drag goes by their squares. What was not
     /// measured is NaN.
     pub mean: Observation,
+    /// Which they are, of those that were put into bins.
+    pub first: usize,
     /// How many they are.
     pub samples: usize,
     /// Standard deviation of the mean vertical velocity, by its measurement alone \[m/s\].
@@ -42,7 +44,7 @@ pub fn bins(steady: &[Observation], most: usize, least_samples: usize) -> Vec<Bi
             || steady[end].time_s - steady[start].time_s >= length_s;
         if closes {
             if end - start >= least_samples || is_alone(steady, start) {
-                found.push(mean(&steady[start..end]));
+                found.push(Bin { first: start, ..bin(&steady[start..end]) });
             }
             start = end;
         }
@@ -60,26 +62,35 @@ fn covered_s(steady: &[Observation]) -> f64 {
     steady.windows(2).filter(|pair| pair[0].leg == pair[1].leg).map(|pair| pair[1].time_s - pair[0].time_s).sum()
 }
 
-fn mean(samples: &[Observation]) -> Bin {
+fn bin(samples: &[Observation]) -> Bin {
     let n = samples.len() as f64;
     let of = |value: fn(&Observation) -> f64| samples.iter().map(value).sum::<f64>() / n;
     let square_se = of(|o| if o.sink_se_m_s > 0.0 { o.sink_se_m_s.powi(2) } else { USUAL_SE_M_S * USUAL_SE_M_S });
-    let speeds: Vec<f64> = samples.iter().map(|o| o.speed_m_s).filter(|speed| speed.is_finite()).collect();
-    let n_speeds = speeds.len() as f64;
-    let is_measured = 2 * speeds.len() >= samples.len();
-    let speed_m_s = if is_measured { speeds.iter().sum::<f64>() / n_speeds } else { f64::NAN };
-    let scatter = speeds.iter().map(|speed| (speed - speed_m_s).powi(2)).sum::<f64>() / n_speeds;
-    let (sin, cos) = (of(|o| o.heading_rad.sin()), of(|o| o.heading_rad.cos()));
+    let mean = mean(samples);
+    let speeds = || samples.iter().map(|o| o.speed_m_s).filter(|speed| speed.is_finite());
+    let n_speeds = speeds().count() as f64;
+    let scatter = speeds().map(|speed| (speed - mean.speed_m_s).powi(2)).sum::<f64>() / n_speeds;
     Bin {
-        mean: Observation {
-            roll_rad: of(|o| o.roll_rad * o.roll_rad).sqrt(),
-            rudder_rad: of(|o| o.rudder_rad * o.rudder_rad).sqrt(),
-            heading_rad: sin.atan2(cos),
-            speed_m_s,
-            ..samples[0].with(of)
-        },
+        mean,
+        first: 0,
         samples: samples.len(),
         sink_sd_m_s: (square_se / n).sqrt().max(1e-4),
         speed_sd_m_s: (scatter.sqrt() / n_speeds.sqrt()).max(LEAST_SPEED_SD_M_S / n_speeds.sqrt()),
+    }
+}
+
+/// The mean of some samples of a leg.
+pub(super) fn mean(samples: &[Observation]) -> Observation {
+    let n = samples.len() as f64;
+    let of = |value: fn(&Observation) -> f64| samples.iter().map(value).sum::<f64>() / n;
+    let speeds = || samples.iter().map(|o| o.speed_m_s).filter(|speed| speed.is_finite());
+    let n_speeds = speeds().count();
+    let (sin, cos) = (of(|o| o.heading_rad.sin()), of(|o| o.heading_rad.cos()));
+    Observation {
+        roll_rad: of(|o| o.roll_rad * o.roll_rad).sqrt(),
+        rudder_rad: of(|o| o.rudder_rad * o.rudder_rad).sqrt(),
+        heading_rad: sin.atan2(cos),
+        speed_m_s: if 2 * n_speeds >= samples.len() { speeds().sum::<f64>() / n_speeds as f64 } else { f64::NAN },
+        ..samples[0].with(of)
     }
 }

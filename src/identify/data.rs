@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use super::bins::{Bin, bins};
-use super::inertia::{Inertia, inertia};
+use super::inside::{Inside, Parts};
 use crate::dynamics::Parameters;
 use crate::log::Observation;
 
@@ -18,10 +18,12 @@ pub struct Dive {
     pub observations: Vec<Observation>,
     /// Their means over stretches of a leg: what is fitted.
     pub bins: Vec<Bin>,
+    /// The bins in parts.
+    parts: Parts,
     /// Solutions for the parameters tried last, from which the next ones start; one a bin.
     guesses: Vec<Option<[f64; 2]>>,
-    /// The inertia of each bin, by the parameters told last.
-    inertia: Vec<Inertia>,
+    /// What happens inside each bin, by the parameters told last.
+    inside: Vec<Inside>,
     /// Root of the time that each sample stands for, against the mean.
     root_weights: Vec<f64>,
     /// Root of the time that each bin stands for, in the same measure.
@@ -33,7 +35,7 @@ pub struct Dive {
 /// One bin of a dive, as a fit takes it.
 pub(super) struct Stretch<'d> {
     pub bin: &'d Bin,
-    pub inertia: &'d Inertia,
+    pub inside: &'d Inside,
     /// The solution for the parameters tried last.
     pub guess: &'d mut Option<[f64; 2]>,
     pub root_weight: f64,
@@ -46,8 +48,9 @@ impl Dive {
         let bin_weights: Vec<f64> = bins.iter().map(|bin| weights.by_ref().take(bin.samples).sum()).collect();
         Dive {
             guesses: vec![None; bins.len()],
-            inertia: vec![Inertia::NONE; bins.len()],
+            inside: vec![Inside::NOTHING; bins.len()],
             bin_root_weights: bin_weights.into_iter().map(f64::sqrt).collect(),
+            parts: Parts::new(&bins, &observations),
             bins,
             root_weights,
             before,
@@ -57,9 +60,8 @@ impl Dive {
 
     /// Every `every`-th bin of the log.
     pub(super) fn stretches(&mut self, every: usize) -> impl Iterator<Item = Stretch<'_>> {
-        let parts = self.bins.iter().zip(&self.inertia).zip(&mut self.guesses).zip(&self.bin_root_weights);
-        let stretches =
-            parts.map(|(((bin, inertia), guess), root)| Stretch { bin, inertia, guess, root_weight: *root });
+        let parts = self.bins.iter().zip(&self.inside).zip(&mut self.guesses).zip(&self.bin_root_weights);
+        let stretches = parts.map(|(((bin, inside), guess), root)| Stretch { bin, inside, guess, root_weight: *root });
         stretches.skip((every - self.before[1] % every) % every).step_by(every)
     }
 
@@ -69,9 +71,9 @@ impl Dive {
         samples.skip((every - self.before[0] % every) % every).step_by(every)
     }
 
-    /// Takes the inertia along each leg as it is at these parameters.
+    /// Takes what happens along each leg as it is at these parameters.
     pub(super) fn settle(&mut self, parameters: &Parameters<f64>) {
-        self.inertia = inertia(parameters, self.bins.iter().map(|bin| &bin.mean));
+        self.inside = self.parts.inside(parameters, &self.bins);
     }
 
     /// Every `every`-th sample of the log, as a dive; nothing where none is left.

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::data::{Dive, Stretch};
 use super::gram::Gram;
-use super::model::{Prediction, predict};
+use super::model::Prediction;
 use crate::dynamics::Parameters;
 use crate::glide::Glider;
 use crate::log::Observation;
@@ -166,11 +166,10 @@ fn dive_rows<const N: usize>(
     every: usize,
 ) -> Tally {
     let mut rows = Rows::new(gram, n, weights);
-    for Stretch { bin, inertia, guess, root_weight } in dive.stretches(every) {
-        let observed = &bin.mean;
-        let predicted = predict(glider, observed, inertia, *guess);
+    for Stretch { bin, inside, guess, root_weight } in dive.stretches(every) {
+        let predicted = inside.predict(glider, bin, *guess);
         *guess = predicted.map(|p: Prediction<_>| p.guess);
-        rows.glide(observed, predicted.map(|p| (p.sink_m_s, p.speed_m_s)), root_weight);
+        rows.glide(&bin.mean, predicted.map(|p| (p.sink_m_s, p.speed_m_s)), root_weight);
     }
     rows.close()
 }

@@ -2,7 +2,7 @@
 //!
 //! - [`identify()`]: the whole identification of one log, with what it cannot tell.
 //! - [`joint`]: any parameters from all dives at once, exact slopes, standard errors by dives.
-//! - [`inertia()`]: what the inertia of a nearly steady glide adds to its balance.
+//! - [`inertia()`]: what the inertia of a nearly steady glide adds to its balance; [`Parts`]: what happens inside a bin.
 //! - [`unsteady`]: the same on dives flown through time, turns and all.
 //! - [`held`]: the errors of what was held, carried to what was fitted.
 //! - [`pitch_balance`]: d and the height of the centre of gravity from battery, ballast and pitch.
@@ -22,6 +22,7 @@ pub mod holdout;
 pub mod identifiability;
 mod inertia;
 pub mod inflections;
+mod inside;
 pub mod joint;
 pub mod model;
 pub mod outside;
@@ -44,6 +45,7 @@ pub use gram::Gram;
 pub use held::{Carried, Doubt};
 pub use inertia::{Inertia, inertia, usual_step_s};
 pub use inflections::Unsteady;
+pub use inside::{Inside, Parts};
 pub use joint::{Fit, IdentifyError, Question, fit};
 pub use model::{Prediction, predict};
 pub use outside::Pin;

@@ -15,7 +15,6 @@ use super::data::{Dive, Stretch};
 use super::evaluate::{by_size, with_derivatives};
 use super::gram::Gram;
 use super::joint::Fit;
-use super::model::predict;
 use super::uncertainty::solve_symmetric;
 use crate::glide::Glider;
 use crate::noise::{Lasting, Series, estimate, whiten};
@@ -128,8 +127,8 @@ fn rows(fit: &Fit, dives: &mut [&mut Dive]) -> [Rows; 2] {
     by_size!(fit.free.len(), [6, 12, 32], N => {
         let lifted = Glider::new(with_derivatives::<N>(&fit.parameters, &fit.free));
         for (dive, of_dive) in dives.iter_mut().enumerate() {
-            for Stretch { bin, inertia, guess, .. } in of_dive.stretches(1) {
-                let Some(predicted) = predict(&lifted, &bin.mean, inertia, *guess) else { continue };
+            for Stretch { bin, inside, guess, .. } in of_dive.stretches(1) {
+                let Some(predicted) = inside.predict(&lifted, bin, *guess) else { continue };
                 let add = |rows: &mut Rows, measured: f64, predicted: &DualSVec64<N>, stated_sd: f64| {
                     rows.dive.push(dive);
                     rows.time_s.push(bin.mean.time_s);

@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
-use glidepolar::cli::{CliError, Output, shell};
+use glidepolar::cli::{CliError, Output, shell, warn};
 use glidepolar::input::InputError;
 use glidepolar::report::InputFile;
 
@@ -108,9 +108,7 @@ impl Reduce {
         if self.output.shows_tables() {
             output::print(&results);
         }
-        for warning in &results.warnings {
-            anstream::eprintln!("{YELLOW}warning{YELLOW:#}: {warning}");
-        }
+        warn(&results.warnings);
         self.output.write_json(&results.reduction())
     }
 
@@ -139,5 +137,3 @@ impl Reduce {
         files.iter().map(InputFile::read).collect()
     }
 }
-
-const YELLOW: anstyle::Style = anstyle::AnsiColor::Yellow.on_default().bold();

@@ -11,7 +11,8 @@ use glidepolar::diagnose::{Cause, Diagnosis};
 use glidepolar::identify::Trim;
 use glidepolar::log::{Columns, Opened, Preparation, open};
 use glidepolar::vehicle::Vehicle;
-use glidepolar_virtual_sea::Options;
+use glidepolar_virtual_sea::ocean::Weather;
+use glidepolar_virtual_sea::{Options, Sea};
 
 /// Effects that the diagnosis must be able to name with measured speed.
 const CATALOGUED: &[&str] = &[
@@ -56,10 +57,15 @@ fn blind(effect: &str, seed: u64, speed: bool) -> (Diagnosis, Vec<(&'static str,
     let mechanism = glidepolar::mechanisms::at_sea(effect).filter(|_| CATALOGUED.contains(&effect));
     let parameters = mechanism.iter().flat_map(|mechanism| mechanism.parameters);
     let sizes = parameters.filter_map(|parameter| Some((*parameter, sea.truth.parameter(parameter)?))).collect();
+    (diagnosed(&sea), sizes)
+}
+
+/// Writes the files, reads them back and asks.
+fn diagnosed(sea: &Sea) -> Diagnosis {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("log.csv"), sea.log.to_csv()).expect("the log");
     std::fs::write(folder.path().join("vehicle.toml"), &sea.vehicle_toml).expect("the vehicle");
-    (ask(folder.path()).expect("a diagnosis"), sizes)
+    ask(folder.path()).expect("a diagnosis")
 }
 
 /// What a user's `glidepolar diagnose log.csv --vehicle vehicle.toml` does.
@@ -126,6 +132,17 @@ fn a_jump_in_the_middle_of_a_leg_is_found_to_some_minutes() {
 fn where_nothing_is_hidden_nothing_is_named() {
     for seed in [21, 22] {
         assert_eq!(first(&blind("none", seed, true).0), "none", "seed {seed}");
+    }
+}
+
+/// A thermocline of some metres, passed in half a minute on every leg, is no effect.
+#[test]
+fn on_a_shelf_in_summer_nothing_is_named_either() {
+    for seed in [2, 4] {
+        let weather = Weather { shelf: true, ..Weather::default() };
+        let options = Options { weather, hours: 36.0, dives: 260, ..Options::seeded(seed) };
+        let name = first(&diagnosed(&glidepolar_virtual_sea::generate(&options)));
+        assert_eq!(name, "none", "seed {seed}");
     }
 }
 

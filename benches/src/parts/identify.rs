@@ -8,7 +8,7 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, ensure};
 use glidepolar::dynamics::Parameters;
 use glidepolar::dynamics::parameters::DRAG_REFERENCE_SPEED_M_S;
-use glidepolar::identify::{Dive, Fit, Inertia, Question, by_dive, fit, inertia};
+use glidepolar::identify::{Dive, Fit, Inside, Parts, Question, by_dive, fit};
 use glidepolar::log::{DBAR_PA, Observation};
 use serde_json::{Value, json};
 
@@ -109,16 +109,16 @@ fn agreement(found: &Fit, free: &[&str], answer: &Value) -> Result<String> {
 /// What SciPy needs to minimise the very same sum.
 fn write_bins(file: &Path, question: &Question, dives: &[Dive], found: &Fit) -> Result<()> {
     let baseline: &Parameters<f64> = &question.baseline;
-    let bins: Vec<(&Observation, Inertia, f64)> = dives
+    let bins: Vec<(&Observation, Inside, f64)> = dives
         .iter()
         .flat_map(|dive| {
-            let moving = inertia(&found.parameters, dive.bins.iter().map(|bin| &bin.mean));
-            let weighed = dive.bins.iter().zip(moving).zip(&dive.bin_root_weights);
-            weighed.map(|((bin, inertia), root)| (&bin.mean, inertia, *root))
+            let inside = Parts::new(&dive.bins, &dive.observations).inside(&found.parameters, &dive.bins);
+            let weighed = dive.bins.iter().zip(inside).zip(&dive.bin_root_weights);
+            weighed.map(|((bin, inside), root)| (&bin.mean, inside, *root))
         })
         .collect();
-    let column = |value: &dyn Fn(&Observation) -> f64| -> Vec<Option<f64>> {
-        bins.iter().map(|(o, ..)| Some(value(o)).filter(|v| v.is_finite())).collect()
+    let column = |value: &dyn Fn(&Observation, &Inside) -> f64| -> Vec<Option<f64>> {
+        bins.iter().map(|(o, inside, _)| Some(value(o, inside)).filter(|v| v.is_finite())).collect()
     };
     // Without the offset, which is fitted.
     let neutral = Parameters { ballast_offset_kg: 0.0, ..*baseline };
@@ -135,13 +135,13 @@ fn write_bins(file: &Path, question: &Question, dives: &[Dive], found: &Fit) -> 
     let q0 = 0.5 * baseline.reference_density_kg_m3 * DRAG_REFERENCE_SPEED_M_S * DRAG_REFERENCE_SPEED_M_S;
     let free: Vec<&str> = question.free.iter().map(|row| glidepolar::dynamics::PARAMETERS[*row].name).collect();
     let text = json!({
-        "flown_pitch": column(&|o| o.pitch_rad),
-        "pitch": bins.iter().map(|(o, inertia, _)| o.pitch_rad + inertia.pitch_rad).collect::<Vec<_>>(),
-        "density": column(&|o| o.density_kg_m3),
-        "net": bins.iter().map(|(o, inertia, _)| net_mass(o) + inertia.net_mass_kg).collect::<Vec<_>>(),
+        "flown_pitch": column(&|o, _| o.pitch_rad),
+        "pitch": bins.iter().map(|(o, inside, _)| o.pitch_rad + inside.inertia.pitch_rad).collect::<Vec<_>>(),
+        "density": column(&|o, _| o.density_kg_m3),
+        "net": bins.iter().map(|(o, inside, _)| net_mass(o) + inside.inertia.net_mass_kg).collect::<Vec<_>>(),
         "root_weight": bins.iter().map(|(.., root)| *root).collect::<Vec<_>>(),
-        "sink": column(&|o| o.sink_m_s),
-        "speed": column(&|o| o.speed_m_s),
+        "sink": column(&|o, inside| o.sink_m_s - inside.sink_m_s),
+        "speed": column(&|o, inside| o.speed_m_s - inside.speed_m_s),
         "sink_sd": found.weights.sink_m_s,
         "speed_sd": Some(found.weights.speed_m_s).filter(|sd| sd.is_finite()),
         "area": baseline.frontal_area_m2,

@@ -13,7 +13,7 @@ mod model;
 mod whole;
 
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
-use crate::identify::{Bin, bins, inertia};
+use crate::identify::{Bin, Parts, bins};
 use crate::log::Observation;
 use crate::mechanisms::{AT_SEA, Enters};
 
@@ -62,6 +62,9 @@ const RELATIVE_BELIEF: f64 = 1.0;
 /// From here on, in the same measure, a fitted polar is doubted aloud.
 const FAR_FROM_BELIEF: f64 = 2.0;
 
+/// What to do where a lift slope runs away, or a scale of the pitch stands beside it.
+const PITCH_OR_LIFT: &str = "a lift slope and a scale of the pitch cannot be told apart by vertical velocity and speed: hold the slope at an outside value (--pin-lift=A)";
+
 /// Share of what named mechanisms explain by which something unknown must explain more to take their place. Less is a part
 /// that stays unexplained beside them: no sea is without.
 const PART_UNEXPLAINED: f64 = 0.1;
@@ -101,6 +104,8 @@ fn wrong(checks: &[Check]) -> String {
 #[derive(Clone)]
 pub struct SeaProblem {
     bins: Vec<Bin>,
+    /// The same in parts.
+    parts: Parts,
     /// Rows of the speed, as indices into the bins.
     with_speed: Vec<usize>,
     parameters: Parameters<f64>,
@@ -154,6 +159,7 @@ impl SeaProblem {
 
         let mut problem = SeaProblem {
             directions: Directions::new(&baseline_index),
+            parts: Parts::new(&bins, &usable),
             bins,
             with_speed,
             parameters: *parameters,
@@ -212,22 +218,31 @@ impl SeaProblem {
         self.bins.len()
     }
 
-    /// The baseline's parameters that were fitted far from what the vehicle says, in a sentence each.
-    pub fn doubts(&self, point: &Point) -> Vec<String> {
+    /// What is to be doubted of the fit, in a sentence each: parameters of the baseline that lie far from what the vehicle says,
+    /// `alone` or with what was `named`, and a scale of the pitch beside a lift slope that was fitted as well.
+    pub fn doubts(&self, alone: &Point, named: &Point) -> Vec<String> {
         let mut believed = self.parameters;
-        let values = self.baseline.iter().zip(&self.baseline_index).zip(&point.baseline);
-        values
-            .filter_map(|(((name, unit), index), value)| {
-                let belief = *believed.at(*index);
-                let far = (value - belief).abs() > FAR_FROM_BELIEF * belief.abs().max(0.1) || *value <= 0.0;
-                let pitch = if *name == "a_per_rad" {
-                    "; a lift slope and a scale of the pitch cannot be told apart by vertical velocity and speed: hold the slope at an outside value (--pin-lift=A)"
-                } else {
-                    ""
-                };
-                far.then(|| format!("{name} = {value:.3} {unit} is far from the vehicle's {belief:.3}{pitch}"))
-            })
-            .collect()
+        let mut doubts: Vec<String> = Vec::new();
+        for (i, ((name, unit), index)) in self.baseline.iter().zip(&self.baseline_index).enumerate() {
+            let belief = *believed.at(*index);
+            let is_far = |value: f64| (value - belief).abs() > FAR_FROM_BELIEF * belief.abs().max(0.1) || value <= 0.0;
+            let (value, when) = match (alone.baseline[i], named.baseline[i]) {
+                (_, value) if is_far(value) => (value, ""),
+                (value, _) if is_far(value) => (value, " as long as nothing is named"),
+                _ => continue,
+            };
+            let pitch = if *name == "a_per_rad" { format!("; {PITCH_OR_LIFT}") } else { String::new() };
+            doubts.push(format!("{name} = {value:.3} {unit}{when} is far from the vehicle's {belief:.3}{pitch}"));
+        }
+        let is_scaled = self.candidates.iter().zip(&named.candidates).any(|(candidate, values)| {
+            candidate.name == "pitch_scale" && *values != candidate.neutral && self.lift == Lift::Fitted
+        });
+        if is_scaled && !doubts.iter().any(|doubt| doubt.ends_with(PITCH_OR_LIFT)) {
+            doubts.push(format!(
+                "the scale of the pitch rests on a lift slope that was fitted beside it: {PITCH_OR_LIFT}"
+            ));
+        }
+        doubts
     }
 
     /// What the vehicle's own polar says of the polar: within its own size. It keeps a baseline that lacks the true cause
@@ -348,15 +363,15 @@ impl Problem for SeaProblem {
         let parameters = self.parameters_at(point);
         let (n_w, n_u) = (self.bins.len(), self.with_speed.len());
         let n = n_w + n_u;
-        let moving = inertia(&parameters, self.bins.iter().map(|bin| &bin.mean));
+        let inside = self.parts.inside(&parameters, &self.bins);
         let row_bins: Vec<&Bin> = self.bins.iter().chain(self.with_speed.iter().map(|i| &self.bins[*i])).collect();
 
         let mut residual = DVector::zeros(n);
         let mut slopes = DMatrix::zeros(n, self.directions.len());
         let mut speed_row = n_w;
         let vehicle = Vehicle::new(&parameters, &self.directions);
-        for (row, (bin, inertia)) in self.bins.iter().zip(&moving).enumerate() {
-            let (sink, speed) = vehicle.fly(bin, inertia);
+        for (row, (bin, inside)) in self.bins.iter().zip(&inside).enumerate() {
+            let (sink, speed) = vehicle.fly(bin, inside);
             residual[row] = bin.mean.sink_m_s - sink.0;
             slopes.row_mut(row).copy_from_slice(&sink.1[..self.directions.len()]);
             if self.with_speed.get(speed_row - n_w) == Some(&row) {

@@ -5,7 +5,7 @@ use num_dual::{Derivative, DualSVec64};
 
 use crate::dynamics::{Parameters, parameter_index};
 use crate::glide::Glider;
-use crate::identify::{Bin, Inertia, predict, usual_step_s};
+use crate::identify::{Bin, Inside, usual_step_s};
 
 /// Most parameters that can be varied at once.
 pub const MAX_DIRECTIONS: usize = 24;
@@ -73,10 +73,9 @@ impl Vehicle {
 
     /// Vertical velocity and speed as the instruments would read them. Where no glide balances the glider stands still:
     /// no velocity, no slope.
-    pub fn fly(&self, bin: &Bin, inertia: &Inertia) -> (Slopes, Slopes) {
-        let mean = &bin.mean;
-        let glider = if mean.time_s < self.jump_s { &self.before } else { &self.after };
-        match predict(glider, mean, inertia, None) {
+    pub fn fly(&self, bin: &Bin, inside: &Inside) -> (Slopes, Slopes) {
+        let glider = if bin.mean.time_s < self.jump_s { &self.before } else { &self.after };
+        match inside.predict(glider, bin, None) {
             Some(read) => (parts(read.sink_m_s), parts(read.speed_m_s)),
             None => ((0.0, [0.0; MAX_DIRECTIONS]), (0.0, [0.0; MAX_DIRECTIONS])),
         }
@@ -85,7 +84,7 @@ impl Vehicle {
 
 /// Whether the vehicle flies at all as this bin says.
 pub fn flies(parameters: &Parameters<f64>, bin: &Bin) -> bool {
-    predict(&Glider::new(*parameters), &bin.mean, &Inertia::NONE, None).is_some()
+    Inside::NOTHING.predict(&Glider::new(*parameters), bin, None).is_some()
 }
 
 /// Largest share of the drag that the inertia may have where a glide counts as steady.

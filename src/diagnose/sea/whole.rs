@@ -73,7 +73,7 @@ pub fn diagnose_log(
     }
     told.diagnosis.rejected.extend(unweighed(&checks, &told, problem.has_speed()));
     told.diagnosis.consistency = checks;
-    told.diagnosis.warnings = problem.doubts(&told.after.point);
+    told.diagnosis.warnings = problem.doubts(&told.before.point, &told.after.point);
     let evidence = problem.evidence(&told.after.point);
     Ok(SeaDiagnosis { told, evidence, problem, baseline })
 }

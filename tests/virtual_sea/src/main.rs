@@ -1,6 +1,7 @@
 //! `virtual-sea`: writes a glider's flight log with a hidden effect, its vehicle file, and the truth.
 
 use clap::{Parser, ValueEnum};
+use glidepolar_virtual_sea::ocean::Weather;
 use glidepolar_virtual_sea::vehicle::Hull;
 use glidepolar_virtual_sea::{Options, catalogue, generate, log};
 use std::path::PathBuf;
@@ -29,6 +30,9 @@ struct Arguments {
     /// Dives to aim for
     #[arg(long, default_value_t = 14, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     dives: u32,
+    /// A shelf in summer, its thermocline some metres thick; with `--dives 80` in 12 hours the dives end at some 60 m
+    #[arg(long)]
+    shelf: bool,
     /// Folder for the files
     #[arg(long, required_unless_present = "list")]
     out: Option<PathBuf>,
@@ -76,6 +80,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
             HullName::SlocumDeep => Hull::SlocumDeep,
             HullName::Seaglider => Hull::Seaglider,
         }),
+        weather: Weather { shelf: arguments.shelf, ..Weather::default() },
         ..Options::seeded(arguments.seed)
     };
     let folder = arguments.out.as_deref().ok_or("--out DIR is missing")?;

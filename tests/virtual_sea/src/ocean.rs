@@ -33,11 +33,13 @@ pub struct Weather {
     pub roughness: f64,
     /// Temperature and salinity the same at all depths (density still grows with pressure).
     pub unstratified: bool,
+    /// A shelf in summer: the thermocline, else 15 to 40 m thick, is one of 2 to 5 m, at 15 to 35 m.
+    pub shelf: bool,
 }
 
 impl Default for Weather {
     fn default() -> Self {
-        Self { roughness: 1.0, unstratified: false }
+        Self { roughness: 1.0, unstratified: false, shelf: false }
     }
 }
 
@@ -97,14 +99,20 @@ impl Ocean {
         let surface_psu = between(random, 31.5, 34.0);
         let fall_c = between(random, 7.0, 12.0);
         let rise_psu = between(random, 0.5, 2.0);
+        let mut thermocline_m = between(random, 35.0, 80.0);
+        let mut thickness_m = between(random, 15.0, 40.0);
+        if weather.shelf {
+            thermocline_m = 15.0 + (thermocline_m - 35.0) * 20.0 / 45.0;
+            thickness_m = 2.0 + (thickness_m - 15.0) * 3.0 / 25.0;
+        }
         let stratified = if weather.unstratified { 0.0 } else { 1.0 };
         let profile = Profile {
             surface_c,
             deep_c: surface_c - stratified * fall_c,
             surface_psu,
             deep_psu: surface_psu + stratified * rise_psu,
-            thermocline_m: between(random, 35.0, 80.0),
-            thickness_m: between(random, 15.0, 40.0),
+            thermocline_m,
+            thickness_m,
             seabed_m: between(random, 1100.0, 1500.0),
         };
         let wave_rms_m_s = weather.roughness * between(random, 0.003, 0.007);

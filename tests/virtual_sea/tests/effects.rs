@@ -12,7 +12,7 @@ use glidepolar_virtual_sea::{Options, Sea, generate_observed};
 fn still(effect: &str) -> (Sea, Vec<Instant>) {
     let options = Options {
         effects: parse_requests(effect).expect("a list of effects"),
-        weather: Weather { roughness: 0.0, unstratified: false },
+        weather: Weather { roughness: 0.0, ..Weather::default() },
         quality: Some(Quality::perfect(5.0)),
         hull: Some(Hull::SlocumDeep),
         hours: 4.0,
