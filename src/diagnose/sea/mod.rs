@@ -7,7 +7,9 @@
 //!
 //! Knows the engine, the steady glide and observations; no files.
 
+mod candidates;
 pub mod consistency;
+mod covariates;
 mod jumps;
 mod model;
 mod whole;
@@ -15,11 +17,9 @@ mod whole;
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
 use crate::identify::{Bin, Parts, bins};
 use crate::log::Observation;
-use crate::mechanisms::{AT_SEA, Enters};
 
-use super::evidence::{Candidate, Covariate, Evidence, Point, Problem, Quantity, Version};
+use super::evidence::{Candidate, Evidence, Point, Problem, Quantity};
 use super::findings::{Check, Checked};
-use super::smooth::Kind;
 use jumps::Jump;
 use model::{Directions, MAX_DIRECTIONS, Vehicle};
 use nalgebra::{DMatrix, DVector};
@@ -189,7 +189,7 @@ impl SeaProblem {
     /// Takes what these data could show for candidates, with these jumps.
     fn look_for(&mut self, jumps: &[Jump]) {
         (self.candidates, self.shapes) = (Vec::new(), Vec::new());
-        for (candidate, index) in candidates_of(&self.bins, jumps, &self.parameters) {
+        for (candidate, index) in candidates::of(&self.bins, jumps, &self.parameters) {
             // Whoever knows the lift slope holds the law of lift: a bend of it would let the slope go again.
             if self.lift != Lift::Fitted && candidate.name == "nonlinear_lift" {
                 continue;
@@ -228,7 +228,8 @@ impl SeaProblem {
             let is_far = |value: f64| (value - belief).abs() > FAR_FROM_BELIEF * belief.abs().max(0.1) || value <= 0.0;
             let (value, when) = match (alone.baseline[i], named.baseline[i]) {
                 (_, value) if is_far(value) => (value, ""),
-                (value, _) if is_far(value) => (value, " as long as nothing is named"),
+                // A drag that only the misfit drove away has come back with its cause; a lift slope says more.
+                (value, _) if is_far(value) && *name == "a_per_rad" => (value, " as long as nothing is named"),
                 _ => continue,
             };
             let pitch = if *name == "a_per_rad" { format!("; {PITCH_OR_LIFT}") } else { String::new() };
@@ -286,44 +287,6 @@ fn is_usable(o: &Observation) -> bool {
         && [o.time_s, o.pressure_dbar, o.density_kg_m3, o.pitch_rad, o.ballast_m3, o.sink_m_s]
             .iter()
             .all(|value| value.is_finite())
-}
-
-/// The mechanisms that these data could show, with the row of their parameter.
-fn candidates_of(bins: &[Bin], jumps: &[Jump], parameters: &Parameters<f64>) -> Vec<(Candidate, usize)> {
-    let varies = |value: fn(&Bin) -> f64| bins.iter().any(|bin| value(bin).is_finite() && value(bin).abs() > 1e-4);
-    let mut found = Vec::new();
-    for mechanism in AT_SEA {
-        let Some(index) = crate::mechanisms::size_parameter(mechanism) else {
-            continue;
-        };
-        let missing = match mechanism.name {
-            "roll_drag" => !varies(|bin| bin.mean.roll_rad),
-            "rudder_drag" => !varies(|bin| bin.mean.rudder_rad),
-            "thermal_expansion" => !varies(|bin| bin.mean.temperature_C),
-            _ => mechanism.enters == Enters::Consistency,
-        };
-        if missing {
-            continue;
-        }
-        let row = &PARAMETERS[index];
-        let version =
-            |jump: &Jump| Some(Version { name: "step_time_s", value: jump.time_s, between: jump.between_s, unit: "s" });
-        let versions: Vec<Option<Version>> =
-            if mechanism.name == "drag_step" { jumps.iter().map(version).collect() } else { vec![None] };
-        for version in versions {
-            let candidate = Candidate {
-                name: mechanism.name,
-                parameters: vec![(row.name, row.unit)],
-                neutral: vec![*parameters.clone().at(index)],
-                usual: vec![mechanism.usual],
-                bounds: vec![(row.min, row.max)],
-                least: mechanism.least,
-                version,
-            };
-            found.push((candidate, index));
-        }
-    }
-    found
 }
 
 impl Problem for SeaProblem {
@@ -405,42 +368,12 @@ impl Problem for SeaProblem {
                 .collect(),
             block: row_bins.iter().map(|bin| bin.mean.leg as usize).collect(),
             leg: row_bins.iter().map(|bin| if bin.mean.descends() { 1.0 } else { -1.0 }).collect(),
-            place: places(&row_bins),
+            place: covariates::places(&row_bins),
             residual,
             baseline: slopes.columns(0, nb).into_owned(),
             prior: self.prior(point),
             candidates,
-            covariates: covariates(&row_bins),
+            covariates: covariates::of(&row_bins),
         }
     }
-}
-
-/// Place along the water column: the share of all bins that lie higher.
-fn places(bins: &[&Bin]) -> Vec<f64> {
-    let mut sorted: Vec<f64> = bins.iter().map(|bin| bin.mean.pressure_dbar).collect();
-    sorted.sort_by(f64::total_cmp);
-    let n = sorted.len().max(1) as f64;
-    bins.iter().map(|bin| sorted.partition_point(|p| *p < bin.mean.pressure_dbar) as f64 / n).collect()
-}
-
-/// What was set or met, never what is to be explained: a curve along the measured velocity itself would fit its noise.
-fn covariates(bins: &[&Bin]) -> Vec<Covariate> {
-    let mut found = Vec::new();
-    let mut add = |name: &'static str, kind: Kind, value: fn(&Bin) -> f64| {
-        let values: Vec<f64> = bins.iter().map(|bin| value(bin)).collect();
-        if values.iter().all(|value| value.is_finite()) {
-            found.push(Covariate { name, kind, values });
-        }
-    };
-    add("depth", Kind::Line, |bin| bin.mean.pressure_dbar);
-    add("time", Kind::Line, |bin| bin.mean.time_s);
-    add("pitch", Kind::Line, |bin| bin.mean.pitch_rad.abs());
-    add("ballast", Kind::Line, |bin| bin.mean.ballast_m3);
-    add("temperature", Kind::Line, |bin| bin.mean.temperature_C);
-    add("roll", Kind::Line, |bin| bin.mean.roll_rad);
-    add("rudder", Kind::Line, |bin| bin.mean.rudder_rad);
-    add("heading", Kind::Angle, |bin| bin.mean.heading_rad);
-    // The moon's half day, 12.4206 h.
-    add("tide", Kind::Angle, |bin| bin.mean.time_s * std::f64::consts::TAU / 44_714.16);
-    found
 }
