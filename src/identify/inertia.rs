@@ -37,6 +37,10 @@ impl Inertia {
 /// another glide.
 const GAP_S: f64 = 60.0;
 
+/// Where a stretch begins, the glider has been following a straight line through what comes in this time \[s\]: single
+/// samples have the noise of the pitch in them.
+const BEGINNING_S: f64 = 30.0;
+
 /// The inertia of each sample at these parameters; none where no glide exists or the sample is alone.
 pub fn inertia<'o>(
     parameters: &Parameters<f64>,
@@ -57,11 +61,15 @@ pub fn inertia<'o>(
     let mut found = vec![Inertia::NONE; observations.len()];
     for (i, found) in found.iter_mut().enumerate() {
         let Some(here) = &steady[i] else { continue };
-        late_m_s = match (rates(i.wrapping_sub(1), i), rates(i, i + 1)) {
-            (Some((rates, step_s)), _) => here.follow(late_m_s, rates, step_s),
-            // Where a stretch begins, the glider has been following what comes.
-            (None, Some((rates, _))) => rates.map(|rate| rate * here.slow_s),
-            (None, None) => [0.0; 2],
+        late_m_s = match rates(i.wrapping_sub(1), i) {
+            Some((rates, step_s)) => here.follow(late_m_s, rates, step_s),
+            None => {
+                let until_s = observations[i].time_s + BEGINNING_S;
+                let goes_on = |j: &usize| rates(*j, j + 1).is_some() && observations[j + 1].time_s <= until_s;
+                let end = (i..).take_while(goes_on).last().map_or(i, |last| last + 1);
+                let beginning = steady[i..=end].iter().flatten().zip(&observations[i..=end]);
+                here.behind(beginning.map(|(steady, o)| (o.time_s - observations[i].time_s, steady.flown_m_s)))
+            }
         };
         *found = here.inertia(observations[i].pitch_rad, late_m_s);
     }
@@ -102,6 +110,20 @@ fn steady(parameters: &Parameters<f64>, observations: &[&Observation]) -> Vec<Op
 const MOST_OF_DRAG: f64 = 0.5;
 
 impl Steady {
+    /// By how much a glider is behind this glide that has long been following a straight line through these ones, of which this
+    /// is the first: times from now on \[s\], and velocities.
+    fn behind(&self, flown: impl Iterator<Item = (f64, [f64; 2])> + Clone) -> [f64; 2] {
+        let n = flown.clone().count() as f64;
+        let mean_s = flown.clone().map(|(time_s, _)| time_s).sum::<f64>() / n;
+        let spread_s2: f64 = flown.clone().map(|(time_s, _)| (time_s - mean_s).powi(2)).sum();
+        [0, 1].map(|q| {
+            let mean = flown.clone().map(|(_, flown_m_s)| flown_m_s[q]).sum::<f64>() / n;
+            let moment: f64 = flown.clone().map(|(time_s, flown_m_s)| (time_s - mean_s) * flown_m_s[q]).sum();
+            let rate = if spread_s2 > 0.0 { moment / spread_s2 } else { 0.0 };
+            self.flown_m_s[q] - (mean - rate * mean_s - rate * self.slow_s)
+        })
+    }
+
     /// By how much the glider is behind this glide, `step_s` after it was `late_m_s` behind one from which velocities went here
     /// at these rates.
     fn follow(&self, late_m_s: [f64; 2], rates: [f64; 2], step_s: f64) -> [f64; 2] {
