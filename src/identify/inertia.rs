@@ -37,8 +37,8 @@ impl Inertia {
 /// another glide.
 const GAP_S: f64 = 60.0;
 
-/// Where a stretch begins, the glider has been following a straight line through what comes in this time \[s\]: single
-/// samples have the noise of the pitch in them.
+/// Where a stretch begins, the glider has been following a straight line through what comes in this time, the next sample at
+/// least \[s\]: single samples have the noise of the pitch in them.
 const BEGINNING_S: f64 = 30.0;
 
 /// The inertia of each sample at these parameters; none where no glide exists or the sample is alone.
@@ -65,8 +65,9 @@ pub fn inertia<'o>(
             Some((rates, step_s)) => here.follow(late_m_s, rates, step_s),
             None => {
                 let until_s = observations[i].time_s + BEGINNING_S;
-                let goes_on = |j: &usize| rates(*j, j + 1).is_some() && observations[j + 1].time_s <= until_s;
-                let end = (i..).take_while(goes_on).last().map_or(i, |last| last + 1);
+                let is_in =
+                    |j: &usize| rates(j - 1, *j).is_some() && (*j == i + 1 || observations[*j].time_s <= until_s);
+                let end = (i + 1..).take_while(is_in).last().unwrap_or(i);
                 let beginning = steady[i..=end].iter().flatten().zip(&observations[i..=end]);
                 here.behind(beginning.map(|(steady, o)| (o.time_s - observations[i].time_s, steady.flown_m_s)))
             }
@@ -163,11 +164,11 @@ mod tests {
     /// A leg flown at a course of speeds and its rates: what it must have weighed by the balance of forces.
     ///
     /// L = m0 g cos s, D = m0 g sin s - M V' at a held path s: a alpha tan s = b + c alpha^2 + M V'/(q A), a quadratic.
-    fn leg(p: &Parameters<f64>, course: fn(f64) -> (f64, f64)) -> Vec<(Observation, f64)> {
+    fn leg(p: &Parameters<f64>, step_s: f64, course: fn(f64) -> (f64, f64)) -> Vec<(Observation, f64)> {
         let path = -27f64.to_radians();
         let water = sample(p, -27.0, 0.3, 0, 0.0);
         let at = |i: i32| {
-            let time_s = 5.0 * f64::from(i);
+            let time_s = step_s * f64::from(i);
             let (speed_m_s, rate_m_s2) = course(time_s);
             let force = 0.5 * water.density_kg_m3 * speed_m_s * speed_m_s * p.frontal_area_m2;
             let mass_kg = p.mass_kg() + p.added_mass_1_kg;
@@ -181,7 +182,7 @@ mod tests {
             assert!((p.net_mass_kg(o.ballast_m3, &surroundings(p, &o)) - net_kg).abs() < 1e-9);
             (o, alpha)
         };
-        (0..160).map(at).collect()
+        (0..(800.0 / step_s) as i32).map(at).collect()
     }
 
     #[test]
@@ -194,8 +195,8 @@ mod tests {
             let tanh = ((t - 400.0) / 60.0).tanh();
             (0.3 - 0.05 * tanh, -0.05 / 60.0 * (1.0 - tanh * tanh))
         };
-        for course in [steadily, once] {
-            let leg = leg(&p, course);
+        for (step_s, course) in [(5.0, steadily as fn(f64) -> (f64, f64)), (5.0, once), (50.0, steadily)] {
+            let leg = leg(&p, step_s, course);
             let inertia = inertia(&p, leg.iter().map(|(o, _)| o));
             let (mut before, mut after) = ([0f64; 2], [0f64; 2]);
             for ((o, alpha), inertia) in leg.iter().zip(&inertia) {
@@ -216,7 +217,7 @@ mod tests {
     fn a_bin_in_which_the_speed_changes_is_the_mean_of_what_happened_in_it() {
         let (_, p) = glider();
         let glider = Glider::new(p);
-        let leg = leg(&p, |t| {
+        let leg = leg(&p, 5.0, |t| {
             let tanh = ((t - 390.0) / 15.0).tanh();
             (0.3 - 0.06 * tanh, -0.06 / 15.0 * (1.0 - tanh * tanh))
         });
