@@ -4,6 +4,7 @@
 """
 
 import csv
+import json
 import os
 import re
 import subprocess
@@ -96,3 +97,38 @@ def test_a_log_without_what_is_needed_is_refused_in_words(fmu3, tmp_path):
     (tmp_path / "log.csv").write_text("time_s,depth_m\n0,1\n")
     done = run("fly_a_log.py", "log.csv", "--fmu", fmu3, cwd=tmp_path)
     assert done.returncode == 1 and "error: no row" in done.stderr and "Traceback" not in done.stderr
+
+
+def test_water_carried_along_is_that_of_an_exponential(tmp_path):
+    """A step of density, met at once: what is felt beyond it dies away with the exchange time; after a gap nothing is left."""
+    times = [*range(0, 1001, 10), 50_000]
+    rows = [f"{t},{1000 if t < 100 else 1004},12.0,{0.1 * t:.1f}" for t in times]
+    (tmp_path / "log.csv").write_text("time_s,density_kg_m3,temperature_C,pressure_dbar\n" + "\n".join(rows) + "\n")
+    asked = ("log.csv", "--share", "0.25", "--exchange-s", "200", "--output", "carried.csv")
+    done = run("carried_water.py", *asked, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    carried = np.genfromtxt(tmp_path / "carried.csv", delimiter=",", names=True)
+    # Density belongs to another water now, so nothing may be left from which it could be computed anew.
+    assert carried.dtype.names == ("time_s", "density_kg_m3", "pressure_dbar")
+    t = carried["time_s"]
+    # At the step itself the water inside has followed over one row's time.
+    late = np.where((t >= 100) & (t < 50_000), np.exp(-(t - 90) / 200), 0)
+    assert carried["density_kg_m3"] == pytest.approx(np.where(t < 100, 1000, 1004) + 0.25 * 4 * late, abs=1e-4)
+    (tmp_path / "log.csv").write_text("time_s,depth_m\n0,1\n")
+    done = run("carried_water.py", *asked, cwd=tmp_path)
+    assert done.returncode == 1 and "no density_kg_m3" in done.stderr and "Traceback" not in done.stderr
+
+
+def test_with_water_carried_along_comet_has_the_pitch_scale_of_its_owners(glidepolar, tmp_path):
+    log = MEASURED / "comet_2016_baltic_1hz.csv"
+    if not log.is_file():
+        pytest.skip(f"no measured data: {log} is missing")
+    done = run("carried_water.py", log, "--share", "0.3", "--exchange-s", "200", "--output", "carried.csv", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    command = [glidepolar, "diagnose", "carried.csv", "--vehicle", "slocum-graver", "--speed-column", "U_dvl_m_s", "--json", "-"]
+    done = subprocess.run([*command, "--pin-lift=21"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    causes = {cause["cause"]: cause["parameters"] for cause in json.loads(done.stdout)["causes"]}
+    assert "ballast_scale" not in causes, causes
+    scale = causes["pitch_scale"]["pitch_scale"]
+    assert abs(scale["value"] - 0.86) < 2 * scale["se"] and 1 - scale["value"] > 3 * scale["se"], scale
