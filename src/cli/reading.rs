@@ -14,7 +14,7 @@ use crate::diagnose::{Check, Checked};
 use crate::input::{InputError, Place};
 use crate::log::{
     CHANNELS, Channel, Columns, Condenser, FlightLog, MOST_OBSERVATIONS, Observation, Opened, Preparation, Settings,
-    Shorten, open,
+    Shorten, open, take_out_lost_speeds,
 };
 use crate::vehicle::Vehicle;
 
@@ -221,14 +221,16 @@ impl Gathering {
     pub fn finish(mut self) -> Result<Log, CliError> {
         self.preparation.finish(&mut self.batch);
         self.condenser.take(&mut self.batch);
-        let (observations, shortened) = self.condenser.finish();
+        let (mut observations, shortened) = self.condenser.finish();
+        let lost = take_out_lost_speeds(&mut observations);
         let w_filter =
             if self.has_tables { "the column w_m_s of the table".to_owned() } else { self.preparation.filter() };
         let w_filter = match &shortened {
             Some(said) => format!("{w_filter}; {said}"),
             None => w_filter,
         };
-        let notes: Vec<String> = self.preparation.notes().sentences().into_iter().chain(shortened).collect();
+        let notes: Vec<String> =
+            self.preparation.notes().sentences().into_iter().chain(lost).chain(shortened).collect();
         let wrong = consistency::taken_out(&self.preparation);
         if wrong.is_empty() { Ok(Log { observations, w_filter, notes }) } else { Err(refused(wrong, &notes)) }
     }

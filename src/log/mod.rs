@@ -7,6 +7,7 @@
 //! - [`FlightLog`]: columns, one row per sample, a missing value is NaN.
 //! - [`open`]: any of the files above, told by name and content, read piece by piece.
 //! - [`Preparation`]: cleaning, density, vertical velocity, legs; what it did to the data stands in its [`Notes`].
+//! - [`take_out_lost_speeds`]: legs on which the speed sensor had lost the water.
 //! - [`Condenser`]: a log of any length in bounded memory.
 //! - [`Observation`]: one sample of one leg, ready for a fit.
 //!
@@ -18,6 +19,7 @@ mod condense;
 mod csv;
 mod density;
 mod glide_table;
+mod lost_speed;
 mod motors;
 mod netcdf;
 mod observation;
@@ -35,6 +37,7 @@ pub use condense::{Condenser, MOST_OBSERVATIONS, Shorten};
 pub use csv::CsvLog;
 pub use density::{absolute_salinity_g_kg, conservative_temperature_C, in_situ_density_kg_m3};
 pub use glide_table::read_glide_table;
+pub use lost_speed::take_out_lost_speeds;
 pub use observation::{DBAR_PA, Observation};
 pub use open::{Columns, LogPieces, Opened, open};
 pub use prepare::{Preparation, Prepared, Settings};

@@ -3,6 +3,7 @@
 mod bad_input;
 mod classic;
 mod condensing;
+mod lost_speeds;
 mod preparing;
 
 use std::path::PathBuf;

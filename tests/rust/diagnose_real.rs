@@ -99,26 +99,22 @@ fn what_the_hull_of_sg542_does_is_found_by_name() {
     }
 }
 
-/// With the lift slope of the build-up the record is explained, and a scale of the pitch is in sets that explain it as well.
+/// With the lift slope of the build-up a scale of the pitch is named, and before all else.
 #[test]
-fn comet_with_the_lift_slope_of_the_build_up_says_how_large_a_pitch_scale_may_be() {
+fn comet_with_the_lift_slope_of_the_build_up_has_a_pitch_scale() {
     let arguments = ["comet_2016_baltic_1hz.csv", "--vehicle", "slocum-graver", "--speed-column", "U_dvl_m_s"];
-    let Some(found) = diagnose(&[&arguments[..], &["--pin-lift=21"]].concat()) else { return };
-    assert_eq!(found["verdict"], "explained");
-    for gain in found["gains"].as_array().expect("gains") {
-        assert!(gain["reduction_percent"].as_f64().expect("a number") > 5.0, "{gain}");
-    }
-    let sets = found["alternatives"].as_array().expect("sets").iter();
-    let scales: Vec<&Value> = sets
-        .flat_map(|set| set.as_array().expect("a set"))
-        .filter(|other| other["cause"] == "pitch_scale")
-        .map(|other| &other["parameters"]["pitch_scale"])
-        .collect();
-    assert!(!scales.is_empty(), "{}", found["alternatives"]);
-    // The owners' own correction is 0.86: within three standard errors, and surely not 1.
-    for scale in scales {
-        let of = |key: &str| scale[key].as_f64().expect("a number");
-        assert!((of("value") - 0.86).abs() < 3.0 * of("se") && 1.0 - of("value") > 3.0 * of("se"), "{scale}");
+    for (pin, most) in [("--pin-lift=21", 0.93), ("--pin-lift=15", 0.87)] {
+        let Some(found) = diagnose(&[&arguments[..], &[pin]].concat()) else { return };
+        assert_eq!(found["verdict"], "explained");
+        // The Doppler log had lost the water on the last descent.
+        assert!(found["warnings"].to_string().contains("measured speed on the descent of dive 18"));
+        for gain in found["gains"].as_array().expect("gains") {
+            assert!(gain["reduction_percent"].as_f64().expect("a number") > 50.0, "{gain}");
+        }
+        assert_eq!(names(&found)[0], "pitch_scale", "{pin}");
+        // The owners' own correction is 0.86; the size goes with the slope that is held.
+        let of = |key: &str| found["causes"][0]["parameters"]["pitch_scale"][key].as_f64().expect("a number");
+        assert!((0.84..most).contains(&of("value")) && of("se") < 0.01, "{pin}: {}", found["causes"][0]);
     }
 }
 
@@ -132,10 +128,6 @@ fn comet_with_its_raw_pitch_is_warned_of() {
         warnings.contains("a_per_rad") && warnings.contains("scale of the pitch cannot be told apart"),
         "{warnings}"
     );
-    // A scale of the pitch beside a lift slope that is free as well: loosely, and not away from the owners' own 0.86.
-    let causes = found["causes"].as_array().expect("causes");
-    for cause in causes.iter().filter(|cause| cause["cause"] == "pitch_scale") {
-        let of = |key: &str| cause["parameters"]["pitch_scale"][key].as_f64().expect("a number");
-        assert!((of("value") - 0.86).abs() < 2.0 * of("se") && of("se") > 0.03, "{cause}");
-    }
+    // No mechanism is blamed instead.
+    assert!(names(&found).is_empty(), "{:?}", names(&found));
 }

@@ -3,7 +3,7 @@
 use super::preparing::saw_tooth;
 use super::*;
 
-fn observations(yos: usize) -> Vec<Observation> {
+pub(super) fn observations(yos: usize) -> Vec<Observation> {
     let mut preparation = Preparation::new(Settings::default());
     let mut out = Vec::new();
     preparation.push(saw_tooth(yos), &mut out);
