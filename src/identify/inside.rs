@@ -5,8 +5,7 @@
 //! parts at the present parameters: their inertia, averaged, is the bin's, and what their mean velocity is beside that of the
 //! mean is added to it. Slopes are those at the mean.
 //!
-//! Without it, and with rates taken over half a minute, a summer's thermocline on a shelf passes for a hull that expands: of 66
-//! logs of 36 hours in a virtual shelf sea with nothing hidden, something was found wrong with 47, now with 6.
+//! Left out, it makes a summer's thermocline on a shelf pass for a hull that expands (docs/inverse.md has the figures).
 
 use std::ops::Range;
 
