@@ -507,3 +507,55 @@ fn many_instances_in_many_threads_do_not_know_of_each_other() {
         }
     });
 }
+
+#[test]
+fn an_input_set_to_what_it_is_changes_nothing() {
+    let flights = [false, true].map(|sets| {
+        let glider = Glider3::co_simulation(Options::default());
+        glider.begin(Some(1e-6));
+        turn(&glider);
+        let command = glider.get("ballast_command_m3");
+        for second in 0..300 {
+            if sets {
+                glider.set(&[("ballast_command_m3", command)]);
+            }
+            glider.run(f64::from(second), f64::from(second + 1), 0.25);
+        }
+        glider.states()
+    });
+    assert_eq!(flights[0], flights[1]);
+}
+
+#[test]
+fn whoever_steers_between_two_steps_is_obeyed_at_once() {
+    // The library's steps reach further than the communication step; what lies beyond must be forgotten when an input, a
+    // parameter or, in event mode, either of them changes.
+    let whole_options = Options::default();
+    let event_options = Options { event_mode: true, early_return: true, ..Options::default() };
+    for (name, value) in [("ballast_command_m3", 1e-4), ("b", 0.2), ("current_x_m_s", 0.3)] {
+        let flights = [(0.1, false), (50.0, false), (0.1, true)].map(|(size, events)| {
+            let options = if events { event_options } else { whole_options };
+            let glider = Glider3::started(options, &[]);
+            if events {
+                update(&glider);
+            }
+            glider.run(0.0, 50.0, size);
+            if events {
+                // SAFETY: a live instance.
+                glider.ok(unsafe { fmi3EnterEventMode(glider.instance) });
+            }
+            glider.set(&[(name, value)]);
+            if events {
+                update(&glider);
+            }
+            glider.run(50.0, 100.0, size);
+            glider.states()
+        });
+        for other in &flights[1..] {
+            for ((state, found), expected) in STATES.iter().zip(other).zip(&flights[0]) {
+                let scale = expected.abs().max(1e-2);
+                assert!((found - expected).abs() < 1e-6 * scale, "{name}: {state} {found} against {expected}");
+            }
+        }
+    }
+}

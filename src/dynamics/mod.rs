@@ -24,7 +24,7 @@ pub use equations::{Outputs, accelerations, derivative, next_bend_s, outputs};
 pub use integrate::{Advance, IntegrationError, Integrator};
 pub use parameters::{PARAMETERS, ParameterInfo, Parameters, parameter_index};
 pub use state::{Actuation, Inputs, Modes, N_STATES, STATE_NOMINALS, State, Stop};
-pub use system::Glider;
+pub use system::{Ends, Glider};
 
 #[cfg(test)]
 mod tests;

@@ -10,6 +10,15 @@ use crate::Number;
 /// Events in a row at one and the same time after which they are taken as settled.
 const MAX_EVENTS_AT_ONCE: usize = 100;
 
+/// To where a glider is followed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ends {
+    /// Where its state is wanted \[s\].
+    pub end_s: f64,
+    /// How long nothing changes that its motion depends on, not before `end_s` \[s\].
+    pub horizon_s: f64,
+}
+
 /// A glider with everything that its motion depends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Glider {
@@ -64,12 +73,29 @@ impl Glider {
         time_s: &mut f64,
         state: &mut State<f64>,
         end_s: f64,
+        on_event: impl FnMut(f64, &State<f64>, [bool; N_EVENTS]) -> bool,
+    ) -> Result<(), IntegrationError> {
+        integrator.forget_ahead();
+        self.follow(integrator, time_s, state, Ends { end_s, horizon_s: end_s }, on_event)
+    }
+
+    /// As [`Glider::fly`], by [`Integrator::follow`]: for a glider whose inputs and parameters go on as they are until the
+    /// horizon. Where they were changed, [`Integrator::forget_ahead`] or [`Integrator::restart`] comes first.
+    ///
+    /// # Errors
+    /// As [`Glider::fly`].
+    pub fn follow(
+        &mut self,
+        integrator: &mut Integrator,
+        time_s: &mut f64,
+        state: &mut State<f64>,
+        Ends { end_s, horizon_s }: Ends,
         mut on_event: impl FnMut(f64, &State<f64>, [bool; N_EVENTS]) -> bool,
     ) -> Result<(), IntegrationError> {
         let mut at_once = 0;
         while *time_s < end_s {
             let started_s = *time_s;
-            match integrator.advance(self, time_s, state, end_s)? {
+            match integrator.follow(self, time_s, state, end_s, horizon_s)? {
                 Advance::Reached => return Ok(()),
                 Advance::Event(which) => {
                     self.settle(*time_s, state);
@@ -141,6 +167,24 @@ mod tests {
         state
     }
 
+    /// The same flight, looked at in passing.
+    fn followed(tolerance: f64, communication_step_s: f64) -> State<f64> {
+        let (mut glider, mut state) = gliding();
+        let mut integrator = Integrator::new(tolerance);
+        let mut time = 0.0;
+        for (turn_s, sign) in [(200.0, -1.0), (600.0, 1.0)] {
+            while time < turn_s {
+                let ends_s = Ends { end_s: time + communication_step_s, horizon_s: turn_s };
+                glider.follow(&mut integrator, &mut time, &mut state, ends_s, |_, _, _| true).unwrap();
+                assert_eq!(time, ends_s.end_s);
+            }
+            glider.inputs.ballast_command_m3 *= sign;
+            glider.inputs.moving_mass_command_m *= sign;
+            integrator.forget_ahead();
+        }
+        state
+    }
+
     fn distance(a: &State<f64>, b: &State<f64>) -> f64 {
         let nominal = super::super::STATE_NOMINALS.as_array();
         let scaled = a.as_array().into_iter().zip(b.as_array()).zip(nominal);
@@ -153,8 +197,8 @@ mod tests {
         // The explicit method alone, the default, a usual one.
         for tolerance in [1e-10, 1e-8, 1e-7] {
             for step in [200.0, 50.0, 1.0, 0.25] {
-                let distance = distance(&dive(tolerance, step), &reference);
-                assert!(distance < 20.0 * tolerance, "step {step} s, tolerance {tolerance}: {distance}");
+                let distances = [dive, followed].map(|fly| distance(&fly(tolerance, step), &reference));
+                assert!(distances.iter().all(|d| *d < 20.0 * tolerance), "{step} s, {tolerance}: {distances:?}");
             }
         }
         assert!(distance(&dive(1e-5, 200.0), &reference) < 1e-3);
@@ -180,6 +224,31 @@ mod tests {
         let mut restored = Integrator::new(tolerance).with_step_s(step);
         glider.fly(&mut restored, &mut time_2, &mut state_2, 91.0, |_, _, _| true).unwrap();
         assert_eq!((time_2, state_2, restored.step_s()), (time, state, integrator.step_s()));
+    }
+
+    #[test]
+    fn a_run_saved_inside_a_step_goes_on_bit_for_bit() {
+        for tolerance in [1e-10, 1e-8, 1e-6] {
+            let (mut glider, mut state) = gliding();
+            glider.inputs.moving_mass_command_m = -0.01;
+            let (mut integrator, mut time, mut kept) = (Integrator::new(tolerance), 0.0, Vec::new());
+            let mut go_on = |integrator: &mut Integrator, time: &mut f64, state: &mut State<f64>| {
+                let ends_s = Ends { end_s: *time + 0.7, horizon_s: 1000.0 };
+                glider.follow(integrator, time, state, ends_s, |_, _, _| true).unwrap();
+            };
+            for _ in 0..200 {
+                kept.push((integrator.numbers(), time, state));
+                go_on(&mut integrator, &mut time, &mut state);
+            }
+            for k in [1, 20, 60, 150] {
+                let (numbers, mut time, mut state) = kept[k];
+                let mut restored = Integrator::from_numbers(&numbers).expect("it wrote them itself");
+                kept[k + 1..].iter().for_each(|next| {
+                    go_on(&mut restored, &mut time, &mut state);
+                    assert_eq!((restored.numbers(), time, state), *next);
+                });
+            }
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@
 pub mod mission;
 pub mod schedule;
 
-use crate::dynamics::{Actuation, Glider, IntegrationError, Integrator, Parameters, State};
+use crate::dynamics::{Actuation, Ends, Glider, IntegrationError, Integrator, Parameters, State};
 use crate::glide::{Start, start};
 
 pub use schedule::Schedule;
@@ -86,8 +86,9 @@ pub fn fly_from(
     }
     while time < settings.stop_s {
         let next_row = ((rows + 1) as f64 * settings.interval_s).min(settings.stop_s);
-        let end = cursor.next_change_s(time).map_or(next_row, |change| change.min(next_row));
-        glider.fly(&mut integrator, &mut time, &mut state, end, |_, _, _| true)?;
+        let change = cursor.next_change_s(time).map_or(settings.stop_s, |change| change.min(settings.stop_s));
+        let ends_s = Ends { end_s: next_row.min(change), horizon_s: change };
+        glider.follow(&mut integrator, &mut time, &mut state, ends_s, |_, _, _| true)?;
         if cursor.apply(time, &mut glider) {
             integrator.restart();
             glider.settle(time, &mut state);

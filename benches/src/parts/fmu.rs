@@ -191,6 +191,7 @@ fn voyages(context: &Context<'_>, part: &mut Part) -> Result<()> {
             Contender::timed("FMI 3, one step a leg", 1, || fly(&three, LEG_S)),
             Contender::timed("FMI 2, one step a leg", 1, || fly(&two, LEG_S)),
             Contender::timed("FMI 3, steps of 15 s", 1, || fly(&three, 15.0)),
+            Contender::timed("FMI 3, steps of 1 s", 1, || fly(&three, 1.0)),
         ],
     );
     for outcome in &outcomes {
@@ -236,7 +237,7 @@ fn beside_python(context: &Context<'_>, part: &mut Part) -> Result<()> {
             Err(error) => part.remark(format!("The slave with {method} does not fly: {error:#}")),
         }
     }
-    for (step_s, steps) in [(LEG_S, "one step a leg"), (15.0, "steps of 15 s")] {
+    for (step_s, steps) in [(LEG_S, "one step a leg"), (15.0, "steps of 15 s"), (1.0, "steps of 1 s")] {
         let [three, rk45, lsoda, two] = contest(
             rounds,
             [

@@ -71,8 +71,11 @@ impl Instance {
                 if let Slot::Input(i) = variable.slot {
                     self.core.slopes.forget(i);
                 }
-                self.core.unsettled |= self.core.glider.values.get(variable.slot) != Some(value);
-                self.core.glider.values.set(variable.slot, value);
+                if self.core.glider.values.get(variable.slot) != Some(value) {
+                    self.core.unsettled = true;
+                    self.core.steer();
+                    self.core.glider.values.set(variable.slot, value);
+                }
             }
         }
         Ok(())

@@ -74,6 +74,9 @@ impl Instance {
         self.core.unsettled = false;
         self.tell_of_moves(&state, &self.core.glider);
         let after = self.core.glider.discrete;
+        if states_changed || before != after {
+            self.core.integrator.forget_ahead();
+        }
         if before != after && self.log.wants_events() {
             self.log.event(&format!("event at {} s: {}", self.time_s(), news(before, after)));
         }

@@ -69,11 +69,20 @@ pub struct Core {
     glider: Glider,
     start_time_s: f64,
     stop_time_s: Option<f64>,
-    tolerance: f64,
-    integrator_step_s: f64,
+    integrator: Integrator,
     slopes: InputSlopes,
     /// Inputs or parameters changed, or an event was found, since the last step: limits must be looked at anew.
     unsettled: bool,
+    /// Inputs or parameters changed since the last step: they may change after the next one, too.
+    is_steered: bool,
+}
+
+impl Core {
+    /// Notes that inputs or parameters change: what the integrator saw beyond this time does not come.
+    fn steer(&mut self) {
+        self.is_steered = true;
+        self.integrator.forget_ahead();
+    }
 }
 
 impl Instance {
@@ -84,10 +93,10 @@ impl Instance {
             glider: vehicle.glider.clone(),
             start_time_s: 0.0,
             stop_time_s: None,
-            tolerance: DEFAULT_TOLERANCE,
-            integrator_step_s: Integrator::new(DEFAULT_TOLERANCE).step_s(),
+            integrator: Integrator::new(DEFAULT_TOLERANCE),
             slopes: InputSlopes::default(),
             unsettled: true,
+            is_steered: true,
         };
         let vehicle_name = CString::new(vehicle.name.replace('\0', " ")).unwrap_or_default();
         let (resources, at_start) = (vehicle.resources, core.clone());
@@ -155,7 +164,7 @@ impl Instance {
             )));
         }
         let core = &mut self.core;
-        core.tolerance = tolerance.unwrap_or(DEFAULT_TOLERANCE);
+        core.integrator = Integrator::new(tolerance.unwrap_or(DEFAULT_TOLERANCE));
         core.glider.values.time_s = start_time_s;
         core.start_time_s = start_time_s;
         core.stop_time_s = stop_time_s;

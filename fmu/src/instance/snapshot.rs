@@ -5,7 +5,7 @@
 //! resources (a state is that of one vehicle in one water), the fields of [`Core`] in the order of `fields` (numbers as
 //! little-endian IEEE 754), and a CRC-32 of all before it.
 
-use glidepolar::dynamics::{Inputs, Parameters, State, Stop};
+use glidepolar::dynamics::{Inputs, Integrator, Parameters, State, Stop};
 
 use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};
@@ -14,7 +14,7 @@ use crate::model::glider::{actuation_number, actuation_of, stop_number};
 use crate::model::table::token;
 
 const MARK: &[u8; 8] = b"glidepol";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 const RESOURCES_BYTES: usize = 8;
 const CHECKSUM_BYTES: usize = 4;
 
@@ -139,6 +139,7 @@ fn fields(core: &mut Core, codec: &mut impl Codec) -> Option<()> {
         &mut glider.uses_column,
         &mut core.slopes.any,
         &mut core.unsettled,
+        &mut core.is_steered,
     ] {
         *flag = codec.byte(u8::from(*flag))? != 0;
     }
@@ -149,9 +150,8 @@ fn fields(core: &mut Core, codec: &mut impl Codec) -> Option<()> {
     let has_stop = codec.byte(u8::from(core.stop_time_s.is_some()))? != 0;
     let stop = codec.real(core.stop_time_s.unwrap_or(0.0))?;
     core.stop_time_s = has_stop.then_some(stop);
-    for number in [&mut core.start_time_s, &mut core.tolerance, &mut core.integrator_step_s] {
-        *number = codec.real(*number)?;
-    }
+    core.start_time_s = codec.real(core.start_time_s)?;
+    core.integrator = Integrator::from_numbers(&codec.reals(core.integrator.numbers())?)?;
     // A state of an instance with a column cannot go on in one without.
     (!core.glider.uses_column || core.glider.column.is_some()).then_some(())
 }

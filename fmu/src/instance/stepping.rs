@@ -6,7 +6,7 @@ use glidepolar::Number;
 use glidepolar::dynamics::integrate::{Jet, System};
 use glidepolar::dynamics::limits::N_EVENTS;
 use glidepolar::dynamics::state::N_INPUTS;
-use glidepolar::dynamics::{Advance, Inputs, Integrator, Parameters, State};
+use glidepolar::dynamics::{Advance, Inputs, Parameters, State};
 
 use super::access::{check_value, of_kind};
 use super::refusal::{Outcome, Refusal};
@@ -200,7 +200,7 @@ impl Instance {
 
     /// The step that the integrator would take next \[s\].
     pub fn integrator_step_s(&self) -> f64 {
-        self.core.integrator_step_s
+        self.core.integrator.step_s()
     }
 
     /// Carries the step on, to `until_s` or to the first event before it.
@@ -220,8 +220,15 @@ impl Instance {
             begun_s: step.begun_s,
             evaluations_left: Cell::new(step.evaluations_left),
         };
-        let mut integrator = Integrator::new(core.tolerance).with_step_s(core.integrator_step_s);
-        let advance = integrator.advance(&moving, &mut time, &mut state, end_s);
+        let mut integrator = core.integrator;
+        let advance = if core.is_steered || core.slopes.any {
+            integrator.advance(&moving, &mut time, &mut state, end_s)
+        } else {
+            // Nobody steers: communication points are looked at in passing.
+            let stop_s = core.stop_time_s.unwrap_or(f64::INFINITY);
+            let horizon_s = core.glider.next_time_event_s().map_or(stop_s, |event| event.min(stop_s));
+            integrator.follow(&moving, &mut time, &mut state, end_s, horizon_s)
+        };
         step.evaluations_left = moving.evaluations_left.get();
         let inputs = moving.inputs_at(time);
         let advance = match advance {
@@ -237,7 +244,7 @@ impl Instance {
         core.glider.values.time_s = time;
         core.glider.values.state = state;
         core.glider.values.inputs = inputs;
-        core.integrator_step_s = integrator.step_s();
+        core.integrator = integrator;
         match (advance, time_event) {
             (Advance::Reached, None) => Ok(Progress::Reached),
             _ => {
@@ -284,6 +291,7 @@ impl Instance {
     pub fn end_step(&mut self, step: &Step) {
         let at_end = self.core.slopes.rates(self.time_s() - step.begun_s);
         self.core.slopes = InputSlopes { at_end, ..InputSlopes::default() };
+        self.core.is_steered = false;
     }
 
     /// Sets derivatives of inputs at this communication point, all or none. They hold for one step.
@@ -308,6 +316,7 @@ impl Instance {
             self.core.slopes.at_end[input] = 0.0;
             self.core.slopes.derivatives[order - 1][input] = value;
             self.core.slopes.any = true;
+            self.core.steer();
         }
         Ok(())
     }

@@ -1,9 +1,12 @@
 //! The methods against closed forms and published values, on small systems that borrow some states of the glider.
 
+use std::cell::Cell;
+
 use super::linear::Decomposition;
-use super::method::{COUNTED, Felt, N_FELT, Scaled};
+use super::method::{COUNTED, Felt, Method, N_FELT, Scaled, Trial};
 use super::*;
 use crate::Number;
+use crate::dynamics::limits::N_EVENTS;
 use crate::dynamics::state::{N_STATES, STATE_NOMINALS};
 
 /// A system given by its equations alone.
@@ -221,4 +224,91 @@ fn what_is_only_counted_is_felt_by_nothing() {
         }
     }
     assert_eq!(COUNTED.map(|i| STATE_NOMINALS.as_array()[i]), [STATE_NOMINALS.x_m, STATE_NOMINALS.energy_J]);
+}
+
+/// A system that counts how often it is asked.
+struct Counted<E> {
+    equations: E,
+    asked: Cell<usize>,
+}
+
+impl<E: Equations> Equations for Counted<E> {
+    fn rates<T: Number>(&self, time_s: T, state: [T; N_STATES]) -> [T; N_STATES] {
+        self.asked.set(self.asked.get() + 1);
+        self.equations.rates(time_s, state)
+    }
+
+    fn indicator(&self, state: [f64; N_STATES]) -> f64 {
+        self.equations.indicator(state)
+    }
+}
+
+/// Kaps' problem from 0 to 1 s, looked at so many times; the largest error and the evaluations.
+fn looked_at(looks: usize, tolerance: f64, horizon_s: f64) -> (f64, usize) {
+    let kaps = Counted { equations: Kaps { stiffness: 10.0 }, asked: Cell::new(0) };
+    let mut start = [0.0; N_STATES];
+    start[..4].copy_from_slice(&kaps_at(0.0));
+    let (mut time, mut state, mut integrator) = (0.0, State::from_array(start), Integrator::new(tolerance));
+    let mut error = 0f64;
+    for look in 1..=looks {
+        let end_s = look as f64 / looks as f64;
+        let reached = integrator.follow(&kaps, &mut time, &mut state, end_s, horizon_s.max(end_s)).unwrap();
+        assert_eq!((reached, time), (Advance::Reached, end_s));
+        let nominal = STATE_NOMINALS.as_array();
+        let errors = kaps_at(time).into_iter().zip(state.as_array()).zip(nominal);
+        error = errors.map(|((exact, found), nominal)| (exact - found).abs() / nominal).fold(error, f64::max);
+    }
+    (error, kaps.asked.get())
+}
+
+#[test]
+fn looking_often_costs_little_and_keeps_the_accuracy() {
+    for tolerance in [1e-6, 1e-8, 1e-11] {
+        let (seldom, often) = (looked_at(1, tolerance, 1.0), looked_at(1000, tolerance, 1.0));
+        assert!(often.0 < 100.0 * tolerance, "{tolerance}: {seldom:?} {often:?}");
+        // The explicit method begins anew after each step that went too far, and grows its steps less boldly then.
+        assert!(often.1 <= seldom.1 * 3 / 2, "{tolerance}: {seldom:?} {often:?}");
+        assert!(looked_at(1000, tolerance, 0.0).1 > 10 * often.1);
+    }
+}
+
+#[test]
+fn an_event_beyond_the_time_asked_for_waits_for_its_time() {
+    // Depth 0.2 t - 0.005 t^2: 1.5 m is passed at 10 and at 30 s.
+    for tolerance in [1e-6, 1e-10] {
+        let (mut time, mut state) = (0.0, State::from_array(still()));
+        let (toss, mut integrator, mut met) = (Toss { floor_m: 1.5 }, Integrator::new(tolerance), Vec::new());
+        for look in 1..=500 {
+            let end_s = 0.1 * f64::from(look);
+            while integrator.follow(&toss, &mut time, &mut state, end_s, 60.0).unwrap() != Advance::Reached {
+                assert!(time <= end_s);
+                met.push(time);
+            }
+            assert!((state.depth_m - (0.2 - 0.005 * time) * time).abs() < 1e-9, "{} at {time}", state.depth_m);
+        }
+        assert!(met.len() == 2 && (met[0] - 10.0).abs() < 1e-6 && (met[1] - 30.0).abs() < 1e-6, "{met:?}");
+    }
+}
+
+/// A system with no way beyond one second.
+struct Wall;
+
+impl Equations for Wall {
+    fn rates<T: Number>(&self, time_s: T, _: [T; N_STATES]) -> [T; N_STATES] {
+        let mut rates = still();
+        rates[1] = if time_s.re() > 1.0 { T::constant(f64::NAN) } else { T::constant(0.1) };
+        rates
+    }
+}
+
+#[test]
+fn what_fails_beyond_the_time_asked_for_is_no_fault_before_it() {
+    let (mut time, mut state, mut integrator) = (0.0, State::from_array(still()), Integrator::new(1e-8));
+    for look in 1..=10 {
+        let end_s = 0.1 * f64::from(look);
+        assert_eq!(integrator.follow(&Wall, &mut time, &mut state, end_s, 60.0), Ok(Advance::Reached));
+    }
+    let before = (time, state);
+    assert!(integrator.follow(&Wall, &mut time, &mut state, 2.0, 60.0).is_err());
+    assert_eq!((time, state), before);
 }

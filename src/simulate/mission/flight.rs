@@ -43,9 +43,10 @@ pub(super) fn fly_with(
     let mut rows = 1.0;
     loop {
         let next_row = rows * interval_s;
-        let until = next_row.min(pilot.next_look_s).min(pilot.next_order_s()).min(mission.duration_s);
+        let next_change = pilot.next_look_s.min(pilot.next_order_s()).min(mission.duration_s);
         let (mut time, mut state) = (pilot.time_s, pilot.state);
-        let advance = integrator.advance(&pilot.course, &mut time, &mut state, until)?;
+        let advance =
+            integrator.follow(&pilot.course, &mut time, &mut state, next_row.min(next_change), next_change)?;
         (pilot.time_s, pilot.state) = (time, state);
         if let Advance::Event(which) = advance {
             pilot.on_event(which);
