@@ -203,6 +203,9 @@ pub fn identify(
     }
     let doubts = doubts(vehicle, &baseline, &pinned);
 
+    let reweighed = reweighed(&fitted, &mut dives);
+    fitted.model_error = reweighed.as_ref().map_or_else(Vec::new, Reweighed::model_error);
+
     let score = score(&fitted.parameters, &dives);
     let held_out = hold_out(&question, &dives)?;
     let inflections = match &request.unsteady {
@@ -213,6 +216,7 @@ pub fn identify(
             }
             let mut flown = inflections(&moving, &fitted.parameters, observations, unsteady)?;
             carry(&mut flown.fit, &mut flown.passages, &doubts);
+            flown.fit.model_error = model_error_of(&flown.fit.free, &fitted);
             Some(flown)
         }
         None => None,
@@ -235,16 +239,8 @@ pub fn identify(
     let profile = profile(&question, &fitted.parameters, "a_per_rad", &values, &dives).unwrap_or_default();
 
     warn(&mut warnings, &fitted, &dives, has_speed);
-    for Reweighed { position, value } in reweighed(&fitted, &mut dives) {
-        let (info, by_time) = (&PARAMETERS[fitted.free[position]], fitted.value(fitted.free[position]));
-        let shown = |value: f64| if value.abs() < 1e-2 { format!("{value:.2e}") } else { format!("{value:.3}") };
-        warnings.push(format!(
-            "`{}` depends on how the data are weighed: {} by time, as above, {} {} by their correlated noise. Where the model is right both agree; something that goes with it is missing, and its interval does not know that",
-            short_name(info.name),
-            shown(by_time),
-            shown(value),
-            info.unit
-        ));
+    if let Some(reweighed) = &reweighed {
+        warnings.extend(reweighed.named.iter().map(|&position| depends_on_weighing(&fitted, reweighed, position)));
     }
     if let Some(carried) = fitted.carried.iter().find(|carried| carried.doubt.name == "a") {
         warnings.push(speed_in_doubt(&fitted, carried, &dives));
@@ -270,6 +266,28 @@ pub fn identify(
         profile,
         warnings,
     })
+}
+
+/// The error of the model as the steady fit has it, for another list of free parameters.
+fn model_error_of(free: &[usize], fitted: &Fit) -> Vec<f64> {
+    if fitted.model_error.is_empty() {
+        return Vec::new();
+    }
+    let of = |row: &usize| fitted.free.iter().position(|known| known == row).map_or(0.0, |i| fitted.model_error[i]);
+    free.iter().map(of).collect()
+}
+
+/// Says that a parameter depends on the weighing.
+fn depends_on_weighing(fitted: &Fit, reweighed: &Reweighed, position: usize) -> String {
+    let (info, by_time) = (&PARAMETERS[fitted.free[position]], fitted.value(fitted.free[position]));
+    let shown = |value: f64| if value.abs() < 1e-2 { format!("{value:.2e}") } else { format!("{value:.3}") };
+    format!(
+        "`{}` depends on how the data are weighed: {} by time, as above, {} {} by their correlated noise. Where the model is right both agree; something that goes with it is missing, and its interval is as wide as that makes it",
+        short_name(info.name),
+        shown(by_time),
+        shown(by_time + reweighed.differences[position]),
+        info.unit
+    )
 }
 
 /// Something that nobody asked for and that the vehicle states with an error.

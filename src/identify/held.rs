@@ -87,7 +87,7 @@ fn slopes(fit: &Fit, samples: &mut dyn Blocks, held: &[usize]) -> DMatrix<f64> {
 }
 
 /// The errors of a fit as doubts about its parameters, correlated as they are: one for each principal direction of the scatter
-/// between dives, and one for each thing that it held.
+/// between dives, one for each thing that it held, and one for the model.
 pub(super) fn doubts_of(fit: &Fit) -> Vec<Doubt> {
     let n = fit.free.len();
     // Scaled to a unit diagonal: the parameters' units differ by ten orders of magnitude.
@@ -103,6 +103,10 @@ pub(super) fn doubts_of(fit: &Fit) -> Vec<Doubt> {
         }
     }
     doubts.extend(fit.carried.iter().map(|carried| carried.whole(&fit.free)));
+    if !fit.model_error.is_empty() {
+        let along = fit.free.iter().copied().zip(fit.model_error.iter().copied()).collect();
+        doubts.push(Doubt { name: "model".to_owned(), along });
+    }
     doubts
 }
 

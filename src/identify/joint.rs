@@ -121,6 +121,9 @@ pub struct Fit {
     pub covariance: DMatrix<f64>,
     /// What the errors of held parameters do to the free ones.
     pub carried: Vec<Carried>,
+    /// What the model itself is in doubt by, where two weighings of the same data disagree: one standard error, by which all
+    /// free parameters move together. Empty where they agree.
+    pub model_error: Vec<f64>,
     /// Evaluations of all samples.
     pub evaluations: usize,
     /// Whether the minimum was reached within the limits of the solver.
@@ -144,18 +147,24 @@ impl Fit {
         self.covariance[(position, position)].max(0.0).sqrt()
     }
 
-    /// The standard error of the free parameter at this position, the errors of what was held in it.
+    /// The standard error of the free parameter at this position, the errors of what was held and of the model in it.
     pub fn se(&self, position: usize) -> f64 {
-        let moves = self.carried.iter().map(|carried| carried.moves[position].powi(2));
+        let moves = self.moves_together().map(|moves| moves[position].powi(2));
         (self.covariance[(position, position)].max(0.0) + moves.sum::<f64>()).sqrt()
     }
 
-    /// Covariance of the free parameters, the errors of what was held in it.
+    /// Covariance of the free parameters, the errors of what was held and of the model in it.
     pub fn whole_covariance(&self) -> DMatrix<f64> {
-        self.carried.iter().fold(self.covariance.clone(), |sum, carried| {
-            let moves = DVector::from_column_slice(&carried.moves);
+        self.moves_together().fold(self.covariance.clone(), |sum, moves| {
+            let moves = DVector::from_column_slice(moves);
             sum + &moves * moves.transpose()
         })
+    }
+
+    /// Moves of the free parameters by one standard error of each thing that is independent of the others.
+    fn moves_together(&self) -> impl Iterator<Item = &[f64]> {
+        let carried = self.carried.iter().map(|carried| carried.moves.as_slice());
+        carried.chain((!self.model_error.is_empty()).then_some(self.model_error.as_slice()))
     }
 
     /// Degrees of freedom of that standard error: those of the dives for what they scatter, none lost by what was held
@@ -247,6 +256,7 @@ impl<'a> Solver<'a> {
             chi2: Gram::sum(n, &self.grams).sum_of_squares(),
             covariance: jackknife(n, &self.grams),
             carried: Vec::new(),
+            model_error: Vec::new(),
             grams: self.grams,
             evaluations: self.evaluations,
             converged: self.converged,

@@ -6,6 +6,9 @@
 //! ```text
 //! D = t(noise) - t(time),      z = D / se(D),   se(D) by leaving out one dive at a time in both
 //! ```
+//! Where they disagree, two answers of one model to one question tell how far off it is: their standard deviation is
+//! `|D|/sqrt 2`. As that of what every such answer is about, it belongs to the errors of the parameters, all of which move
+//! together along `D`.
 //! Knows a fit and its dives; what is to be said about it others decide.
 
 use nalgebra::{DMatrix, DVector, SVector};
@@ -29,40 +32,47 @@ const LEAST_DIVES: usize = 8;
 /// for being looked for in each parameter.
 const DIFFERENT: f64 = 3.5;
 
-/// A parameter that depends on the weighing, by more than its 95 % interval allows.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Two weighings that disagree.
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Reweighed {
-    /// Its place among the free ones.
-    pub position: usize,
-    /// Its value by the correlated noise.
-    pub value: f64,
+    /// By how much the free parameters move from the one by time to the one by the correlated noise.
+    pub differences: Vec<f64>,
+    /// Places among them of those that depend on the weighing by more than their 95 % intervals allow.
+    pub named: Vec<usize>,
 }
 
-/// The free parameters of a fit that depend on the weighing.
-pub(super) fn reweighed(fit: &Fit, dives: &mut [Dive]) -> Vec<Reweighed> {
+impl Reweighed {
+    /// One standard error of the model.
+    pub(super) fn model_error(&self) -> Vec<f64> {
+        self.differences.iter().map(|difference| difference / std::f64::consts::SQRT_2).collect()
+    }
+}
+
+/// The other weighing of a fit, if any of its free parameters depends on that.
+pub(super) fn reweighed(fit: &Fit, dives: &mut [Dive]) -> Option<Reweighed> {
     let bins: usize = dives.iter().map(|dive| dive.bins.len()).sum();
     let every = bins.div_ceil(MOST_BINS).max(1);
     let by_time: Vec<Gram> = fit.grams.iter().step_by(every).cloned().collect();
     let mut chosen: Vec<&mut Dive> = dives.iter_mut().step_by(every).collect();
     if chosen.len() < LEAST_DIVES || fit.free.is_empty() {
-        return Vec::new();
+        return None;
     }
-    let Some(by_noise) = weighed_by_noise(fit, &mut chosen) else { return Vec::new() };
-    let (of_time, of_noise) = (Steps::new(fit.free.len(), &by_time), Steps::new(fit.free.len(), &by_noise));
-    let (Some(of_time), Some(of_noise)) = (of_time, of_noise) else { return Vec::new() };
-    (0..fit.free.len())
-        .filter_map(|i| {
-            let difference = of_noise.whole[i] - of_time.whole[i];
+    let by_noise = weighed_by_noise(fit, &mut chosen)?;
+    let (of_time, of_noise) = (Steps::new(fit.free.len(), &by_time)?, Steps::new(fit.free.len(), &by_noise)?);
+    let differences: Vec<f64> = (&of_noise.whole - &of_time.whole).iter().copied().collect();
+    let named: Vec<usize> = (0..fit.free.len())
+        .filter(|&i| {
+            let difference = differences[i];
             let without: Vec<f64> = of_noise.without.iter().zip(&of_time.without).map(|(n, t)| n[i] - t[i]).collect();
             let count = without.len() as f64;
             let mean = without.iter().sum::<f64>() / count;
             let scatter: f64 = without.iter().map(|one| (one - mean).powi(2)).sum();
             let se = (scatter * (count - 1.0) / count).sqrt();
             let [low, high] = [-1.96, 1.96].map(|z| z * fit.se(i));
-            (difference.abs() > DIFFERENT * se && !(low..=high).contains(&difference))
-                .then_some(Reweighed { position: i, value: fit.value(fit.free[i]) + difference })
+            difference.abs() > DIFFERENT * se && !(low..=high).contains(&difference)
         })
-        .collect()
+        .collect();
+    (!named.is_empty()).then_some(Reweighed { differences, named })
 }
 
 /// Steps of Gauss and Newton from a fit, with all dives and without each.
