@@ -233,7 +233,8 @@ impl SeaProblem {
                 _ => continue,
             };
             let pitch = if *name == "a_per_rad" { format!("; {PITCH_OR_LIFT}") } else { String::new() };
-            doubts.push(format!("{name} = {value:.3} {unit}{when} is far from the vehicle's {belief:.3}{pitch}"));
+            let unit = if *unit == "1" { String::new() } else { format!(" {unit}") };
+            doubts.push(format!("`{name}` = {value:.3}{unit}{when} is far from the vehicle's {belief:.3}{pitch}"));
         }
         let is_scaled = self.candidates.iter().zip(&named.candidates).any(|(candidate, values)| {
             candidate.name == "pitch_scale" && *values != candidate.neutral && self.lift == Lift::Fitted
