@@ -215,7 +215,7 @@ fn a_state_saved_between_the_library_s_own_steps_goes_on_bit_for_bit() {
     let other = Glider3::co_simulation(Options::default());
     other.restore(other.deserialize(&bytes).unwrap());
     assert_eq!(go_on(&other), expected);
-    // Looking at it once more, at another time, is the same flight.
+    // Looking at it once more, at other times, is the same flight.
     glider.restore(saved);
     glider.run(100.0, 130.0, 30.0);
     assert_eq!(everything(&glider), expected[0]);

@@ -1,6 +1,7 @@
 //! The diagnosis on campaigns whose hidden effect it is not told: the virtual tank draws size and sign from a seed and
 //! hands over files alone. A fixed selection runs always; `BLIND_SEEDS=20 cargo test -p glidepolar-tests --release --test
-//! blind_tank -- --ignored --nocapture` prints the table of confusions over so many seeds of every effect.
+//! blind_tank -- --ignored --nocapture` prints the table of confusions over so many seeds of every effect, from seed
+//! `BLIND_FIRST` (1000) on.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -155,12 +156,13 @@ fn a_channel_of_the_wrong_sign_is_found_before_any_fit() {
 #[ignore = "hundreds of campaigns"]
 fn the_table_of_confusions() {
     let seeds: u64 = std::env::var("BLIND_SEEDS").ok().and_then(|n| n.parse().ok()).unwrap_or(20);
+    let first: u64 = std::env::var("BLIND_FIRST").ok().and_then(|n| n.parse().ok()).unwrap_or(1000);
     let only = std::env::var("BLIND_EFFECT").unwrap_or_default();
     for effect in CATALOGUED.iter().chain(UNSEEN).chain(UNCATALOGUED).filter(|effect| effect.contains(&only)) {
         let (mut names, mut covered, mut sized, mut others) = (BTreeMap::new(), 0, 0, BTreeMap::new());
         let started = std::time::Instant::now();
-        for seed in 0..seeds {
-            let answer = blind(effect, 1000 + seed);
+        for seed in first..first + seeds {
+            let answer = blind(effect, seed);
             *names.entry(answer.first()).or_insert(0) += 1;
             for cause in answer.campaign().causes.iter().skip(1) {
                 *others.entry(cause.cause.clone()).or_insert(0) += 1;

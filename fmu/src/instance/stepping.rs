@@ -224,9 +224,9 @@ impl Instance {
         let advance = if core.is_steered || core.slopes.any {
             integrator.advance(&moving, &mut time, &mut state, end_s)
         } else {
-            // Nobody steers: communication points are looked at in passing.
-            let stop_s = core.stop_time_s.unwrap_or(f64::INFINITY);
-            let horizon_s = core.glider.next_time_event_s().map_or(stop_s, |event| event.min(stop_s));
+            // Nobody steers: communication points are looked at in passing. So is the stop time, beyond which the equations
+            // hold as well: a run that stops, is saved and goes on with another stop time is the run that did not stop.
+            let horizon_s = core.glider.next_time_event_s().unwrap_or(f64::INFINITY);
             integrator.follow(&moving, &mut time, &mut state, end_s, horizon_s)
         };
         step.evaluations_left = moving.evaluations_left.get();
