@@ -2,7 +2,7 @@
 //!
 //! Each part of [`parts`] measures one thing that the project does against what else could be used for it, in rounds in
 //! which all take turns ([`contest`]), and leaves rows of medians and ratios in a [`report::Part`]. [`page`] prints them
-//! and writes docs/benchmarks.md. A part that fails, or a program that is not there, is said in its row; the rest goes on.
+//! and writes docs/evidence/benchmarks.md. A part that fails, or a program that is not there, is said in its row; the rest goes on.
 //!
 //! Nothing here is a test: no time makes anything fail.
 

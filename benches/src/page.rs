@@ -46,11 +46,13 @@ pub fn write(run: &Run, machine: &Machine, parts: &[Part]) -> Result<()> {
         place(&figures.join(format!("{}.svg", figure.name)), &figure.svg())?;
     }
     let notes = std::fs::read_to_string(run.root.join(NOTES)).unwrap_or_default();
-    let page = docs.join("benchmarks.md");
+    let evidence = docs.join("evidence");
+    std::fs::create_dir_all(&evidence).with_context(|| format!("cannot make {}", evidence.display()))?;
+    let page = evidence.join("benchmarks.md");
     place(&page, &markdown(machine, parts, &notes, run.choice.full))?;
     println!("\n{}", page.display());
     if !whole {
-        println!("(docs/benchmarks.md is written by a whole run only)");
+        println!("(docs/evidence/benchmarks.md is written by a whole run only)");
     }
     Ok(())
 }
@@ -90,7 +92,7 @@ fn markdown(machine: &Machine, parts: &[Part], notes: &str, full: bool) -> Strin
             let _ = writeln!(text, "- {remark}");
         }
         for figure in &part.figures {
-            let _ = writeln!(text, "\n![{}](figures/{}.svg)", figure.caption, figure.name);
+            let _ = writeln!(text, "\n![{}](../figures/{}.svg)", figure.caption, figure.name);
         }
         let _ = writeln!(text, "\nThis part took {:.0} s.", part.seconds);
     }

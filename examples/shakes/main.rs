@@ -1,4 +1,4 @@
-//! The figures and figures' numbers of `docs/shakes.md`: `cargo run --release --example shakes -- FOLDER`.
+//! The figures and figures' numbers of `docs/theory/shakes.md`: `cargo run --release --example shakes -- FOLDER`.
 
 mod run;
 

@@ -93,7 +93,7 @@ pub struct LegsApart {
     pub joint_w_rms_m_s: f64,
 }
 
-/// Largest c that is published of a glider, on its frontal area \[1/rad2\]: 29, of a Slocum (docs/inverse.md).
+/// Largest c that is published of a glider, on its frontal area \[1/rad2\]: 29, of a Slocum (docs/theory/identification.md).
 const LARGEST_C: f64 = 30.0;
 
 /// Short names of the rows that people know under them.

@@ -3,7 +3,7 @@
 //! *Lift slope from vertical velocity alone.* In a steady glide `CD = -CL tan xi` and `q A CL = W cos xi`. With small
 //! angle of attack the sink rate at a given pitch is `sin^3|xi| W / (q A CD)`-like: it fixes the drag at that pitch, and
 //! the lift slope only moves `xi` against the pitch by `alpha = b/(a tan|xi|)`. What a smaller `alpha` changes, a larger
-//! `b` takes back. The derivation is in `docs/inverse.md`. A statistical error may look small there; it is the error of
+//! `b` takes back. The derivation is in `docs/theory/identification.md`. A statistical error may look small there; it is the error of
 //! the model that then decides, and the speed goes wrong by far more than the vertical velocity shows. So without a
 //! measured speed the lift slope is pinned, always, unless the user frees it.
 

@@ -5,7 +5,7 @@
 //! parts at the present parameters: their inertia, averaged, is the bin's, and what their mean velocity is beside that of the
 //! mean is added to it. Slopes are those at the mean.
 //!
-//! Left out, it makes a summer's thermocline on a shelf pass for a hull that expands (docs/inverse.md has the figures).
+//! Left out, it makes a summer's thermocline on a shelf pass for a hull that expands (docs/theory/identification.md has the figures).
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! The numbers of `docs/shakes.md`: the Simulink paper's run, and the eigenvalues that its "shakes" are.
+//! The numbers of `docs/theory/shakes.md`: the Simulink paper's run, and the eigenvalues that its "shakes" are.
 
 #[path = "../../examples/shakes/run.rs"]
 mod run;

@@ -67,7 +67,7 @@ enum Chore {
         #[arg(long)]
         check: bool,
     },
-    /// Measure speed, cost and scale beside other programs; writes docs/benchmarks.md
+    /// Measure speed, cost and scale beside other programs; writes docs/evidence/benchmarks.md
     Bench(bench::Choice),
     /// Look for input that makes a reader of files, or the FMU, panic, hang or take memory without bound
     Fuzz(fuzz::Choice),

@@ -3,7 +3,7 @@
 //! Two methods: DOP853 of the crate `differential-equations` (module `explicit`), whose order 8 goes through a turn in few
 //! cheap steps, and at tight tolerances through everything; Rodas5P (module `rosenbrock`) for what comes after, when the fast
 //! modes of pitch and servos have died out but would still hold an explicit method to short steps. Which one steps next
-//! follows from the step size. `docs/integration.md` has the figures and says what else was tried.
+//! follows from the step size. `docs/theory/integration.md` has the figures and says what else was tried.
 //!
 //! This module gives them what they leave to their caller: states in units of their nominal size, so that one tolerance
 //! means the same for all of them; an origin that travels with the glider, so that a long voyage is as exact as a short one;

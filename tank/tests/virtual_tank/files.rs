@@ -165,7 +165,8 @@ fn nothing_is_shared_with_the_reduction() {
 /// Every effect stands in the documentation, with its parameter.
 #[test]
 fn documentation_names_every_effect() {
-    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/virtual-tank.md")).unwrap();
+    let page =
+        fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/reference/virtual-tank.md")).unwrap();
     for entry in CATALOGUE {
         assert!(page.contains(&format!("`{}`", entry.name)), "{}", entry.name);
         assert!(page.contains(entry.parameter), "{}", entry.parameter);
