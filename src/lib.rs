@@ -12,37 +12,24 @@
 
 #![allow(non_snake_case, reason = "units stand in names as they are written: N, Pa, C, J")]
 
-pub mod assemble;
-#[cfg(feature = "cli")]
 pub mod cli;
-pub mod coefficients;
-#[cfg(feature = "diagnosis")]
 pub mod diagnose;
-pub mod dynamics;
-pub mod estimate;
-#[cfg(feature = "report")]
 pub mod fmu_archive;
-pub mod fmu_page;
-pub mod fmu_token;
-pub mod glide;
-pub mod hull_tests;
-#[cfg(feature = "sea")]
 pub mod identify;
-pub mod input;
-#[cfg(feature = "sea")]
-pub mod log;
-pub mod mechanisms;
-#[cfg(any(feature = "diagnosis", feature = "sea"))]
-pub mod noise;
-pub mod number;
-#[cfg(feature = "report")]
-pub mod output;
 pub mod plan;
-#[cfg(feature = "report")]
-pub mod report;
 pub mod simulate;
 pub mod track;
-pub mod vehicle;
-pub mod water;
 
-pub use number::Number;
+pub use glidepolar_dynamics as dynamics;
+pub use glidepolar_dynamics::{glide, mechanisms};
+pub use glidepolar_environment as water;
+pub use glidepolar_flightlog as log;
+pub use glidepolar_fmu_resources::{page as fmu_page, token as fmu_token};
+pub use glidepolar_hull::{assemble, coefficients, hull_tests};
+pub use glidepolar_inference::{estimate, noise};
+pub use glidepolar_input as input;
+pub use glidepolar_number as number;
+pub use glidepolar_number::Number;
+pub use glidepolar_report as report;
+pub use glidepolar_report::output;
+pub use glidepolar_vehicle as vehicle;

@@ -5,7 +5,7 @@ mod support;
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use glidepolar::dynamics::{Actuation, Glider, Integrator};
+use glidepolar_dynamics::{Actuation, Glider, Integrator};
 use glidepolar_fmu::fmi2::*;
 use glidepolar_fmu::fmi3::*;
 use glidepolar_fmu::model::vehicle::Vehicle;

@@ -64,7 +64,7 @@ fn the_step_that_is_proposed_is_one_that_euler_s_method_takes() {
         let rates = glider.derivative().as_array();
         let mut state = glider.values.state.as_array();
         state.iter_mut().zip(rates).for_each(|(value, rate)| *value += step * rate);
-        glider.values.state = glidepolar::dynamics::State::from_array(state);
+        glider.values.state = glidepolar_dynamics::State::from_array(state);
     }
     let end = glider.values.state;
     assert!((end.v1_m_s - start.v1_m_s).abs() < 1e-6 && (end.pitch_rad - start.pitch_rad).abs() < 1e-6, "{end:?}");

@@ -5,9 +5,9 @@ mod support;
 use std::ffi::CString;
 use std::path::Path;
 
-use glidepolar::fmu_token::marked;
 use glidepolar_fmu::fmi3::*;
 use glidepolar_fmu::model::table::token;
+use glidepolar_fmu_resources::token::marked;
 use support::*;
 
 const COLUMN: &str = "depth_m,density_kg_m3,temperature_C\n0,1021.0,18\n30,1024.0,12\n80,1026.5,8\n300,1027.5,5\n";
@@ -22,7 +22,7 @@ fn folder(vehicle: &str, column: Option<&str>) -> tempfile::TempDir {
 }
 
 fn builtin(name: &str) -> &'static str {
-    glidepolar::vehicle::builtin::text(name).unwrap()
+    glidepolar_vehicle::builtin::text(name).unwrap()
 }
 
 fn instance(path: &Path, token: &str) -> Result<Glider3, Vec<(i32, String)>> {
@@ -130,7 +130,7 @@ fn a_glider_in_stratified_water_comes_to_rest_where_the_water_is_as_dense() {
     glider.begin(None);
     // Left neutral for the density at 60 m, by Archimedes alone.
     let wanted = {
-        let column = glidepolar::water::WaterColumn::parse(COLUMN, Path::new("column")).unwrap();
+        let column = glidepolar_environment::WaterColumn::parse(COLUMN, Path::new("column")).unwrap();
         column.at(60.0).density_kg_m3
     };
     let ballast = 50.0 / wanted - 50.0 / 1027.0;

@@ -36,11 +36,11 @@ pub mod tare;
 pub mod theory;
 mod toml_file;
 pub mod trend;
-pub mod virtual_tank;
 pub mod water;
 pub mod window;
 pub mod zero_drift;
 pub mod zeros;
 
+pub use glidepolar_virtual_tank as virtual_tank;
 pub use reduce::{Options, Progress, reduce_campaign, reduce_points};
 pub use results::{HullResults, Results};

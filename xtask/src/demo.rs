@@ -112,7 +112,7 @@ impl<'w> Step<'w> {
 /// The page: each step's figures as they stand in its own report, a link there, and its commands. The looks are those of
 /// the reports.
 fn page_of(folder: &Path, steps: &[Step<'_>]) -> Result<String> {
-    let style = include_str!("../../src/report/page.css");
+    let style = include_str!("../../crates/report/src/page.css");
     let mut html = format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\

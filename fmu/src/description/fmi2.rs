@@ -7,7 +7,7 @@ use crate::model::table::{reference_of, token};
 use crate::model::units::UNITS;
 use crate::model::vehicle::Vehicle;
 use crate::model::{Causality, Initial, Kind, Slot, Variability, Variable, variables};
-use glidepolar::dynamics::limits::N_EVENTS;
+use glidepolar_dynamics::limits::N_EVENTS;
 
 /// The model description with the start values of this vehicle.
 pub fn model_description(vehicle: &Vehicle) -> String {

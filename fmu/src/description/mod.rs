@@ -10,7 +10,7 @@ mod xml;
 
 use std::path::PathBuf;
 
-use glidepolar::dynamics::integrate::DEFAULT_TOLERANCE;
+use glidepolar_dynamics::integrate::DEFAULT_TOLERANCE;
 
 use crate::model::glider::Glider;
 use crate::model::vehicle::Vehicle;

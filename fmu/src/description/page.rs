@@ -1,11 +1,11 @@
 //! documentation/index.html: what a stranger needs to use the FMU, from the archive alone. The prose stands in
 //! `page.html`, everything that could differ from the code is filled in here.
 
-use glidepolar::dynamics::N_STATES;
-use glidepolar::dynamics::integrate::{DEFAULT_TOLERANCE, IMPLICIT_FROM};
-use glidepolar::dynamics::limits::N_EVENTS;
-use glidepolar::fmu_page::{CELL_MARK, PROSE_MARK, figures, short};
-use glidepolar::glide::Start;
+use glidepolar_dynamics::N_STATES;
+use glidepolar_dynamics::glide::Start;
+use glidepolar_dynamics::integrate::{DEFAULT_TOLERANCE, IMPLICIT_FROM};
+use glidepolar_dynamics::limits::N_EVENTS;
+use glidepolar_fmu_resources::page::{CELL_MARK, PROSE_MARK, figures, short};
 
 use super::xml::{escape, number};
 use super::{DEFAULT_EXPERIMENT, start_value};

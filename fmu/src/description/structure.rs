@@ -5,10 +5,10 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
-use glidepolar::dynamics::state::N_INPUTS;
-use glidepolar::dynamics::{Modes, N_STATES, PARAMETERS, Stop, parameter_index};
+use glidepolar_dynamics::state::N_INPUTS;
+use glidepolar_dynamics::{Modes, N_STATES, PARAMETERS, Stop, parameter_index};
 
-use glidepolar::water::WaterColumn;
+use glidepolar_environment::WaterColumn;
 
 use crate::model::glider::{Glider, actuation_of};
 use crate::model::table::reference_of;

@@ -5,8 +5,8 @@ use crate::instance::boundary::{call, elements, place, room};
 use crate::instance::phase::{Phase, Phases};
 use crate::instance::refusal::{Outcome, Refusal};
 use crate::instance::{Instance, Interface};
-use glidepolar::dynamics::N_STATES;
-use glidepolar::dynamics::limits::N_EVENTS;
+use glidepolar_dynamics::N_STATES;
+use glidepolar_dynamics::limits::N_EVENTS;
 
 const EVENT: Phases = Phases::of(&[Phase::Event]);
 const CONTINUOUS_TIME: Phases = Phases::of(&[Phase::ContinuousTime]);

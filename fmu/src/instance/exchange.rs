@@ -1,7 +1,7 @@
 //! Model Exchange: time and states come from the importer's integrator, rates and event indicators go back. The
 //! handling of events is shared with Co-Simulation.
 
-use glidepolar::dynamics::{N_STATES, STATE_NOMINALS, State, Stop};
+use glidepolar_dynamics::{N_STATES, STATE_NOMINALS, State, Stop};
 
 use super::Instance;
 use super::access::not_finite;

@@ -18,9 +18,9 @@ pub mod stepping;
 use std::borrow::Cow;
 use std::ffi::CString;
 
-use glidepolar::dynamics::Integrator;
-use glidepolar::dynamics::integrate::DEFAULT_TOLERANCE;
-use glidepolar::dynamics::limits::reversed;
+use glidepolar_dynamics::Integrator;
+use glidepolar_dynamics::integrate::DEFAULT_TOLERANCE;
+use glidepolar_dynamics::limits::reversed;
 
 use crate::model::Glider;
 use crate::model::vehicle::Vehicle;

@@ -4,8 +4,8 @@ use std::ffi::OsString;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use glidepolar::fmu_token::{resources_hash, resources_of_mark};
-use glidepolar::water::WaterColumn;
+use glidepolar_environment::WaterColumn;
+use glidepolar_fmu_resources::token::{resources_hash, resources_of_mark};
 
 use super::log::Log;
 use super::refusal::{Outcome, Refusal};
@@ -142,7 +142,7 @@ fn path_of(bytes: Vec<u8>) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glidepolar::fmu_token::marked;
+    use glidepolar_fmu_resources::token::marked;
 
     #[test]
     fn uris_become_folders() {

@@ -5,7 +5,7 @@
 //! resources (a state is that of one vehicle in one water), the fields of [`Core`] in the order of `fields` (numbers as
 //! little-endian IEEE 754), and a CRC-32 of all before it.
 
-use glidepolar::dynamics::{Inputs, Integrator, Parameters, State, Stop};
+use glidepolar_dynamics::{Inputs, Integrator, Parameters, State, Stop};
 
 use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};

@@ -2,11 +2,11 @@
 
 use std::cell::Cell;
 
-use glidepolar::Number;
-use glidepolar::dynamics::integrate::{Jet, System};
-use glidepolar::dynamics::limits::N_EVENTS;
-use glidepolar::dynamics::state::N_INPUTS;
-use glidepolar::dynamics::{Advance, Inputs, Parameters, State};
+use glidepolar_dynamics::integrate::{Jet, System};
+use glidepolar_dynamics::limits::N_EVENTS;
+use glidepolar_dynamics::state::N_INPUTS;
+use glidepolar_dynamics::{Advance, Inputs, Parameters, State};
+use glidepolar_number::Number;
 
 use super::access::{check_value, of_kind};
 use super::refusal::{Outcome, Refusal};

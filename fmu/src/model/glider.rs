@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use glidepolar::Number;
-use glidepolar::dynamics::limits::{N_EVENTS, event_indicators, settle};
-use glidepolar::dynamics::{
+use glidepolar_dynamics::limits::{N_EVENTS, event_indicators, settle};
+use glidepolar_dynamics::{
     Actuation, Inputs, Modes, N_STATES, Outputs, Parameters, State, Stop, derivative, next_bend_s, outputs,
 };
-use glidepolar::water::WaterColumn;
+use glidepolar_environment::WaterColumn;
+use glidepolar_number::Number;
 
 use super::table::{Discrete, N_OUTPUTS, Slot};
 

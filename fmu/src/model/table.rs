@@ -5,9 +5,9 @@
 
 use std::sync::LazyLock;
 
-use glidepolar::dynamics::limits::N_EVENTS;
-use glidepolar::dynamics::state::N_INPUTS;
-use glidepolar::dynamics::{N_STATES, PARAMETERS, STATE_NOMINALS};
+use glidepolar_dynamics::limits::N_EVENTS;
+use glidepolar_dynamics::state::N_INPUTS;
+use glidepolar_dynamics::{N_STATES, PARAMETERS, STATE_NOMINALS};
 
 use super::units::{Unit, unit_named};
 

@@ -1,9 +1,9 @@
 //! How the calculated variables change with the others: derivatives to rounding, by dual numbers through the very
 //! equations that give the values.
 
-use glidepolar::Number;
-use glidepolar::dynamics::N_STATES;
-use glidepolar::dynamics::limits::N_EVENTS;
+use glidepolar_dynamics::N_STATES;
+use glidepolar_dynamics::limits::N_EVENTS;
+use glidepolar_number::Number;
 use num_dual::Dual64;
 
 use super::glider::{Glider, Values};

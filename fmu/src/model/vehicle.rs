@@ -3,11 +3,11 @@
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
-use glidepolar::dynamics::{Actuation, Parameters};
-use glidepolar::fmu_token::resources_hash;
-use glidepolar::glide::{start, start_in};
-use glidepolar::vehicle::builtin;
-use glidepolar::water::WaterColumn;
+use glidepolar_dynamics::glide::{start, start_in};
+use glidepolar_dynamics::{Actuation, Parameters};
+use glidepolar_environment::WaterColumn;
+use glidepolar_fmu_resources::token::resources_hash;
+use glidepolar_vehicle::builtin;
 
 use super::glider::{DiscreteState, Glider, Values};
 
@@ -43,7 +43,7 @@ impl Vehicle {
     /// # Errors
     /// What is wrong with the text, where, and what to do.
     pub fn parse(text: &str, origin: impl AsRef<Path>) -> Result<Self, String> {
-        let file = glidepolar::vehicle::Vehicle::parse(text, origin.as_ref()).map_err(|error| error.to_string())?;
+        let file = glidepolar_vehicle::Vehicle::parse(text, origin.as_ref()).map_err(|error| error.to_string())?;
         let parameters = file.parameters().map_err(|error| error.to_string())?;
         Ok(Vehicle { resources: resources_hash(text, None), ..Vehicle::new(&file.name, parameters) })
     }

@@ -7,7 +7,7 @@ use crate::Target;
 use crate::command::glidepolar;
 use crate::files::{Folder, thinned};
 
-#[path = "../../../src/log/tests/classic.rs"]
+#[path = "../../../crates/flightlog/src/tests/classic.rs"]
 mod classic;
 
 pub const CSV: Target = Target {

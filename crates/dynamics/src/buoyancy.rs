@@ -1,0 +1,113 @@
+//! What the glider weighs in water: masses, displaced volume and the mechanisms that change them.
+//!
+//! ```text
+//! m0 = m + offset + leak t - rho ( V0 (1 - eps P + tau (T - T_ref)) + s V_b + V_air P0 / (P0 + P) )
+//! ```
+//! `m` mass in air with the ballast volume at zero, `V_b` the ballast volume that is read, `P` gauge pressure. With
+//! every mechanism at its default and water of the reference density this is Leonard and Graver's excess mass
+//! `m0 = m_h + m_b + mbar - m`. Knows nothing of motion.
+
+use super::parameters::Parameters;
+use glidepolar_number::Number;
+
+/// Atmospheric pressure \[Pa\], the standard atmosphere.
+pub const ATMOSPHERE_PA: f64 = 101_325.0;
+
+/// Seconds in an hour.
+const HOUR_S: f64 = 3600.0;
+
+/// The water at one place, and when.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surroundings<T> {
+    /// In-situ density as it is read \[kg/m3\].
+    pub density_kg_m3: T,
+    /// Gauge pressure \[Pa\].
+    pub pressure_Pa: T,
+    /// Temperature \[degC\].
+    pub temperature_C: T,
+    /// Time since the start \[s\]: what a leak and fouling go by.
+    pub time_s: T,
+}
+
+impl<T: Number> Parameters<T> {
+    /// Mass in air with the ballast volume at zero, the error of the trim left out \[kg\].
+    pub fn mass_kg(&self) -> T {
+        self.hull_mass_kg + self.moving_mass_kg + self.ballast_nominal_kg
+    }
+
+    /// Density of the water, once the error of its reading is taken off \[kg/m3\].
+    pub fn true_density_kg_m3(&self, density_kg_m3: T) -> T {
+        density_kg_m3 + self.density_bias_kg_m3
+    }
+
+    /// Volume that the hull displaces, ballast and trapped air apart \[m3\].
+    pub fn hull_volume_m3(&self, water: &Surroundings<T>) -> T {
+        let strain = -self.hull_compressibility_per_Pa * water.pressure_Pa
+            + self.hull_thermal_expansion_per_K * (water.temperature_C - self.reference_temperature_C);
+        self.displaced_mass_kg / self.reference_density_kg_m3 * (strain + 1.0)
+    }
+
+    /// Net mass, positive when the glider is heavy \[kg\]; the net weight W - B is this times gravity.
+    pub fn net_mass_kg(&self, ballast_m3: T, water: &Surroundings<T>) -> T {
+        let mass = self.mass_kg() + self.ballast_offset_kg + self.leak_kg_per_hour * water.time_s / HOUR_S;
+        let trapped_air_m3 =
+            self.trapped_air_cc * 1e-6 * ATMOSPHERE_PA / (water.pressure_Pa.at_least(0.0) + ATMOSPHERE_PA);
+        let volume = self.hull_volume_m3(water) + self.ballast_scale * ballast_m3 + trapped_air_m3;
+        mass - self.true_density_kg_m3(water.density_kg_m3) * volume
+    }
+
+    /// Ballast mass that stands for a ballast volume, by the reference density \[kg\].
+    pub fn ballast_mass_kg(&self, ballast_m3: T) -> T {
+        self.ballast_nominal_kg - self.reference_density_kg_m3 * ballast_m3
+    }
+
+    /// Ballast volume that a ballast mass stands for, the inverse of [`Parameters::ballast_mass_kg`] \[m3\].
+    pub fn ballast_m3(&self, ballast_mass_kg: T) -> T {
+        (self.ballast_nominal_kg - ballast_mass_kg) / self.reference_density_kg_m3
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(depth_pressure_Pa: f64) -> Surroundings<f64> {
+        Surroundings { density_kg_m3: 1027.0, pressure_Pa: depth_pressure_Pa, temperature_C: 15.0, time_s: 0.0 }
+    }
+
+    #[test]
+    fn without_mechanisms_it_is_the_excess_mass_of_the_papers() {
+        let p = Parameters::default();
+        for ballast_mass in [0.5, 1.0, 1.047_349] {
+            let excess = p.hull_mass_kg + ballast_mass + p.moving_mass_kg - p.displaced_mass_kg;
+            let net = p.net_mass_kg(p.ballast_m3(ballast_mass), &at(1e6));
+            assert!((net - excess).abs() < 1e-12, "{net} against {excess}");
+        }
+    }
+
+    #[test]
+    fn each_mechanism_weighs_what_a_hand_computation_says() {
+        let weigh = |change: fn(&mut Parameters<f64>), water: Surroundings<f64>| {
+            let mut p = Parameters::default();
+            let before = p.net_mass_kg(2e-4, &water);
+            change(&mut p);
+            p.net_mass_kg(2e-4, &water) - before
+        };
+        let volume = 50.0 / 1027.0;
+        let mut late = at(5e6);
+        late.time_s = 7200.0;
+        late.temperature_C = 5.0;
+        let cases = [
+            (weigh(|p| p.ballast_offset_kg = 0.1, late), 0.1),
+            (weigh(|p| p.hull_compressibility_per_Pa = 4e-10, late), 1027.0 * volume * 4e-10 * 5e6),
+            (weigh(|p| p.hull_thermal_expansion_per_K = 7e-5, late), 1027.0 * volume * 7e-5 * 10.0),
+            (weigh(|p| p.ballast_scale = 1.05, late), -1027.0 * 0.05 * 2e-4),
+            (weigh(|p| p.leak_kg_per_hour = 0.01, late), 0.02),
+            (weigh(|p| p.trapped_air_cc = 20.0, late), -1027.0 * 20e-6 * 101_325.0 / 5_101_325.0),
+            (weigh(|p| p.density_bias_kg_m3 = 0.5, late), -0.5 * (volume + 2e-4)),
+        ];
+        for (i, (found, expected)) in cases.into_iter().enumerate() {
+            assert!((found - expected).abs() < 1e-12, "case {i}: {found} against {expected}");
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! DOP853 (Dormand and Prince, order 8 with error estimates of order 5 and 3, dense output of order 7) of the crate
+//! `differential-equations`, for tight tolerances.
+
+use differential_equations::interpolate::Interpolation;
+use differential_equations::methods::{DormandPrince, ExplicitRungeKutta, Ordinary};
+use differential_equations::ode::{ODE, OrdinaryNumericalMethod};
+use differential_equations::status::Status;
+
+use super::method::{Method, Scaled, Stretch, Trial};
+use super::{IntegrationError, LONGEST_STEP_S, System};
+use crate::state::N_STATES;
+
+/// The method.
+pub struct Explicit(ExplicitRungeKutta<Ordinary, DormandPrince, f64, Scaled, 8, 12, 16>);
+
+impl<S: System> Method<S> for Explicit {
+    fn begin(stretch: &Stretch<'_, S>, tolerance: f64, time_s: f64, step_s: f64) -> Result<Self, IntegrationError> {
+        let far = time_s + 1e12;
+        let start = [0.0; N_STATES];
+        let mut method = ExplicitRungeKutta::dop853()
+            .rtol(tolerance)
+            .atol(tolerance)
+            .h0(step_s)
+            .h_max(LONGEST_STEP_S)
+            .max_steps(usize::MAX);
+        let started = method.init(stretch, time_s, far, &start);
+        method.set_status(Status::Solving);
+        if started.is_err() {
+            return Err(IntegrationError::StepTooSmall { time_s });
+        }
+        Ok(Explicit(method))
+    }
+
+    fn step(&mut self, stretch: &Stretch<'_, S>) -> Trial {
+        match self.0.step(stretch) {
+            Err(_) => Trial::Failed,
+            Ok(_) if matches!(self.0.status(), Status::RejectedStep) => Trial::Rejected,
+            Ok(_) => Trial::Accepted,
+        }
+    }
+
+    fn time_s(&self) -> f64 {
+        self.0.t()
+    }
+
+    fn place(&self) -> &Scaled {
+        self.0.y()
+    }
+
+    fn next_step_s(&self) -> f64 {
+        self.0.h()
+    }
+
+    fn set_next_step_s(&mut self, step_s: f64) {
+        self.0.set_h(step_s);
+    }
+
+    fn inside(&mut self, time_s: f64) -> Option<Scaled> {
+        self.0.interpolate(time_s.clamp(self.0.t_prev(), self.0.t())).ok()
+    }
+}
+
+impl<S: System> ODE<f64, Scaled> for Stretch<'_, S> {
+    fn diff(&self, time_s: f64, scaled: &Scaled, rates: &mut Scaled) {
+        *rates = self.rates(time_s, scaled);
+    }
+}

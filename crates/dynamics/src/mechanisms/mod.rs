@@ -1,0 +1,283 @@
+//! The mechanisms by which a real glider, or a real tank, departs from the baseline: one table.
+//!
+//! A mechanism is one entry: its name, its physics in a line with the source, its parameters, where it should be seen.
+//! At sea its parameters are rows of [`PARAMETERS`](crate::PARAMETERS), so that fit, simulation, vehicle file
+//! and FMU all read the same number in the same equation. To add one: a row there, its term in the equations, an entry
+//! here. Knows no data.
+
+use crate::parameter_index;
+
+/// Where a mechanism enters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Enters {
+    /// The motion itself: the FMU flies differently.
+    Motion,
+    /// The instruments: the glider flies the same, its log reads differently.
+    Instruments,
+    /// A check of the data against themselves; no parameter to fit.
+    Consistency,
+}
+
+/// One mechanism at sea.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mechanism {
+    /// Name, as the diagnosis gives it.
+    pub name: &'static str,
+    /// The physics in a line.
+    pub physics: &'static str,
+    /// Who describes it.
+    pub source: &'static str,
+    /// Its parameters, rows of the table of parameters; the first is its size.
+    pub parameters: &'static [&'static str],
+    /// How far from neutral its size is usually found, a standard deviation in the unit of that parameter: generous, to
+    /// keep a fit from sizes that nobody has seen.
+    pub usual: f64,
+    /// The least size that nature has. A fit may go below it, and is then refused: held there, it would leave its place to
+    /// something else that resembles it as little.
+    pub least: f64,
+    /// Where it enters.
+    pub enters: Enters,
+    /// In which data it shows.
+    pub regime: &'static str,
+}
+
+macro_rules! mechanism {
+    ($name:literal, $enters:ident, [$($parameter:literal),*], $usual:literal, $physics:literal, $source:literal, $regime:literal) => {
+        mechanism!($name, $enters, [$($parameter),*], $usual from f64::NEG_INFINITY, $physics, $source, $regime)
+    };
+    ($name:literal, $enters:ident, [$($parameter:literal),*], $usual:literal from $least:expr, $physics:literal, $source:literal, $regime:literal) => {
+        Mechanism { name: $name, physics: $physics, source: $source, parameters: &[$($parameter),*], usual: $usual, least: $least, enters: Enters::$enters, regime: $regime }
+    };
+}
+
+/// The mechanisms at sea.
+pub const AT_SEA: &[Mechanism] = &[
+    mechanism!(
+        "ballast_offset",
+        Motion,
+        ["ballast_offset_kg"],
+        0.2,
+        "The glider is heavier or lighter than its masses and volumes say",
+        "Williams, Bachmayer, deYoung 2007",
+        "both legs, with opposite sign"
+    ),
+    mechanism!(
+        "hull_compressibility",
+        Motion,
+        ["hull_compressibility_per_Pa"],
+        // A density evaluated at p = 0 looks like a hull that is stiffer by the compressibility of sea water, 4.4e-10 1/Pa.
+        5e-10 from -5e-10,
+        "The hull loses volume with pressure",
+        "Merckelbach et al. 2010",
+        "grows with depth"
+    ),
+    mechanism!(
+        "thermal_expansion",
+        Motion,
+        ["hull_thermal_expansion_per_K"],
+        1e-4 from 0.0,
+        "The hull gains volume with temperature",
+        "Seaglider basestation",
+        "across a thermocline"
+    ),
+    mechanism!(
+        "ballast_scale",
+        Motion,
+        ["ballast_scale"],
+        0.15,
+        "The buoyancy engine moves more or less than it reads",
+        "calibration of the engine",
+        "grows with the ballast volume"
+    ),
+    mechanism!(
+        "pitch_offset",
+        Instruments,
+        ["pitch_offset_rad"],
+        0.1,
+        "The attitude sensor is mounted askew",
+        "mounting of the attitude sensor",
+        "shallow glides most, opposite on the two legs"
+    ),
+    mechanism!(
+        "pitch_scale",
+        Instruments,
+        ["pitch_scale"],
+        0.15,
+        "The attitude sensor reads angles too large or too small",
+        "Merckelbach et al. 2019",
+        "steep glides most, alike on the two legs"
+    ),
+    mechanism!(
+        "pressure_scale",
+        Instruments,
+        ["pressure_scale"],
+        0.1,
+        "The pressure sensor reads too much or too little",
+        "calibration of the pressure sensor",
+        "in proportion to vertical velocity"
+    ),
+    mechanism!(
+        "pressure_lag",
+        Instruments,
+        ["pressure_lag_s"],
+        30.0,
+        "The pressure reading follows the pressure late, as a first-order lag",
+        "filters in the instrument",
+        "after inflections"
+    ),
+    mechanism!(
+        "drag_growth",
+        Motion,
+        ["drag_growth_per_day"],
+        1.0,
+        "Fouling: drag grows in proportion to time",
+        "Seaglider basestation",
+        "grows through the log"
+    ),
+    mechanism!(
+        "drag_step",
+        Motion,
+        ["drag_step", "step_time_s"],
+        0.5,
+        "Something added, caught or lost: drag jumps at one time",
+        "Williams, Bachmayer, deYoung 2007",
+        "after one moment"
+    ),
+    mechanism!(
+        "reynolds_drag",
+        Motion,
+        ["drag_exponent"],
+        0.3,
+        "Friction: b varies with a power of the dynamic pressure",
+        "Seaglider basestation",
+        "with speed"
+    ),
+    mechanism!(
+        "nonlinear_lift",
+        Motion,
+        ["nonlinear_lift_per_rad2"],
+        150.0 from 0.0,
+        "Crossflow lift, in proportion to alpha |alpha|",
+        "Allen and Perkins 1951",
+        "large angles of attack"
+    ),
+    mechanism!(
+        "climb_dive_asymmetry",
+        Motion,
+        ["climb_dive_drag_ratio"],
+        0.5,
+        "The drag differs between ascents and descents",
+        "Williams, Bachmayer, deYoung 2007",
+        "one leg against the other"
+    ),
+    mechanism!(
+        "trapped_air",
+        Motion,
+        ["trapped_air_cc"],
+        150.0 from 0.0,
+        "Air carried down is compressed by Boyle's law",
+        "ideal gas",
+        "the first tens of metres"
+    ),
+    mechanism!(
+        "leak",
+        Motion,
+        ["leak_kg_per_hour"],
+        0.02,
+        "Water taken in at a steady rate",
+        "conservation of mass",
+        "grows through the log, opposite on the two legs"
+    ),
+    mechanism!(
+        "vertical_current",
+        Motion,
+        ["vertical_current_m_s"],
+        0.05,
+        "The water itself rises or sinks steadily",
+        "kinematics",
+        "adds to vertical velocity, alike on the two legs"
+    ),
+    mechanism!(
+        "roll_drag",
+        Motion,
+        ["roll_drag_per_rad2"],
+        5.0 from 0.0,
+        "A rolled glider has more drag",
+        "tilted lift, sideslip",
+        "in turns"
+    ),
+    mechanism!(
+        "rudder_drag",
+        Motion,
+        ["rudder_drag_per_rad2"],
+        5.0 from 0.0,
+        "A deflected rudder has drag",
+        "Williams, Bachmayer, deYoung 2007",
+        "while steering"
+    ),
+    mechanism!(
+        "inertia",
+        Motion,
+        [],
+        1.0,
+        "Unsteady flight: the glider and its added mass take time to change speed",
+        "Leonard and Graver 2001",
+        "near inflections"
+    ),
+    mechanism!(
+        "density_at_zero_pressure",
+        Consistency,
+        [],
+        1.0,
+        "The log's density was evaluated at p = 0, not in situ",
+        "TEOS-10",
+        "grows with depth"
+    ),
+    mechanism!(
+        "density_bias",
+        Motion,
+        ["density_bias_kg_m3"],
+        0.5,
+        "The conductivity sensor reads a wrong density",
+        "fouled or uncalibrated conductivity cell",
+        "both legs, with opposite sign"
+    ),
+];
+
+/// The mechanism of this name.
+pub fn at_sea(name: &str) -> Option<&'static Mechanism> {
+    AT_SEA.iter().find(|mechanism| mechanism.name == name)
+}
+
+/// The mechanism to which a parameter belongs.
+pub fn of_parameter(parameter: &str) -> Option<&'static Mechanism> {
+    AT_SEA.iter().find(|mechanism| mechanism.parameters.contains(&parameter))
+}
+
+/// The names of all mechanism parameters, as `[mechanisms]` in a vehicle file takes them.
+pub fn vehicle_parameters() -> impl Iterator<Item = &'static str> {
+    AT_SEA.iter().flat_map(|mechanism| mechanism.parameters.iter().copied())
+}
+
+/// The row of the table of parameters that gives the size of a mechanism, where it has one.
+pub fn size_parameter(mechanism: &Mechanism) -> Option<usize> {
+    mechanism.parameters.first().and_then(|name| parameter_index(name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{PARAMETERS, Parameters};
+
+    #[test]
+    fn every_parameter_of_a_mechanism_is_a_row_and_is_without_effect_by_default() {
+        let mut defaults = Parameters::default();
+        for mechanism in AT_SEA {
+            for name in mechanism.parameters {
+                let index = parameter_index(name).unwrap_or_else(|| panic!("{name} is no parameter"));
+                let neutral = if ["scale", "ratio"].iter().any(|word| name.contains(word)) { 1.0 } else { 0.0 };
+                assert_eq!(*defaults.at(index), neutral, "{}", PARAMETERS[index].name);
+            }
+        }
+    }
+}

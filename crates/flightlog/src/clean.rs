@@ -1,0 +1,253 @@
+//! Mending a raw record: rows without time, doubled rows, clocks that ran back, spikes, channels sampled more rarely than
+//! the rest. Whatever is changed is counted in [`Notes`].
+
+use std::collections::BTreeMap;
+
+use super::channels::{Channel, FlightLog};
+
+/// What was found in a log and what was done about it: a sentence, and how often.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Notes {
+    counts: BTreeMap<String, usize>,
+}
+
+impl Notes {
+    /// Counts `n` more cases of what a sentence says.
+    pub fn add(&mut self, sentence: &str, n: usize) {
+        if n > 0 {
+            *self.counts.entry(sentence.to_owned()).or_insert(0) += n;
+        }
+    }
+
+    /// Takes over the notes of another piece.
+    pub fn merge(&mut self, other: &Notes) {
+        for (sentence, n) in &other.counts {
+            self.add(sentence, *n);
+        }
+    }
+
+    /// All notes as text, `3 rows without time, left out`.
+    pub fn sentences(&self) -> Vec<String> {
+        self.counts.iter().map(|(sentence, n)| format!("{n} {sentence}")).collect()
+    }
+}
+
+/// Largest pitch that there is, with a margin for noise \[rad\].
+const MOST_PITCH_RAD: f64 = 1.6;
+
+/// A density less 1000 kg/m3, as it is often written, of any water \[kg/m3\].
+const LESS_1000_KG_M3: std::ops::RangeInclusive<f64> = 0.5..=100.0;
+
+/// Values that look like another unit than that of their column: such values are taken out, and what is left cannot show it.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct OtherUnits {
+    pitch: Share,
+    density: Share,
+}
+
+/// How many of the values read are of a kind.
+#[derive(Debug, Clone, Copy, Default)]
+struct Share {
+    read: usize,
+    of_the_kind: usize,
+}
+
+impl OtherUnits {
+    /// Counts the values of one more piece.
+    pub(super) fn count(&mut self, log: &FlightLog) {
+        self.pitch.count(log.column(Channel::Pitch), |pitch| pitch.abs() > MOST_PITCH_RAD);
+        self.density.count(log.column(Channel::Density), |density| LESS_1000_KG_M3.contains(&density));
+    }
+
+    /// The share of the pitch angles beyond 90 deg.
+    pub(super) fn pitch_beyond(&self) -> f64 {
+        self.pitch.share()
+    }
+
+    /// The share of the densities that are less 1000 kg/m3.
+    pub(super) fn density_less_1000(&self) -> f64 {
+        self.density.share()
+    }
+}
+
+impl Share {
+    fn count(&mut self, values: &[f64], is_of_the_kind: impl Fn(f64) -> bool) {
+        for &value in values.iter().filter(|value| value.is_finite()) {
+            self.read += 1;
+            self.of_the_kind += usize::from(is_of_the_kind(value));
+        }
+    }
+
+    fn share(&self) -> f64 {
+        self.of_the_kind as f64 / self.read.max(1) as f64
+    }
+}
+
+/// A clock that runs back for more rows than this was set, not disturbed.
+const SET_CLOCK_ROWS: usize = 5;
+
+/// Mends the order of time: rows without time and doubled rows go, a clock that was set back is carried on.
+///
+/// `last_time_s` is the time of the row before this piece, NaN where there is none.
+pub(super) fn order(log: &mut FlightLog, last_time_s: f64, notes: &mut Notes) {
+    let keep: Vec<bool> = log.column(Channel::Time).iter().map(|t| t.is_finite()).collect();
+    notes.add("rows without time, left out", keep.iter().filter(|&&keep| !keep).count());
+    log.retain(&keep);
+
+    let time = log.column(Channel::Time).to_vec();
+    let step = median_step(&time);
+    let mut keep = vec![true; time.len()];
+    let mut mended = time.clone();
+    let (mut last, mut shift) = (last_time_s, 0.0);
+    let mut i = 0;
+    while i < time.len() {
+        let t = time[i] + shift;
+        if last.is_nan() || t > last {
+            (mended[i], last) = (t, t);
+            i += 1;
+            continue;
+        }
+        if t == last {
+            notes.add("rows with the time of the row before, left out", 1);
+            keep[i] = false;
+            i += 1;
+            continue;
+        }
+        let back = time[i..].iter().take(SET_CLOCK_ROWS + 1).take_while(|&&later| later + shift <= last).count();
+        if back > SET_CLOCK_ROWS {
+            // The seconds that passed meanwhile are not known: one sampling interval is put between.
+            // Steps of a damaged clock may be too small to be seen beside its time.
+            last = (last + step).max(last.next_up());
+            mended[i] = last;
+            shift = last - time[i];
+            i += 1;
+            notes.add("times at which the clock was set back, carried on from the row before", 1);
+        } else {
+            notes.add("rows with a clock that ran back, left out", back);
+            keep[i..i + back].fill(false);
+            i += back;
+        }
+    }
+    log.set(Channel::Time, mended);
+    log.retain(&keep);
+}
+
+/// Takes out spikes: single values, or two in a row, that stand apart from the median of their neighbours by far more
+/// than the neighbours do from each other.
+pub(super) fn despike(log: &mut FlightLog, notes: &mut Notes) {
+    for (channel, least, name) in [
+        (Channel::Pressure, 2.0, "spikes of pressure, taken out"),
+        (Channel::Depth, 2.0, "spikes of depth, taken out"),
+        (Channel::Pitch, 0.15, "spikes of pitch, taken out"),
+        (Channel::Ballast, 40.0, "spikes of ballast volume, taken out"),
+        (Channel::Temperature, 1.0, "spikes of temperature, taken out"),
+        (Channel::Salinity, 1.0, "spikes of salinity, taken out"),
+        (Channel::Density, 1.0, "spikes of density, taken out"),
+        (Channel::Speed, 0.3, "spikes of measured speed, taken out"),
+    ] {
+        if log.column(channel).is_empty() {
+            continue;
+        }
+        notes.add(name, despike_column(log.column_mut(channel), least));
+    }
+    for (channel, low, high, name) in [
+        (Channel::Pitch, -MOST_PITCH_RAD, MOST_PITCH_RAD, "values of pitch beyond 90 deg, taken out"),
+        (Channel::Pressure, -20.0, 12_000.0, "values of pressure that no sea has, taken out"),
+        (Channel::Density, 900.0, 1300.0, "values of density that no sea has, taken out"),
+        (Channel::Temperature, -5.0, 50.0, "values of temperature that no sea has, taken out"),
+        (Channel::Salinity, 0.0, 50.0, "values of salinity that no sea has, taken out"),
+        (Channel::Speed, 0.0, 5.0, "values of measured speed that no glider has, taken out"),
+    ] {
+        if log.column(channel).is_empty() {
+            continue;
+        }
+        let mut n = 0;
+        for value in log.column_mut(channel) {
+            if value.is_finite() && !(low..=high).contains(value) {
+                *value = f64::NAN;
+                n += 1;
+            }
+        }
+        notes.add(name, n);
+    }
+}
+
+/// Sets spikes to NaN and says how many there were. The median is over seven values, the yardstick their median
+/// distance from it, and never below `least`.
+fn despike_column(values: &mut [f64], least: f64) -> usize {
+    const HALF: usize = 3;
+    const TIMES: f64 = 8.0;
+    let original = values.to_vec();
+    let mut window = [0.0; 2 * HALF + 1];
+    let mut n = 0;
+    for i in 0..original.len() {
+        if !original[i].is_finite() {
+            continue;
+        }
+        let around = &original[i.saturating_sub(HALF)..(i + HALF + 1).min(original.len())];
+        let mut count = 0;
+        for &value in around.iter().filter(|value| value.is_finite()) {
+            window[count] = value;
+            count += 1;
+        }
+        if count < 4 {
+            continue;
+        }
+        let center = median(&mut window[..count]);
+        let mut distances = [0.0; 2 * HALF + 1];
+        for (distance, value) in distances.iter_mut().zip(&window[..count]) {
+            *distance = (value - center).abs();
+        }
+        let scale = median(&mut distances[..count]);
+        if (original[i] - center).abs() > (TIMES * scale).max(least) {
+            values[i] = f64::NAN;
+            n += 1;
+        }
+    }
+    n
+}
+
+/// Fills what is missing in a column by straight lines in time, over gaps of at most `longest_s`.
+pub(super) fn fill(time_s: &[f64], values: &mut [f64], longest_s: f64) {
+    let mut last: Option<usize> = None;
+    for i in 0..values.len() {
+        if !values[i].is_finite() {
+            continue;
+        }
+        if let Some(l) = last.filter(|&l| i > l + 1 && time_s[i] - time_s[l] <= longest_s) {
+            let slope = (values[i] - values[l]) / (time_s[i] - time_s[l]);
+            for j in l + 1..i {
+                values[j] = values[l] + slope * (time_s[j] - time_s[l]);
+            }
+        }
+        last = Some(i);
+    }
+}
+
+/// As [`fill`], for angles that turn over.
+pub(super) fn fill_angle(time_s: &[f64], values: &mut [f64], longest_s: f64) {
+    let turn = std::f64::consts::TAU;
+    let mut last = f64::NAN;
+    for value in values.iter_mut().filter(|value| value.is_finite()) {
+        if last.is_finite() {
+            *value -= ((*value - last) / turn).round() * turn;
+        }
+        last = *value;
+    }
+    fill(time_s, values, longest_s);
+    for value in values.iter_mut() {
+        *value = value.rem_euclid(turn);
+    }
+}
+
+/// The usual time between two rows; 1 s where there are none.
+pub(super) fn median_step(time_s: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).filter(|&dt| dt > 0.0).collect();
+    if steps.is_empty() { 1.0 } else { median(&mut steps) }
+}
+
+/// The median, the upper one of an even number; the slice is reordered.
+pub fn median(values: &mut [f64]) -> f64 {
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}

@@ -1,0 +1,50 @@
+//! Flight logs: what a glider recorded of itself, from a file to samples that a fit can use.
+//!
+//! ```text
+//! CSV, Seaglider NetCDF, Slocum/OG1 NetCDF -> FlightLog -> clean -> density -> vertical velocity -> legs -> Observation
+//! per-glide table                          ------------------------------------------------------> Observation
+//! ```
+//! - [`FlightLog`]: columns, one row per sample, a missing value is NaN.
+//! - [`open`]: any of the files above, told by name and content, read piece by piece.
+//! - [`Preparation`]: cleaning, density, vertical velocity, legs; what it did to the data stands in its [`Notes`].
+//! - [`take_out_lost_speeds`]: legs on which the speed sensor had lost the water.
+//! - [`Condenser`]: a log of any length in bounded memory.
+//! - [`Observation`]: one sample of one leg, ready for a fit.
+//!
+//! Knows nothing of vehicles or of hydrodynamics.
+
+#![allow(non_snake_case, reason = "units stand in names as they are written: N, Pa, C, J")]
+
+mod channels;
+mod clean;
+mod condense;
+mod csv;
+mod density;
+mod glide_table;
+mod lost_speed;
+mod motors;
+mod netcdf;
+mod observation;
+mod og1;
+mod open;
+mod prepare;
+mod seaglider;
+mod segment;
+mod vertical_velocity;
+
+pub use self::csv::CsvLog;
+pub use channels::{CHANNELS, Channel, ChannelInfo, FlightLog};
+pub use clean::Notes;
+pub use clean::median;
+pub use condense::{Condenser, MOST_OBSERVATIONS, Shorten};
+pub use density::{absolute_salinity_g_kg, conservative_temperature_C, in_situ_density_kg_m3};
+pub use glide_table::read_glide_table;
+pub use lost_speed::take_out_lost_speeds;
+pub use observation::{DBAR_PA, Observation};
+pub use open::{Columns, LogPieces, Opened, open};
+pub use prepare::{Preparation, Prepared, Settings};
+pub use segment::{Leg, legs};
+pub use vertical_velocity::{Velocity, filter_window, vertical_velocity};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,168 @@
+//! Logs written by hand, in each format, good and bad: what comes out is known from what went in.
+
+mod bad_input;
+mod classic;
+mod condensing;
+mod lost_speeds;
+mod preparing;
+
+use std::path::PathBuf;
+
+use super::*;
+use glidepolar_input::InputError;
+
+/// A folder with one file in it.
+struct OneFile {
+    _folder: tempfile::TempDir,
+    path: PathBuf,
+}
+
+impl OneFile {
+    fn new(name: &str, content: &[u8]) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join(name);
+        std::fs::write(&path, content).expect("a file");
+        OneFile { _folder: folder, path }
+    }
+
+    fn open(&self) -> Result<Opened, InputError> {
+        open(&self.path, &Columns::default())
+    }
+
+    /// The whole series.
+    fn series(&self) -> Result<FlightLog, InputError> {
+        match self.open()? {
+            Opened::Series(mut pieces) => {
+                let mut log = FlightLog::default();
+                while let Some(piece) = pieces.next_piece(7)? {
+                    log.append(&piece);
+                }
+                Ok(log)
+            }
+            Opened::Glides(_) => panic!("a time series"),
+        }
+    }
+}
+
+fn csv(text: &str) -> OneFile {
+    OneFile::new("log.csv", text.as_bytes())
+}
+
+#[test]
+fn csv_columns_are_found_by_name_in_any_order_and_unit() {
+    let file =
+        csv("# a comment\npitch_deg,note,time_s,vbd_m3,pressure_dbar\n-30,x,1,-2e-4,5.5\n,,2,,\n 12.5 ,y,3,1e-4,6\n");
+    let log = file.series().unwrap();
+    assert_eq!(log.column(Channel::Time), [1.0, 2.0, 3.0]);
+    assert_eq!(log.column(Channel::Pressure)[0], 5.5);
+    assert!((log.column(Channel::Pitch)[0] + 30f64.to_radians()).abs() < 1e-15);
+    assert!((log.column(Channel::Ballast)[0] + 200.0).abs() < 1e-9);
+    for channel in [Channel::Pressure, Channel::Pitch, Channel::Ballast] {
+        assert!(log.at(channel, 1).is_nan());
+    }
+    assert!((log.column(Channel::Pitch)[2] - 12.5f64.to_radians()).abs() < 1e-15);
+}
+
+#[test]
+fn a_column_can_be_chosen_and_keeps_its_unit() {
+    let file = csv("time_s,pressure_dbar,pitch_deg,pitch_corr_deg,vbd_cc,U\n1,5,-30,-26,-200,0.3\n");
+    let mut columns = Columns::default();
+    columns.choose_text("pitch_rad=pitch_corr_deg").unwrap();
+    columns.choose(Channel::Speed, "U");
+    let Ok(Opened::Series(mut series)) = open(&file.path, &columns) else { panic!("a series") };
+    let log = series.next_piece(10).unwrap().unwrap();
+    assert!((log.at(Channel::Pitch, 0) + 26f64.to_radians()).abs() < 1e-15);
+    assert_eq!(log.at(Channel::Speed, 0), 0.3);
+}
+
+#[test]
+fn a_table_of_glides_is_told_from_a_series() {
+    let table =
+        "glide,w_m_s,pitch_rad,vbd_cc,density_kg_m3\n0,-0.2,-0.45,-200,1025\n1,0.2,0.45,200,1025\n2,,0.4,1,1025\n";
+    let Ok(Opened::Glides(glides)) = csv(table).open() else { panic!("a table") };
+    assert_eq!(glides.len(), 2);
+    assert_eq!((glides[0].sink_m_s, glides[1].sink_m_s), (0.2, -0.2));
+    assert!(glides.iter().all(|glide| glide.steady));
+    assert_eq!((glides[0].dive, glides[1].dive), (0, 0));
+}
+
+#[test]
+fn a_dive_of_the_seaglider_basestation_is_read() {
+    let n = 4;
+    let file = classic::File::new(n)
+        .variable("ctd_time", "seconds since 1970-1-1 00:00:00", &[100.0, 110.0, 120.0, 130.0])
+        .variable("ctd_pressure", "dbar", &[1.0, 3.0, 5.0, 7.0])
+        .variable("eng_pitchAng", "degrees", &[-20.0, -21.0, -22.0, -23.0])
+        .variable("eng_vbdCC", "", &[-100.0; 4])
+        .variable("eng_pitchCtl", "", &[-0.6; 4])
+        .variable("temperature", "degrees_Celsius", &[10.0; 4])
+        .variable("salinity", "PSU", &[35.0; 4])
+        .with_moves(&[(118.0, 119.0)])
+        .attribute("dive_number", 42)
+        .bytes();
+    let log = OneFile::new("p5420042.nc", &file).series().unwrap();
+    assert_eq!(log.column(Channel::Time), [100.0, 110.0, 120.0, 130.0]);
+    assert_eq!(log.column(Channel::Dive), [42.0; 4]);
+    assert!((log.at(Channel::Pitch, 3) + 23f64.to_radians()).abs() < 1e-12);
+    assert!((log.at(Channel::PitchMass, 0) + 0.006).abs() < 1e-12);
+    // A move at 118 to 119 s shows within 6 s.
+    assert_eq!(log.column(Channel::MotorMoving), [0.0, 0.0, 1.0, 0.0]);
+}
+
+#[test]
+fn an_og1_time_series_is_read_with_its_units() {
+    let file = classic::File::new(3)
+        .variable("TIME", "seconds since 1970-01-01T00:00:00Z", &[10.0, 20.0, 30.0])
+        .variable("PRES", "dbar", &[1.0, 2.0, f64::NAN])
+        .variable("PITCH", "degrees", &[-25.0, -26.0, -27.0])
+        .variable("vbd_cc", "m3", &[-2e-4, -2e-4, -2e-4])
+        .variable("TEMP", "degree_Celsius", &[9.0; 3])
+        .variable("CNDC", "mS cm-1", &[35.0; 3])
+        .bytes();
+    let log = OneFile::new("glider.nc", &file).series().unwrap();
+    assert!((log.at(Channel::Pitch, 0) + 25f64.to_radians()).abs() < 1e-12);
+    assert!((log.at(Channel::Ballast, 1) + 200.0).abs() < 1e-9);
+    assert!((log.at(Channel::Conductivity, 1) - 3.5).abs() < 1e-12);
+    assert!(log.at(Channel::Pressure, 2).is_nan());
+}
+
+#[test]
+fn density_is_that_of_teos_10() {
+    // The tables of the UNESCO equation of state, which TEOS-10 meets within a few thousandths of a kg/m3 at SP = 35.
+    for (salinity, temperature, pressure, expected) in
+        [(35.0, 5.0, 0.0, 1027.675), (35.0, 25.0, 0.0, 1023.343), (35.0, 5.0, 1e4, 1069.489)]
+    {
+        // Longitude and latitude unknown.
+        let found = in_situ_density_kg_m3(salinity, temperature, pressure, f64::NAN, f64::NAN);
+        assert!((found - expected).abs() < 0.02, "{found} against {expected}");
+    }
+}
+
+#[test]
+fn a_straight_line_has_its_slope_and_noise_is_found() {
+    let time: Vec<f64> = (0..200).map(|i| 1.466e9 + f64::from(i) * 1.1).collect();
+    let straight: Vec<f64> = time.iter().map(|t| 3.0 + 0.17 * (t - time[0])).collect();
+    let found = vertical_velocity(&time, &straight, 4.0);
+    assert!(found.rate_dbar_s[0].is_nan() && found.rate_dbar_s[199].is_nan());
+    assert!(found.rate_dbar_s[1..199].iter().all(|rate| (rate - 0.17).abs() < 1e-9));
+    // Alternating noise of +-0.01 is as strong as second differences make it: e = 0.02, over sqrt(1.5) and 0.6745.
+    let noisy: Vec<f64> = straight.iter().enumerate().map(|(i, p)| p + if i % 2 == 0 { 0.01 } else { -0.01 }).collect();
+    let found = vertical_velocity(&time, &noisy, 4.0);
+    assert!((found.noise_dbar - 0.02 / 1.5f64.sqrt() / 0.6745).abs() < 1e-6, "{}", found.noise_dbar);
+}
+
+#[test]
+fn half_of_an_oscillation_of_two_and_a_half_windows_is_seen() {
+    let h = 4.0;
+    let time: Vec<f64> = (0..4000).map(|i| f64::from(i) * 0.05).collect();
+    let period = 2.5 * h;
+    let omega = std::f64::consts::TAU / period;
+    let wave: Vec<f64> = time.iter().map(|t| (omega * t).sin() / omega).collect();
+    let found = vertical_velocity(&time, &wave, h);
+    let highest = found.rate_dbar_s[500..3500].iter().copied().fold(0.0, f64::max);
+    // The weights 1 - (t/h)^2 of a moving average: 3 (sin x - x cos x)/x^3 with x = omega h.
+    let x = omega * h;
+    let expected = 3.0 * (x.sin() - x * x.cos()) / x.powi(3);
+    assert!((highest - expected).abs() < 0.01, "{highest} against {expected}");
+    assert!((expected - 0.5).abs() < 0.06);
+}

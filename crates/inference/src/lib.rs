@@ -1,0 +1,35 @@
+//! Diagnosis: what the model gets wrong, why, the extension, the gain. One engine for the tank and the sea.
+//!
+//! - [`evidence`]: what the engine is given: residuals and sensitivities at a point, by a [`Problem`].
+//! - [`crate::noise`]: what is left when the model is right, so that correlated residuals count for as little as they tell.
+//! - [`score`], [`search`]: what each set of mechanisms explains, and which set is worth its cost.
+//! - [`smooth`]: curves without a name that run in the same race; where one wins, no mechanism is named.
+//! - [`holdout`]: the gain on data that no fit saw.
+//! - [`engine`]: the four answers in their order, with what it is made of: a fit, what is thinned out of it, one lap of the
+//!   search, versions of one mechanism, what is told.
+
+#![allow(non_snake_case, reason = "units stand in names as they are written: N, Pa, C, J")]
+
+mod alternatives;
+pub mod engine;
+pub mod estimate;
+pub mod evidence;
+pub mod findings;
+mod fitted;
+pub mod holdout;
+mod lap;
+pub mod noise;
+pub mod regimes;
+pub mod score;
+pub mod search;
+pub mod smooth;
+mod thinning;
+mod told;
+mod versions;
+
+pub use engine::{Outcome, Stage, diagnose, diagnose_in_full};
+pub use evidence::{Candidate, Covariate, Evidence, Headline, Point, Problem, Quantity, Version};
+pub use findings::{Alternative, Cause, Check, Checked, Diagnosis, Gain, Rejected, Unexplained, Verdict, Wrong};
+
+#[cfg(test)]
+mod tests;

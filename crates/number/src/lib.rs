@@ -1,0 +1,52 @@
+//! The number that the equations are written in: an `f64`, or a dual number that carries derivatives with it.
+//!
+//! Everything physical is generic over [`Number`], so that a plain simulation, the FMU's directional derivatives and the
+//! Jacobians of the fits run through the very same equations. Knows no physics.
+
+#![allow(non_snake_case, reason = "units stand in names as they are written: N, Pa, C, J")]
+
+use num_dual::{DualNum, DualStruct};
+
+/// A real number with or without derivatives: `f64`, `num_dual::Dual64`, `DualVec64<N>` and the like.
+pub trait Number: DualNum<Primitive = f64> + Copy {
+    /// Whether the type carries derivatives. Shortcuts that are right in value but wrong in slope ask this first.
+    const HAS_DERIVATIVES: bool = Self::NDERIV > 0;
+
+    /// The value without its derivatives.
+    fn value(self) -> f64;
+
+    /// A number whose derivatives are all zero.
+    fn constant(value: f64) -> Self {
+        Self::from(value)
+    }
+
+    /// The number held inside `[low, high]`; beyond a bound it is that bound, derivatives and all.
+    fn held_within(self, low: Self, high: Self) -> Self {
+        if self.value() < low.value() {
+            low
+        } else if self.value() > high.value() {
+            high
+        } else {
+            self
+        }
+    }
+
+    /// The number, but not below `low`.
+    fn at_least(self, low: f64) -> Self {
+        if self.value() < low { Self::constant(low) } else { self }
+    }
+
+    /// The number, but not above `high`.
+    fn at_most(self, high: f64) -> Self {
+        if self.value() > high { Self::constant(high) } else { self }
+    }
+}
+
+impl<T> Number for T
+where
+    T: DualNum<Primitive = f64> + DualStruct<Real = f64> + Copy,
+{
+    fn value(self) -> f64 {
+        self.re()
+    }
+}

@@ -1,0 +1,310 @@
+//! The page: what was read, what was found, how to repeat it, as one HTML file that asks nothing of any other.
+
+use super::draw::document;
+use super::figure::Figure;
+use super::table::{Cell, Table};
+use crate::output::{OutputError, OutputFolder};
+use glidepolar_input::{InputError, turns};
+use minijinja::{Environment, Value, context};
+use sha2::{Digest, Sha256};
+use std::collections::HashSet;
+use std::io::Read;
+use std::path::Path;
+
+/// One report. Warnings come first on the page, then findings, sections, and how to repeat it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    /// What was done: `Hull tests`, `Identification`.
+    pub title: String,
+    /// To what: the campaign, the vehicle, the log.
+    pub subject: String,
+    /// What the reader must know before believing anything below; a sentence each.
+    pub warnings: Vec<String>,
+    /// The results in a few sentences.
+    pub findings: Vec<String>,
+    /// The body.
+    pub sections: Vec<Section>,
+    /// Program and version.
+    pub program: String,
+    /// The command as the user would type it again.
+    pub command: String,
+    /// The files that were read.
+    pub inputs: Vec<InputFile>,
+}
+
+/// A heading and what stands below it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Section {
+    /// A few words.
+    pub heading: String,
+    /// Whether the reader unfolds it: long lists of runs or glides. Its figures stay in the page only.
+    pub folded: bool,
+    /// In reading order.
+    pub blocks: Vec<Block>,
+}
+
+/// A piece of a section.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Block {
+    /// A paragraph.
+    Text(String),
+    /// Points of a list.
+    List(Vec<String>),
+    /// A command, a file's text: kept as it is, in a fixed-width face.
+    Code(String),
+    /// A figure, numbered by its place in the report.
+    Figure(Figure),
+    /// A table, numbered likewise.
+    Table(Table),
+}
+
+/// A file that was read, so that a reader can tell whether theirs is the same.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct InputFile {
+    /// As the user named it.
+    pub name: String,
+    /// Size in bytes.
+    pub bytes: u64,
+    /// SHA-256 of the content, in hexadecimal.
+    pub sha256: String,
+}
+
+impl InputFile {
+    /// Reads a file for its size and checksum, in bounded memory.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, InputError> {
+        let path = path.as_ref();
+        let failed = |e: std::io::Error| InputError::io(path, &e);
+        let mut file = std::fs::File::open(path).map_err(failed)?;
+        let (mut sum, mut bytes, mut buffer) = (Sha256::new(), 0, vec![0; 1 << 16]);
+        loop {
+            let n = file.read(&mut buffer).map_err(failed)?;
+            if n == 0 {
+                break;
+            }
+            sum.update(&buffer[..n]);
+            bytes += n as u64;
+        }
+        Ok(InputFile { name: path.to_string_lossy().into_owned(), bytes, sha256: hexadecimal(&sum.finalize()) })
+    }
+
+    /// Of content that is already in memory.
+    pub fn of(name: impl Into<String>, content: &[u8]) -> Self {
+        let sha256 = hexadecimal(&Sha256::digest(content));
+        InputFile { name: name.into(), bytes: content.len() as u64, sha256 }
+    }
+}
+
+impl Section {
+    /// An empty section.
+    pub fn new(heading: impl Into<String>) -> Self {
+        Section { heading: heading.into(), folded: false, blocks: Vec::new() }
+    }
+
+    /// Folded: the reader opens it.
+    pub fn folded(self) -> Self {
+        Section { folded: true, ..self }
+    }
+
+    /// With one more block.
+    pub fn block(mut self, block: Block) -> Self {
+        self.blocks.push(block);
+        self
+    }
+
+    /// With one more paragraph.
+    pub fn text(self, text: impl Into<String>) -> Self {
+        self.block(Block::Text(text.into()))
+    }
+
+    /// With one more figure.
+    pub fn figure(self, figure: Figure) -> Self {
+        self.block(Block::Figure(figure))
+    }
+
+    /// With one more table.
+    pub fn table(self, table: Table) -> Self {
+        self.block(Block::Table(table))
+    }
+}
+
+impl Report {
+    /// An empty report of this program's version and the command line it was started with.
+    pub fn new(title: impl Into<String>, subject: impl Into<String>) -> Self {
+        Report {
+            title: title.into(),
+            subject: subject.into(),
+            warnings: Vec::new(),
+            findings: Vec::new(),
+            sections: Vec::new(),
+            program: concat!("glidepolar ", env!("CARGO_PKG_VERSION")).to_owned(),
+            command: command_line(std::env::args()),
+            inputs: Vec::new(),
+        }
+    }
+
+    /// With one more warning.
+    pub fn warning(mut self, warning: impl Into<String>) -> Self {
+        self.warnings.push(warning.into());
+        self
+    }
+
+    /// With one more sentence among the findings.
+    pub fn finding(mut self, finding: impl Into<String>) -> Self {
+        self.findings.push(finding.into());
+        self
+    }
+
+    /// With one more section.
+    pub fn section(mut self, section: Section) -> Self {
+        self.sections.push(section);
+        self
+    }
+
+    /// With one more file among those read.
+    pub fn input(mut self, input: InputFile) -> Self {
+        self.inputs.push(input);
+        self
+    }
+
+    /// The page. Every text is escaped; figures stand inline; no script, no request to anywhere.
+    pub fn html(&self) -> String {
+        let mut pages = Environment::new();
+        if let Ok(syntax) = pages.syntax().to_builder().trim_blocks(true).lstrip_blocks(true).build() {
+            pages.set_syntax(syntax);
+        }
+        // Template and values are the program's own, so neither step fails for any user's data; tests render them all.
+        let _ = pages.add_template("report.html", include_str!("page.html"));
+        let rendered = pages.get_template("report.html").and_then(|t| t.render(self.values()));
+        rendered.unwrap_or_else(|e| {
+            format!("<!doctype html><title>report</title><p>The report could not be made: {:?}", e.kind())
+        })
+    }
+
+    /// Writes `report.html`, each figure that is not folded away as `figures/NAME.svg` and `.png`, and what the folder
+    /// was given before.
+    pub fn write(&self, mut folder: OutputFolder) -> Result<(), OutputError> {
+        let shown = self.sections.iter().filter(|s| !s.folded).flat_map(|s| &s.blocks);
+        let mut taken = HashSet::new();
+        for block in shown {
+            if let Block::Figure(figure) = block {
+                let stem = free_name(figure.stem(), &mut taken);
+                folder.add(format!("figures/{stem}.svg"), figure.svg())?;
+                folder.add(format!("figures/{stem}.png"), figure.png())?;
+            }
+        }
+        folder.add("report.html", self.html())?;
+        folder.write()
+    }
+
+    fn values(&self) -> Value {
+        let mut count = Count { figures: 0, tables: 0 };
+        let sections: Vec<Value> = self.sections.iter().map(|s| section(s, &mut count)).collect();
+        let inputs: Vec<Value> = self
+            .inputs
+            .iter()
+            .map(|i| context! { name => visible(&i.name), bytes => grouped(i.bytes), sha256 => i.sha256.as_str() })
+            .collect();
+        context! {
+            style => Value::from_safe_string(include_str!("page.css").to_owned()),
+            title => visible(&self.title),
+            subject => visible(&self.subject),
+            warnings => all_visible(&self.warnings),
+            // One more than these is shown as well: a fold for a single line hides nothing.
+            shown_warnings => if self.warnings.len() == SHOWN_WARNINGS + 1 { SHOWN_WARNINGS + 1 } else { SHOWN_WARNINGS },
+            findings => all_visible(&self.findings),
+            sections,
+            program => visible(&self.program),
+            command => visible(&self.command),
+            inputs,
+        }
+    }
+}
+
+/// Warnings before the fold: what was found has to be on the first page, too.
+const SHOWN_WARNINGS: usize = 8;
+
+/// The name itself, or with the first free number where it is taken.
+fn free_name(name: String, taken: &mut HashSet<String>) -> String {
+    let numbered = (2..).map(|n| format!("{name}-{n}"));
+    let free = std::iter::once(name.clone()).chain(numbered).find(|n| !taken.contains(n)).unwrap_or_default();
+    taken.insert(free.clone());
+    free
+}
+
+struct Count {
+    figures: usize,
+    tables: usize,
+}
+
+fn section(section: &Section, count: &mut Count) -> Value {
+    let blocks: Vec<Value> = section.blocks.iter().map(|b| block(b, count)).collect();
+    context! { heading => visible(&section.heading), folded => section.folded, blocks }
+}
+
+fn block(block: &Block, count: &mut Count) -> Value {
+    match block {
+        Block::Text(text) => context! { kind => "text", text => visible(text) },
+        Block::List(points) => context! { kind => "list", points => all_visible(points) },
+        Block::Code(text) => context! { kind => "code", text => visible(text) },
+        Block::Figure(figure) => {
+            count.figures += 1;
+            let svg = document(figure, &format!("figure-{}", count.figures), false);
+            context! {
+                kind => "figure",
+                number => count.figures,
+                svg => Value::from_safe_string(svg),
+                caption => visible(&figure.caption),
+            }
+        }
+        Block::Table(table) => {
+            count.tables += 1;
+            let width = table.columns.len();
+            let numeric: Vec<bool> =
+                (0..width).map(|i| table.rows.iter().filter_map(|r| r.get(i)).any(|c| c.is_number())).collect();
+            let cell = |i: usize, text: String| {
+                // Short words stay on one line, so that a narrow screen scrolls the table instead of breaking them up.
+                let class =
+                    [if numeric[i] { "number" } else { "" }, if text.chars().count() <= 24 { "short" } else { "" }];
+                context! { text => visible(&text), class => class.join(" ").trim() }
+            };
+            let columns: Vec<Value> = table.columns.iter().enumerate().map(|(i, c)| cell(i, c.clone())).collect();
+            let row = |r: &Vec<Cell>| -> Vec<Value> {
+                (0..width).map(|i| cell(i, r.get(i).map(ToString::to_string).unwrap_or_default())).collect()
+            };
+            let rows: Vec<Vec<Value>> = table.rows.iter().map(row).collect();
+            context! { kind => "table", number => count.tables, caption => visible(&table.caption), columns, rows }
+        }
+    }
+}
+
+/// Without the control characters that HTML forbids, and the ones that turn the direction of text round.
+fn visible(text: &str) -> String {
+    let forbidden = |c: &char| (c.is_control() && !matches!(c, '\n' | '\t')) || turns(*c);
+    text.chars().map(|c| if forbidden(&c) { '\u{FFFD}' } else { c }).collect()
+}
+
+fn all_visible(texts: &[String]) -> Vec<String> {
+    texts.iter().map(|t| visible(t)).collect()
+}
+
+/// The program by its name, the arguments quoted where a shell needs it.
+fn command_line(arguments: impl Iterator<Item = String>) -> String {
+    let safe = |c: char| c.is_alphanumeric() || "-_./,:=+@%^*".contains(c);
+    let quoted = |(i, a): (usize, String)| {
+        let a =
+            if i == 0 { Path::new(&a).file_stem().map_or(a.clone(), |s| s.to_string_lossy().into_owned()) } else { a };
+        if !a.is_empty() && a.chars().all(safe) { a } else { format!("'{}'", a.replace('\'', "'\\''")) }
+    };
+    arguments.enumerate().map(quoted).collect::<Vec<_>>().join(" ")
+}
+
+/// With a thin space between groups of three digits.
+fn grouped(n: u64) -> String {
+    let digits = n.to_string();
+    let groups: Vec<&str> = digits.as_bytes().rchunks(3).rev().filter_map(|g| std::str::from_utf8(g).ok()).collect();
+    groups.join("\u{202F}")
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|b| format!("{b:02x}")).collect()
+}
