@@ -68,7 +68,7 @@ fn place(file: &Path, text: &str) -> Result<()> {
 fn markdown(machine: &Machine, parts: &[Part], notes: &str, full: bool) -> String {
     let command = if full { "cargo xtask bench --full" } else { "cargo xtask bench" };
     let mut text = format!(
-        "# Speed, cost and scale\n\n\
+        "# Evidence: speed, cost and scale\n\n\
          Written by `{command}`; the notes at the end stand in `{NOTES}`. All that is compared runs on the same machine, \
          taking turns in rounds, each round begun by another one, after one round that does not count. A figure is the \
          median over the rounds with its quartiles; a ratio is the other's figure over glidepolar's in the same round, \
