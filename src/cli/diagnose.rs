@@ -23,7 +23,7 @@ use crate::vehicle::Vehicle;
     glidepolar diagnose flight.csv --vehicle my-glider.toml --extended better.toml\n  \
     glidepolar diagnose p5420*.nc --vehicle seaglider\n  \
     glidepolar diagnose flight.csv --vehicle my-glider.toml --speed-column U_dvl_m_s --json -\n\n\
-    A mechanism is named only where data that the fit never saw confirm it; what these data cannot tell from it is\n\
+    A mechanism is named only where held-out data confirm it; what these data cannot separate from it is\n\
     named beside it. `none` and `unexplained` are answers, too.")]
 pub struct Arguments {
     /// Flight logs; several files are one log, in this order
@@ -169,7 +169,7 @@ fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
     println!("WRONG");
     for wrong in &found.wrong {
         println!(
-            "  {} goes with {}: rms {:.2} mm/s, the measurement explains {:.2} mm/s ({})",
+            "  {} depends on {}: rms {:.2} mm/s, the measurement explains {:.2} mm/s ({})",
             words(&wrong.quantity),
             wrong.regime,
             wrong.rms * 1e3,
@@ -183,7 +183,7 @@ fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
             if found.causes.is_empty() {
                 "nothing beyond what the measurement explains"
             } else {
-                "the misfit is alike everywhere: it goes with nothing that was looked at"
+                "the misfit is alike everywhere: it depends on no covariate"
             }
         );
     }
@@ -199,16 +199,16 @@ fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
         );
         if !cause.indistinguishable_from.is_empty() {
             let alike: Vec<String> = cause.indistinguishable_from.iter().map(|name| words(name)).collect();
-            println!("    these data cannot tell it from: {}", alike.join(", "));
+            println!("    these data cannot separate it from: {}", alike.join(", "));
         }
     }
     for set in &found.alternatives {
         let sizes: Vec<String> =
             set.iter().flat_map(|other| &other.parameters).map(|(name, estimate)| size(name, estimate)).collect();
-        println!("  these data cannot tell all of that from: {}", sizes.join(", "));
+        println!("  these data cannot separate all of that from: {}", sizes.join(", "));
     }
     if let Some(unexplained) = &found.unexplained {
-        println!("  unexplained: what is left goes with {}", unexplained.depends_on.join(", "));
+        println!("  unexplained: what is left depends on {}", unexplained.depends_on.join(", "));
     }
     if let Some(path) = &found.extended {
         println!("EXTENSION: {path}");
@@ -236,7 +236,7 @@ pub(super) fn less(percent: f64) -> String {
 pub(super) fn checked(check: &Check) -> String {
     let outcome = match check.outcome {
         Checked::Consistent => "consistent",
-        Checked::Mended => "wrong, mended",
+        Checked::Mended => "wrong, corrected",
         Checked::Wrong => "wrong",
         Checked::NotChecked => "not checked",
     };

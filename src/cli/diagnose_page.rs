@@ -49,7 +49,7 @@ fn wrong(found: &Diagnosis) -> String {
             "The baseline misses the data by no more than measurement and moving water explain.".to_owned()
         } else {
             // A constant misfit, as that of a ballast offset: no covariate shows it.
-            "The baseline misses the data alike everywhere: the misfit goes with nothing that was looked at.".to_owned()
+            "The baseline misses the data alike everywhere: the misfit depends on no covariate.".to_owned()
         };
     };
     let mut others: Vec<&str> = Vec::new();
@@ -59,9 +59,9 @@ fn wrong(found: &Diagnosis) -> String {
             others.push(&wrong.regime);
         }
     }
-    let others = if others.is_empty() { String::new() } else { format!(", and so it does with {}", others.join(", ")) };
+    let others = if others.is_empty() { String::new() } else { format!(", and on {}", others.join(", ")) };
     format!(
-        "The baseline misses the {} by {:.1} mm/s rms where measurement and moving water explain {:.1} mm/s; the misfit goes with {} ({}){others}.",
+        "The baseline misses the {} by {:.1} mm/s rms where measurement and moving water explain {:.1} mm/s; the misfit depends on {} ({}){others}.",
         words(&worst.quantity),
         worst.rms * 1e3,
         worst.expected_rms * 1e3,
@@ -89,7 +89,7 @@ fn cause(found: &Diagnosis) -> String {
             let alike = if alike.is_empty() {
                 String::new()
             } else {
-                format!("; these data cannot tell it from {}", alike.join(" or "))
+                format!("; these data cannot separate it from {}", alike.join(" or "))
             };
             format!("{}: {sizes}{alike}.", capital(&words(&cause.cause)))
         })
@@ -100,11 +100,11 @@ fn cause(found: &Diagnosis) -> String {
     for set in &found.alternatives {
         let sizes: Vec<String> =
             set.iter().flat_map(|other| &other.parameters).map(|(name, e)| size(name, e)).collect();
-        sentences.push(format!("These data cannot tell all of that from {} together.", sizes.join(", ")));
+        sentences.push(format!("These data cannot separate all of that from {} together.", sizes.join(", ")));
     }
     if let Some(left) = &found.unexplained {
         sentences.push(format!(
-            "What is left goes with {}, and no known mechanism explains it.",
+            "What is left depends on {}, and no known mechanism explains it.",
             left.depends_on.join(", ")
         ));
     }

@@ -12,7 +12,7 @@ use crate::output::OutputFolder;
 use crate::report::{InputFile, Report as Page};
 use crate::vehicle::Vehicle;
 
-/// Glide polar, ballast offset and more from flight logs, with what the data cannot tell
+/// Glide polar, ballast offset and more from flight logs, and what the data cannot identify
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     glidepolar identify p5420*.nc --vehicle seaglider\n  \

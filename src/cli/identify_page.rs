@@ -148,7 +148,7 @@ fn parameter_table(report: &Report) -> Table {
             "Baseline: {}. Standard errors leave out one dive at a time, and hold the errors of what is held.",
             report.trim_meaning
         ),
-        ["Parameter", "Value", "95 % interval", "Unit", "Told by the data"],
+        ["Parameter", "Value", "95 % interval", "Unit", "Identified by the data"],
     );
     for (name, quantity) in &report.parameters {
         let Some(q) = quantity else { continue };

@@ -18,7 +18,7 @@ use crate::vehicle::Vehicle;
 /// Time between two rows where nothing else is said [s].
 const INTERVAL_S: f64 = 10.0;
 
-/// What goes with a mission.
+/// Options of a mission.
 #[derive(Debug, Args)]
 pub(super) struct MissionArguments {
     /// Fly a mission: depths, pitch, ballast, surfacings, seabed, water (TOML)
@@ -35,7 +35,7 @@ pub(super) struct MissionArguments {
     pub out: Option<PathBuf>,
 }
 
-/// What `simulate` is told besides.
+/// Further options of `simulate`.
 pub(super) struct Frame<'a> {
     pub stop_s: Option<f64>,
     pub interval_s: Option<f64>,

@@ -155,8 +155,8 @@ pub fn identify(
         baseline.a_per_rad = value;
         baseline.ascent_a_ratio = 1.0;
         free.retain(|name| *name != "a_per_rad");
-        let reason = "vertical velocity alone does not tell the lift slope: what a smaller angle of attack changes, a \
-                      larger b takes back; a measured speed through the water would tell it"
+        let reason = "vertical velocity alone does not identify the lift slope: a larger b cancels the effect of a smaller angle \
+                      of attack; a measured speed through the water would identify it"
             .to_owned();
         pinned.insert("a".to_owned(), Pin::new(value, se, source, reason));
     }
@@ -282,7 +282,7 @@ fn depends_on_weighing(fitted: &Fit, reweighed: &Reweighed, position: usize) -> 
     let (info, by_time) = (&PARAMETERS[fitted.free[position]], fitted.value(fitted.free[position]));
     let shown = |value: f64| if value.abs() < 1e-2 { format!("{value:.2e}") } else { format!("{value:.3}") };
     format!(
-        "`{}` depends on how the data are weighed: {} by time, as above, {} {} by their correlated noise. Where the model is right both agree; something that goes with it is missing, and its interval is as wide as that makes it",
+        "`{}` depends on how the data are weighed: {} by time, as above, {} {} by their correlated noise. Where the model is right both agree; an effect is missing from the model, and the interval includes that error",
         short_name(info.name),
         shown(by_time),
         shown(by_time + reweighed.differences[position]),

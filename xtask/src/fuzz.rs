@@ -76,7 +76,7 @@ fn known(workspace: &Workspace) -> Result<Vec<String>> {
         let mut rest = text.as_str();
         while let Some((_, after)) = rest.split_once(": Target =") {
             let name = after.split_once("name: \"").and_then(|(_, name)| name.split_once('"'));
-            let (name, after) = name.context("a target without a name")?;
+            let (name, after) = name.context("an unnamed target")?;
             names.push(name.to_owned());
             rest = after;
         }

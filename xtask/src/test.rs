@@ -48,7 +48,7 @@ pub fn run(workspace: &Workspace, only: Option<Part>) -> Result<()> {
     Ok(())
 }
 
-/// nextest where it is installed, since it keeps a test that crashes from taking others along; else cargo's own runner.
+/// nextest where it is installed, since it keeps a test that crashes from taking others along; else cargo's own test command.
 fn rust_tests(workspace: &Workspace) -> Command {
     let mut command = workspace.cargo();
     if capture(workspace.cargo().args(["nextest", "--version"])).is_ok() {

@@ -101,8 +101,8 @@ pub fn words(counted: &Tally) -> String {
 }
 
 /// What each costs, in words.
-pub fn cost_words(costs: &Costs) -> String {
-    let told: Vec<String> = KINDS
+pub fn cost_words(costs: &Costs) -> Vec<String> {
+    KINDS
         .iter()
         .zip(costs)
         .map(|(kind, cost)| match *kind {
@@ -111,8 +111,7 @@ pub fn cost_words(costs: &Costs) -> String {
             }
             _ => format!("{} for one of its {}", quantity(Unit::Seconds, cost.least()), kind.words()),
         })
-        .collect();
-    told.join(", ")
+        .collect()
 }
 
 /// Independent operations in one pass: enough that no result is waited for.

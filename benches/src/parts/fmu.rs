@@ -171,7 +171,9 @@ fn right_hand_side(context: &Context<'_>, part: &mut Part) {
         );
         part.remark(format!("Counted in one right-hand side, {what}: {}.", floor::words(&counted)));
         if what == "plain" {
-            part.remark(format!("Measured throughput of this core: {}.", floor::cost_words(&costs)));
+            for cost in floor::cost_words(&costs) {
+                part.remark(format!("Measured throughput of this core: {cost}."));
+            }
         }
     }
 }

@@ -68,10 +68,11 @@ fn samples(context: &Context<'_>, part: &mut Part) -> Result<()> {
             format!("{n} samples {} passes in {count:.0} evaluations", figures(*passes))
         })
         .collect();
-    part.remark(format!(
-        "A fit takes the time of so many passes over all its samples, most of its evaluations being over some of them: {}.",
-        listed.join(", ")
-    ));
+    for size in listed {
+        part.remark(format!(
+            "Time of a fit in passes over all its samples (most evaluations use some of them): {size}."
+        ));
+    }
     Ok(())
 }
 

@@ -25,9 +25,8 @@ const PEER_DATA: &str = "data/gliderflight/gliderflight_data.npy";
 pub fn measure(context: &Context<'_>) -> Result<Part> {
     let mut part = Part::new(
         "Identification",
-        "A fit is what the data tell, from all steady samples: their means over a minute, and of these a, b and a ballast offset on comet, b, c and the offset on \
-         sg542, which has no speed; from several starts, with standard errors; the whole command reads the log, fits, leaves dives out and fits again, \
-         profiles. SciPy gets the means, the same model with its inertia, baseline and weights, from one start, and must find \
+        "A fit uses the means of all steady samples, from several starts, with standard errors. It has a, b and a ballast offset on comet, b, c and the offset on \
+         sg542, which has no speed. The whole command reads the log, fits, leaves dives out and fits again, profiles. SciPy gets the means, the same model with its inertia, baseline and weights, from one start, and must find \
          the same values. gliderflight calibrates drag and mass on its own data, the same flight as comet.",
     );
     for log in [COMET, SG542] {

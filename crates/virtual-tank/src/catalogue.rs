@@ -243,7 +243,7 @@ pub const CATALOGUE: &[Entry] = &[
         name: "uncatalogued-vibration",
         parameter: "vibration_side_force_N",
         unit: "N",
-        meaning: "carriage vibration that the balance turns into a mean side force at 2 m/s; it comes and goes with the yaw angle",
+        meaning: "carriage vibration that the balance turns into a mean side force at 2 m/s; it varies with the yaw angle",
         bounds: (0.0, 10.0),
         draw: Draw::Between(0.3, 0.8),
         act: |hidden, size, stream| {

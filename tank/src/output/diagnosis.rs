@@ -20,14 +20,14 @@ pub fn sentences(diagnosis: &Diagnosis) -> Vec<String> {
     for set in &diagnosis.alternatives {
         let sizes: Vec<String> =
             set.iter().flat_map(|other| &other.parameters).map(|(name, size)| shown(name, size)).collect();
-        sentences.push(format!("These runs cannot tell all of that from {} together.", sizes.join(", ")));
+        sentences.push(format!("These runs cannot separate all of that from {} together.", sizes.join(", ")));
     }
     if diagnosis.causes.is_empty() && diagnosis.verdict == Verdict::Unexplained {
         sentences.push("No known mechanism explains it.".to_owned());
     }
     if let Some(left) = &diagnosis.unexplained {
         sentences.push(format!(
-            "Unexplained: what is left ({} rms {:.2e}) goes with {}.",
+            "Unexplained: what is left ({} rms {:.2e}) depends on {}.",
             left.quantity,
             left.rms,
             left.depends_on.join(", ")
@@ -90,7 +90,7 @@ fn cause(cause: &Cause) -> String {
     } else {
         let names: Vec<String> = cause.indistinguishable_from.iter().map(|name| words(name)).collect();
         let shown_by = in_tank(&cause.indistinguishable_from[0]).map_or(String::new(), |m| format!(": {}", m.shown_by));
-        format!(" These runs cannot tell it from {}{shown_by} would.", names.join(", "))
+        format!(" These runs cannot separate it from {}{shown_by} would.", names.join(", "))
     };
     format!("Cause: {}, {}.{physics}{alike}", words(&cause.cause), sizes.join(", "))
 }

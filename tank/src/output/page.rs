@@ -217,7 +217,7 @@ fn agreement(results: &Results) -> String {
     let all = || dynamic(results).flat_map(|(hull, d)| hull.comparisons.iter().chain(&d.turns).map(move |c| (hull, c)));
     let apart = |c: &Comparison| c.apart().abs();
     let Some((hull, worst)) = all().max_by(|a, b| apart(a.1).total_cmp(&apart(b.1))) else {
-        return "No derivative is told by two kinds of run.".to_owned();
+        return "No derivative is identified by two kinds of run.".to_owned();
     };
     let disagree = all().filter(|(_, c)| c.disagrees()).count();
     let verdict = match disagree {
