@@ -303,7 +303,7 @@ impl<'a, T: Number> Motion<'a, T> {
             g33: hull + p.added_mass_3_kg,
             g55: p.pitch_inertia_kg_m2,
             g15: T::constant(0.0),
-            g35: T::constant(0.0),
+            g35: p.added_Z_qdot_kg_m,
         };
         inertia.add_mass(p.offset_mass_kg, p.offset_mass_forward_m, p.offset_mass_below_m);
         inertia.add_mass(self.state.ballast_mass_kg, p.ballast_forward_m, p.ballast_below_m);
@@ -351,8 +351,7 @@ impl<'a, T: Number> Motion<'a, T> {
             (Actuation::Servo, _) => {
                 let target = self.inputs.moving_mass_command_m.held_within(p.moving_mass_min_m, p.moving_mass_max_m);
                 let limit = p.moving_mass_rate_m_s;
-                let speed = ((target - position) * SERVO_RATE_1_S).held_within(-limit, limit);
-                Some((speed - r1_rate) * SERVO_SPEED_RATE_1_S)
+                Some(servo_acceleration(target - position, r1_rate, limit))
             }
             (_, Stop::Free) => None,
             (_, Stop::AtMin | Stop::AtMax) => Some(-r1_rate * (2.0 * HOLD_RATE_1_S)),
@@ -366,8 +365,7 @@ impl<'a, T: Number> Motion<'a, T> {
                 let target = self.inputs.ballast_command_m3.held_within(p.ballast_min_m3, p.ballast_max_m3);
                 let limit = p.ballast_rate_m3_s;
                 let volume = p.ballast_m3(self.state.ballast_mass_kg);
-                let rate = ((target - volume) * SERVO_RATE_1_S).held_within(-limit, limit);
-                -p.reference_density_kg_m3 * rate
+                -p.reference_density_kg_m3 * servo_speed(target - volume, limit)
             }
             (_, Stop::Free) => self.inputs.u4_kg_s,
             (_, Stop::AtMin | Stop::AtMax) => T::constant(0.0),
@@ -380,6 +378,16 @@ impl<'a, T: Number> Motion<'a, T> {
         let pumped_m3_s = (-ballast_mass_rate_kg_s / p.reference_density_kg_m3).at_least(0.0);
         p.hotel_W + (p.pump_J_per_m3 + p.pump_J_per_Pa_m3 * self.pressure_Pa) * pumped_m3_s
     }
+}
+
+/// Speed that a servo of first order has, so far from its set-point.
+pub fn servo_speed<T: Number>(to_go: T, limit: T) -> T {
+    (to_go * SERVO_RATE_1_S).held_within(-limit, limit)
+}
+
+/// Acceleration of a servo of second order: it takes up the speed that its distance to the set-point asks for.
+pub fn servo_acceleration<T: Number>(to_go: T, speed: T, limit: T) -> T {
+    (servo_speed(to_go, limit) - speed) * SERVO_SPEED_RATE_1_S
 }
 
 /// Acceleration that brings a held offset back to zero without overshoot.

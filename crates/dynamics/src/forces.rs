@@ -83,9 +83,19 @@ impl<T: Number> Parameters<T> {
 
     /// Lift, drag and moment on the moving glider. At rest all are zero.
     pub fn hydrodynamics(&self, flow: &Flow<T>) -> Hydrodynamics<T> {
-        let speed_squared = flow.v1_m_s * flow.v1_m_s + flow.v3_m_s * flow.v3_m_s;
-        let damping = self.pitch_damping_N_m_s * flow.pitch_rate_rad_s
-            + self.pitch_damping_quadratic_N_m_s2 * flow.pitch_rate_rad_s * flow.pitch_rate_rad_s.abs();
+        self.hydrodynamics_at_speed(flow.v1_m_s * flow.v1_m_s + flow.v3_m_s * flow.v3_m_s, flow)
+    }
+
+    /// Moment that a pitch rate gives in still water \[N m\].
+    pub fn still_water_damping_N_m(&self, pitch_rate_rad_s: T) -> T {
+        self.pitch_damping_N_m_s * pitch_rate_rad_s
+            + self.pitch_damping_quadratic_N_m_s2 * pitch_rate_rad_s * pitch_rate_rad_s.abs()
+    }
+
+    /// The same where the speed is not that of the vertical plane alone: a glider that slips sideways has more of it
+    /// than `flow` says. `speed_squared` in m2/s2.
+    pub fn hydrodynamics_at_speed(&self, speed_squared: T, flow: &Flow<T>) -> Hydrodynamics<T> {
+        let damping = self.still_water_damping_N_m(flow.pitch_rate_rad_s);
         // The angle has no value at rest, nor a slope; the forces vanish with the square of the speed.
         if speed_squared.value() < 1e-24 {
             let zero = T::constant(0.0);
@@ -110,7 +120,8 @@ impl<T: Number> Parameters<T> {
             * self.length_m
             * 0.5
             * self.pitch_damping_CMq
-            * flow.pitch_rate_rad_s;
+            * flow.pitch_rate_rad_s
+            + self.pitch_damping_V2_kg_s * speed_squared * flow.pitch_rate_rad_s;
         let moment = q_area * self.length_m * coefficients.moment + damping + rotary;
         // K_M = rho A LOA d / 2 - (m_f3 - m_f1): the couple stands in the equations of motion already.
         let munk = (self.added_mass_3_kg - self.added_mass_1_kg) * alpha * speed_squared;
@@ -147,7 +158,7 @@ impl<T: Number> Parameters<T> {
 }
 
 /// 0 on a descent, 1 on an ascent, with a smooth passage where the glider turns.
-fn ascent_fraction<T: Number>(sink_m_s: T) -> T {
+pub fn ascent_fraction<T: Number>(sink_m_s: T) -> T {
     let x = (sink_m_s / TURN_SPEED_M_S).held_within(T::constant(-1.0), T::constant(1.0));
     // Cubic with level ends, 1/2 at the turn.
     x * (x * x * 0.25 - 0.75) + 0.5

@@ -95,6 +95,7 @@ parameters! {
     pitch_damping_N_m_s: "N.m.s" = -50.0 in -1e6 .. 1e6, "Pitch damping moment per pitch rate, negative when it damps";
     pitch_damping_quadratic_N_m_s2: "N.m.s2" = -50.0 in -1e6 .. 1e6, "Pitch damping moment per pitch rate times its magnitude, negative when it damps";
     pitch_damping_CMq: "1" = 0.0 in -1e4 .. 1e4, "Moment coefficient per pitch rate made dimensionless by length over speed, negative when it damps";
+    pitch_damping_V2_kg_s: "kg.s" = 0.0 in -1e6 .. 1e6, "Pitch damping moment per pitch rate and square of the speed, negative when it damps";
     // masses
     hull_mass_kg: "kg" = 40.0 in 1e-3 .. 1e6, "Mass of the hull and all that is fixed in it, without moving mass and ballast";
     moving_mass_kg: "kg" = 9.0 in 1e-3 .. 1e6, "Mass that slides along the hull";
@@ -103,6 +104,7 @@ parameters! {
     added_mass_1_kg: "kg" = 5.0 in 0.0 .. 1e6, "Added mass along axis 1";
     added_mass_3_kg: "kg" = 70.0 in 0.0 .. 1e6, "Added mass along axis 3";
     pitch_inertia_kg_m2: "kg.m2" = 12.0 in 1e-6 .. 1e7, "Moment of inertia in pitch of hull and added water about the centre of buoyancy, without the moving mass";
+    added_Z_qdot_kg_m: "kg.m" = 0.0 in -1e6 .. 1e6, "Added mass that couples heave and pitch: momentum along axis 3 per pitch rate";
     moving_mass_height_m: "m" = 0.05 in -10.0 .. 10.0, "Offset of the moving mass along axis 3, positive below the centre of buoyancy";
     offset_mass_kg: "kg" = 0.0 in 0.0 .. 1e6, "Part of the fixed mass that sits away from the centre of buoyancy";
     offset_mass_forward_m: "m" = 0.0 in -100.0 .. 100.0, "Position of the offset mass forward of the centre of buoyancy";

@@ -110,6 +110,7 @@ sections! {
         pitch_damping: Assume(0.0), "N.m.s", ANY, "Moment per pitch rate, negative when it damps";
         pitch_damping_quadratic: Assume(0.0), "N.m.s2", ANY, "Moment per pitch rate times its magnitude, negative when it damps";
         pitch_damping_CMq: Assume(0.0), "1", ANY, "Moment coefficient per pitch rate times length over speed, negative when it damps";
+        pitch_damping_V2: Assume(0.0), "kg.s", ANY, "Moment per pitch rate and square of the speed, negative when it damps";
     }
     /// The polar measured on descents; what it leaves out is that of `hydro`.
     descent LegPolar = "hydro.descent" {

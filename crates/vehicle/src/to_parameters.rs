@@ -86,6 +86,7 @@ impl Vehicle {
             pitch_damping_N_m_s: get("hydro.pitch_damping"),
             pitch_damping_quadratic_N_m_s2: get("hydro.pitch_damping_quadratic"),
             pitch_damping_CMq: get("hydro.pitch_damping_CMq"),
+            pitch_damping_V2_kg_s: get("hydro.pitch_damping_V2"),
             hull_mass_kg,
             moving_mass_kg,
             ballast_nominal_kg,

@@ -418,8 +418,9 @@ const FIXED: &[&str] = &[
     "ballast_below_m",
 ];
 
-/// Parameters without any effect on motion or outputs: a log's matter.
-const NOT_PUBLISHED: &[&str] = &["pressure_lag_s"];
+/// Parameters that an instance takes from its vehicle file alone: without effect on motion or outputs (a log's matter), or
+/// the damping law and the coupling of one published vehicle.
+const NOT_PUBLISHED: &[&str] = &["pressure_lag_s", "pitch_damping_V2_kg_s", "added_Z_qdot_kg_m"];
 
 fn build() -> Vec<Variable> {
     let mut table = vec![time()];
