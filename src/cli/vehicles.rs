@@ -53,10 +53,23 @@ fn print_keys() {
         let need = match key.need {
             Need::Always(purpose) => format!("needed: {purpose}"),
             Need::ForMotion(purpose) => format!("needed for time histories: {purpose}"),
+            Need::ForTurns(purpose) => format!("needed for turns: {purpose}"),
             Need::Default(value) => format!("default {value}"),
             Need::Optional => "optional".to_owned(),
         };
         println!("{:<36} [{}]  {} ({need})", key.path, key.unit, key.meaning);
+    }
+    for (path, meaning) in [
+        (
+            "lateral.rate_law",
+            "\"V\" (default) or \"V2\": forces by a rate grow with the speed or with its square; then CY_r, CN_r, Cl_p, Cl_r, CN_p are in s",
+        ),
+        (
+            "moving_mass.inertia_kg_m2",
+            "[x, y, z]: moments of inertia of the moving mass about its own centre [kg.m2] (optional)",
+        ),
+    ] {
+        println!("{path:<36} {meaning}");
     }
     for name in mechanisms::vehicle_parameters() {
         if let Some(row) = parameter_index(name).map(|index| PARAMETERS[index]) {

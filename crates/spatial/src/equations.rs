@@ -11,10 +11,10 @@
 //! with the water; `DV/Dt` is the acceleration of the water itself, which the pressure around the hull carries. They are the
 //! same in uniform water. The moving mass follows its servos: its acceleration in the hull is known before the hull's.
 
-use glidepolar_number::Number;
 use glidepolar_dynamics::Surroundings;
 use glidepolar_dynamics::equations::{servo_acceleration, servo_speed};
 use glidepolar_dynamics::limits::support_N;
+use glidepolar_number::Number;
 
 use super::forces::{Hydrodynamics, Motion};
 use super::inertia::{Inertia, Mover};
@@ -209,8 +209,7 @@ impl<'a, T: Number> Instant<'a, T> {
             turned[i] + weight * down[i] + h.force_N[i] + (displaced * of_the_water[i] - mass * along_the_way[i])
                 - rate[i]
         });
-        let moment =
-            std::array::from_fn(|i| turned_angular[i] + munk[i] + tilt[i] + h.moment_N_m[i] - angular_rate[i]);
+        let moment = std::array::from_fn(|i| turned_angular[i] + munk[i] + tilt[i] + h.moment_N_m[i] - angular_rate[i]);
         inertia.solve(force, moment)
     }
 
@@ -257,11 +256,8 @@ impl<'a, T: Number> Instant<'a, T> {
         let zero = T::constant(0.0);
         let place = [s.moving_mass_m, radius * sin, p.moving_mass_height_m - radius * (-cos + 1.0)];
         let speed = [s.moving_mass_speed_m_s, radius * cos * rate, -(radius * sin * rate)];
-        let acceleration = [
-            sliding,
-            radius * (cos * turning - sin * rate * rate),
-            -(radius * (sin * turning + cos * rate * rate)),
-        ];
+        let acceleration =
+            [sliding, radius * (cos * turning - sin * rate * rate), -(radius * (sin * turning + cos * rate * rate))];
         let [i1, i2, i3] = [l.moving_inertia_1_kg_m2, l.moving_inertia_2_kg_m2, l.moving_inertia_3_kg_m2];
         let product = (i3 - i2) * sin * cos;
         let own = [

@@ -20,7 +20,9 @@ const FIRST_STEP_S: f64 = 0.1;
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum FlightError {
     /// Steps became too short to go on, or a rate of change was not finite.
-    #[error("at {time_s} s the equations give no finite rate of change: the glider stands on its nose or tail, or a parameter has no meaning")]
+    #[error(
+        "at {time_s} s the equations give no finite rate of change: the glider stands on its nose or tail, or a parameter has no meaning"
+    )]
     Stopped {
         /// Time reached \[s\].
         time_s: f64,

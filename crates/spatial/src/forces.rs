@@ -9,8 +9,8 @@
 //! `D`, `L`, `T2` are those of the vertical plane at this speed and angle of attack. The last term of `T3` is the Munk
 //! couple, which the equations of motion hold already and a tank's `CN_beta` contains.
 
-use glidepolar_number::Number;
 use glidepolar_dynamics::forces::{Flow, ascent_fraction};
+use glidepolar_number::Number;
 
 use super::lateral::{Body, Lateral, RateLaw};
 use super::vector::Vector;

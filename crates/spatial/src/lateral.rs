@@ -1,7 +1,7 @@
 //! The numbers of the equations of motion that the vertical plane does not need.
 
-use glidepolar_number::Number;
 use glidepolar_dynamics::{ParameterInfo, Parameters};
+use glidepolar_number::Number;
 
 macro_rules! lateral {
     ($($name:ident : $unit:literal = $default:literal in $min:literal .. $max:literal, $meaning:literal;)*) => {

@@ -5,9 +5,9 @@
 //! glider with this net mass and trim, followed while roll mass, rudder, their offsets and the static list grow from zero;
 //! then every combination of [`ROLLS_DEG`], [`TURN_RATES_RAD_S`] and [`SIDESLIPS_DEG`] about each of those glides.
 
-use glidepolar_number::Number;
 use glidepolar_dynamics::Surroundings;
 use glidepolar_dynamics::glide::{Attitude, SteadyGlide, at_pitch};
+use glidepolar_number::Number;
 use nalgebra::{SMatrix, SVector};
 use num_dual::{Derivative, DualSVec64};
 
@@ -135,14 +135,8 @@ pub fn find(body: &Body<f64>, setting: &Setting) -> Vec<Turn> {
         for roll in ROLLS_DEG {
             for rate in TURN_RATES_RAD_S {
                 for slip in SIDESLIPS_DEG {
-                    let start = Unknowns([
-                        roll.to_radians(),
-                        begin.0[1],
-                        begin.0[2],
-                        begin.0[3],
-                        slip.to_radians(),
-                        rate,
-                    ]);
+                    let start =
+                        Unknowns([roll.to_radians(), begin.0[1], begin.0[2], begin.0[3], slip.to_radians(), rate]);
                     if let Some(turn) = newton(body, setting, start) {
                         keep(turn);
                     }
@@ -178,9 +172,8 @@ pub fn continued(body: &Body<f64>, setting: &Setting, from: Option<&Turn>) -> Op
 /// Straight glides of the symmetric glider: one at a given pitch, every one at a given place of the moving mass.
 fn straight(body: &Body<f64>, setting: &Setting) -> Vec<SteadyGlide<f64>> {
     let water = setting.water(body);
-    let glide = |pitch_rad: f64| {
-        at_pitch(&body.plane, &water, Attitude { pitch_rad, net_mass_kg: setting.net_mass_kg }).ok()
-    };
+    let glide =
+        |pitch_rad: f64| at_pitch(&body.plane, &water, Attitude { pitch_rad, net_mass_kg: setting.net_mass_kg }).ok();
     let wanted = match setting.trim {
         Trim::Pitch(pitch_rad) => return glide(pitch_rad).into_iter().collect(),
         Trim::MovingMass(wanted) => wanted,
@@ -257,14 +250,7 @@ fn unknowns_of(turn: &Turn, trim: Trim) -> Unknowns<f64> {
         Trim::MovingMass(_) => turn.pitch_rad,
         Trim::Pitch(_) => turn.moving_mass_m,
     };
-    Unknowns([
-        turn.roll_rad,
-        second,
-        turn.speed_m_s,
-        turn.angle_of_attack_rad,
-        turn.sideslip_rad,
-        turn.turn_rate_rad_s,
-    ])
+    Unknowns([turn.roll_rad, second, turn.speed_m_s, turn.angle_of_attack_rad, turn.sideslip_rad, turn.turn_rate_rad_s])
 }
 
 impl Unknowns<f64> {
@@ -346,8 +332,7 @@ fn newton(body: &Body<f64>, setting: &Setting, start: Unknowns<f64>) -> Option<U
         let state = seeded.state(body, setting);
         let (along, about) = accelerations(&jets, Jet::constant(0.0), &state, &inputs);
         let residual = [along[0], along[1], along[2], about[0], about[1], about[2]];
-        let slopes =
-            SMatrix::<f64, 6, 6>::from_fn(|i, j| residual[i].eps.0.map_or(0.0, |eps| eps[j]));
+        let slopes = SMatrix::<f64, 6, 6>::from_fn(|i, j| residual[i].eps.0.map_or(0.0, |eps| eps[j]));
         let right = SVector::<f64, 6>::from_fn(|i, _| residual[i].re);
         let step = slopes.lu().solve(&right).filter(|step| step.iter().all(|s| s.is_finite()))?;
         let over = (0..6).map(|i| step[i].abs() / LONGEST[i]).fold(1.0, f64::max);
@@ -390,16 +375,7 @@ fn eigenvalues(body: &Body<f64>, setting: &Setting, at: &State<f64>) -> Vec<[f64
     }
     let (along, about) = accelerations(&jets, Jet::constant(0.0), &state, &inputs);
     let attitude = derivative(&jets, Jet::constant(0.0), &state, &inputs);
-    let rates = [
-        attitude.roll_rad,
-        attitude.pitch_rad,
-        along[0],
-        along[1],
-        along[2],
-        about[0],
-        about[1],
-        about[2],
-    ];
+    let rates = [attitude.roll_rad, attitude.pitch_rad, along[0], along[1], along[2], about[0], about[1], about[2]];
     let matrix = SMatrix::<f64, 8, 8>::from_fn(|i, j| rates[i].eps.0.map_or(0.0, |eps| eps[j]));
     let mut values: Vec<[f64; 2]> = matrix.complex_eigenvalues().iter().map(|z| [z.re, z.im]).collect();
     values.sort_by(|a, b| a[0].total_cmp(&b[0]).then(b[1].total_cmp(&a[1])));

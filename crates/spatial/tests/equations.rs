@@ -148,8 +148,7 @@ fn in_the_vertical_plane_the_accelerations_are_those_of_the_plane() {
             current_z_m_s: i.current_down_m_s,
             ..dynamics::Inputs::still_water(i.water_density_kg_m3, i.water_temperature_C)
         };
-        let expected =
-            dynamics::derivative(p, Actuation::Servo, Modes::default(), 1e4, &in_plane, &plane_inputs);
+        let expected = dynamics::derivative(p, Actuation::Servo, Modes::default(), 1e4, &in_plane, &plane_inputs);
         let found = derivative(&body, 1e4, &s, &i);
         let pairs = [
             (found.north_m, expected.x_m, 0.3),
@@ -165,7 +164,14 @@ fn in_the_vertical_plane_the_accelerations_are_those_of_the_plane() {
             let difference = (found - expected).abs() / f64::max(expected.abs(), scale);
             assert!(difference < 1e-12, "state {case}, quantity {k}: {found} against {expected}");
         }
-        for sideways in [found.v2_m_s, found.p_rad_s, found.r_rad_s, found.roll_rad, found.heading_rad, found.east_m - i.current_east_m_s] {
+        for sideways in [
+            found.v2_m_s,
+            found.p_rad_s,
+            found.r_rad_s,
+            found.roll_rad,
+            found.heading_rad,
+            found.east_m - i.current_east_m_s,
+        ] {
             assert_eq!(sideways, 0.0, "state {case}");
         }
     }
@@ -251,12 +257,8 @@ fn without_forces_of_the_water_energy_and_horizontal_momentum_stay() {
     let random = &mut StdRng::seed_from_u64(13);
     for _ in 0..5 {
         let body = without_drag(any_body(random));
-        let begin = State {
-            moving_mass_speed_m_s: 0.0,
-            roll_mass_rate_rad_s: 0.0,
-            pitch_rad: -0.3,
-            ..any_state(random)
-        };
+        let begin =
+            State { moving_mass_speed_m_s: 0.0, roll_mass_rate_rad_s: 0.0, pitch_rad: -0.3, ..any_state(random) };
         let inputs = Inputs {
             moving_mass_command_m: begin.moving_mass_m,
             roll_mass_command_rad: begin.roll_mass_rad,
@@ -296,11 +298,8 @@ fn kinetic(body: &Body<f64>, s: &State<f64>) -> (f64, [f64; 3]) {
     let added = [p.added_mass_1_kg, l.added_mass_2_kg, p.added_mass_3_kg];
     let mut energy: f64 = (0..3).map(|i| 0.5 * added[i] * v[i] * v[i]).sum();
     energy += l.added_Y_rdot_kg_m * v[1] * w[2] + p.added_Z_qdot_kg_m * v[2] * w[1];
-    let mut momentum = [
-        added[0] * v[0],
-        added[1] * v[1] + l.added_Y_rdot_kg_m * w[2],
-        added[2] * v[2] + p.added_Z_qdot_kg_m * w[1],
-    ];
+    let mut momentum =
+        [added[0] * v[0], added[1] * v[1] + l.added_Y_rdot_kg_m * w[2], added[2] * v[2] + p.added_Z_qdot_kg_m * w[1]];
     for (mass, place) in bodies {
         let u = at(place);
         energy += 0.5 * mass * u.iter().map(|x| x * x).sum::<f64>();
@@ -391,7 +390,13 @@ fn a_neutral_body_without_drag_follows_any_uniform_current() {
         (body.plane.offset_mass_below_m, body.plane.offset_mass_forward_m) = (0.0, 0.0);
         (body.plane.ballast_below_m, body.plane.ballast_forward_m) = (0.0, 0.0);
         // Its masses at the centre of buoyancy, or the water's acceleration would swing them like a pendulum.
-        let state = State { depth_m: 50.0, ballast_mass_kg: 1.0, roll_rad: 0.3, heading_rad: 1.0, ..State::from_array([0.0; N_STATES]) };
+        let state = State {
+            depth_m: 50.0,
+            ballast_mass_kg: 1.0,
+            roll_rad: 0.3,
+            heading_rad: 1.0,
+            ..State::from_array([0.0; N_STATES])
+        };
         let inputs = Inputs {
             current_north_rate_m_s2: random.random_range(-0.1..0.1),
             current_east_rate_m_s2: random.random_range(-0.1..0.1),
@@ -399,12 +404,8 @@ fn a_neutral_body_without_drag_follows_any_uniform_current() {
             current_down_m_s: 0.0,
             ..any_inputs(random)
         };
-        let inputs = Inputs {
-            water_density_kg_m3: 1027.0,
-            moving_mass_command_m: 0.0,
-            roll_mass_command_rad: 0.0,
-            ..inputs
-        };
+        let inputs =
+            Inputs { water_density_kg_m3: 1027.0, moving_mass_command_m: 0.0, roll_mass_command_rad: 0.0, ..inputs };
         let rates = derivative(&body, 0.0, &state, &inputs);
         for rate in [rates.v1_m_s, rates.v2_m_s, rates.v3_m_s, rates.p_rad_s, rates.q_rad_s, rates.r_rad_s] {
             assert!(rate.abs() < 1e-12, "{rates:?}");

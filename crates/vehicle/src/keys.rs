@@ -8,6 +8,8 @@ pub enum Need {
     Always(&'static str),
     /// Time histories and the FMU need it; steady glides and fits do without.
     ForMotion(&'static str),
+    /// Turns need it; the vertical plane does without.
+    ForTurns(&'static str),
     /// Taken when absent.
     Default(f64),
     /// Left out without loss.
@@ -64,7 +66,7 @@ macro_rules! sections {
     };
 }
 
-use Need::{Always, Default as Assume, ForMotion, Optional};
+use Need::{Always, Default as Assume, ForMotion, ForTurns, Optional};
 
 /// Anything, negative too.
 const ANY: f64 = f64::NEG_INFINITY;
@@ -92,6 +94,67 @@ sections! {
         offset_mass_forward_m: Assume(0.0), "m", ANY, "Its position forward of the centre of buoyancy";
         offset_mass_below_m: Assume(0.0), "m", ANY, "Its position below the centre of buoyancy";
         cg_below_cb_m: Optional, "m", ANY, "Centre of gravity of the whole vehicle below the centre of buoyancy; replaces the offset mass";
+        cg_forward_m: Optional, "m", ANY, "Centre of gravity of the whole vehicle forward of the centre of buoyancy, moving mass at zero; replaces the offset mass";
+        cg_starboard_m: Optional, "m", ANY, "Centre of gravity of the whole vehicle to starboard, a static list";
+    }
+    /// Side force, roll and yaw.
+    lateral Lateral = "lateral" {
+        CY_beta_per_rad: ForTurns("the side force of a glider that slips"), "1/rad", ANY, "Side force coefficient per sideslip, negative when it pushes back";
+        Cl_beta_per_rad: Assume(0.0), "1/rad", ANY, "Rolling moment coefficient per sideslip about the centre of buoyancy";
+        CN_beta_per_rad: ForTurns("the yawing moment of a glider that slips"), "1/rad", ANY, "Yawing moment coefficient per sideslip about the centre of buoyancy, Munk couple included as a tank measures it, positive when it turns into the flow";
+        CY_r: Assume(0.0), "1", ANY, "Side force coefficient per yaw rate";
+        CN_r: ForTurns("what damps the yaw"), "1", ANY, "Yawing moment coefficient per yaw rate, negative when it damps";
+        Cl_p: Assume(0.0), "1", ANY, "Rolling moment coefficient per roll rate, negative when it damps";
+        Cl_r: Assume(0.0), "1", ANY, "Rolling moment coefficient per yaw rate";
+        CN_p: Assume(0.0), "1", ANY, "Yawing moment coefficient per roll rate";
+        m2_kg: ForTurns("the inertia to the side contains it"), "kg", 0.0, "Added mass along axis 2";
+        roll_inertia_kg_m2: ForTurns("the inertia in roll"), "kg.m2", POSITIVE, "Moment of inertia in roll, added inertia included, moving mass left out";
+        yaw_inertia_kg_m2: ForTurns("the inertia in yaw"), "kg.m2", POSITIVE, "Moment of inertia in yaw, added inertia included, moving mass left out";
+        Y_rdot_kg_m: Assume(0.0), "kg.m", ANY, "Added mass that couples sway and yaw: momentum along axis 2 per yaw rate";
+        Z_qdot_kg_m: Assume(0.0), "kg.m", ANY, "Added mass that couples heave and pitch: momentum along axis 3 per pitch rate";
+    }
+    /// What was measured on descents; what it leaves out is that of `lateral`.
+    lateral_descent LateralDescent = "lateral.descent" {
+        CY_beta_per_rad: Optional, "1/rad", ANY, "Side force coefficient per sideslip on descents";
+        Cl_beta_per_rad: Optional, "1/rad", ANY, "Rolling moment coefficient per sideslip on descents";
+        CN_beta_per_rad: Optional, "1/rad", ANY, "Yawing moment coefficient per sideslip on descents";
+        CY_r: Optional, "1", ANY, "Side force coefficient per yaw rate on descents";
+        CN_r: Optional, "1", ANY, "Yawing moment coefficient per yaw rate on descents";
+        Cl_p: Optional, "1", ANY, "Rolling moment coefficient per roll rate on descents";
+        Cl_r: Optional, "1", ANY, "Rolling moment coefficient per yaw rate on descents";
+        CN_p: Optional, "1", ANY, "Yawing moment coefficient per roll rate on descents";
+    }
+    /// What was measured on ascents; what it leaves out is that of `lateral`.
+    lateral_ascent LateralAscent = "lateral.ascent" {
+        CY_beta_per_rad: Optional, "1/rad", ANY, "Side force coefficient per sideslip on ascents";
+        Cl_beta_per_rad: Optional, "1/rad", ANY, "Rolling moment coefficient per sideslip on ascents";
+        CN_beta_per_rad: Optional, "1/rad", ANY, "Yawing moment coefficient per sideslip on ascents";
+        CY_r: Optional, "1", ANY, "Side force coefficient per yaw rate on ascents";
+        CN_r: Optional, "1", ANY, "Yawing moment coefficient per yaw rate on ascents";
+        Cl_p: Optional, "1", ANY, "Rolling moment coefficient per roll rate on ascents";
+        Cl_r: Optional, "1", ANY, "Rolling moment coefficient per yaw rate on ascents";
+        CN_p: Optional, "1", ANY, "Yawing moment coefficient per roll rate on ascents";
+    }
+    /// The rudder.
+    rudder Rudder = "rudder" {
+        CY_delta_per_rad: Assume(0.0), "1/rad", ANY, "Side force coefficient per rudder angle, negative at the tail";
+        CN_delta_per_rad: Assume(0.0), "1/rad", ANY, "Yawing moment coefficient per rudder angle, positive: the bow turns to starboard";
+        Cl_delta_per_rad: Assume(0.0), "1/rad", ANY, "Rolling moment coefficient per rudder angle";
+        min_rad: Optional, "rad", ANY, "Largest angle to port, negative";
+        max_rad: Optional, "rad", ANY, "Largest angle to starboard";
+        rate_rad_s: Assume(0.1), "rad/s", POSITIVE, "Largest rate";
+        power_W: Assume(0.0), "W", 0.0, "Power at the largest rate";
+        offset_rad: Assume(0.0), "rad", ANY, "True angle less the one that is read";
+    }
+    /// The part of the moving mass that turns about the hull's axis.
+    roll_mass RollMass = "roll_mass" {
+        mass_kg: Assume(0.0), "kg", 0.0, "Its mass, contained in the moving mass";
+        radius_m: Assume(0.0), "m", 0.0, "Distance of its centre from the hull's axis";
+        min_rad: Optional, "rad", ANY, "Largest angle to port, negative";
+        max_rad: Optional, "rad", ANY, "Largest angle to starboard";
+        rate_rad_s: Assume(0.1), "rad/s", POSITIVE, "Largest rate";
+        power_W: Assume(0.0), "W", 0.0, "Power at the largest rate";
+        offset_rad: Assume(0.0), "rad", ANY, "True angle less the one that is read";
     }
     /// Water that moves with the hull.
     added_mass AddedMass = "added_mass" {

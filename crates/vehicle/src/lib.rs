@@ -9,6 +9,7 @@
 pub mod builtin;
 pub mod keys;
 mod read;
+mod to_body;
 mod to_parameters;
 
 use std::collections::BTreeMap;
@@ -17,6 +18,8 @@ use std::path::Path;
 use glidepolar_dynamics::mechanisms;
 use glidepolar_dynamics::{PARAMETERS, parameter_index};
 use glidepolar_input::{InputError, Place};
+
+use glidepolar_spatial::RateLaw;
 
 pub use keys::Sections;
 pub use to_parameters::MissingKeys;
@@ -34,6 +37,10 @@ pub struct Vehicle {
     pub mechanisms: BTreeMap<&'static str, f64>,
     /// Standard errors, by dotted name.
     pub uncertainty: BTreeMap<String, f64>,
+    /// How lateral forces and moments by a rate grow with speed.
+    pub rate_law: RateLaw,
+    /// Moments of inertia of the moving mass about its own centre \[kg m2\].
+    pub moving_mass_inertia_kg_m2: Option<[f64; 3]>,
     /// Whether it is one of the built-in vehicles rather than a user's own.
     pub is_builtin: bool,
     document: toml_edit::DocumentMut,

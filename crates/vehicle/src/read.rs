@@ -11,6 +11,7 @@ use glidepolar_dynamics::mechanisms;
 use glidepolar_dynamics::{PARAMETERS, parameter_index};
 use glidepolar_input::toml::{Bounds, TomlText};
 use glidepolar_input::{InputError, Place, nearest, printable};
+use glidepolar_spatial::RateLaw;
 
 pub(super) fn read(text: &str, origin: &Path) -> Result<Vehicle, InputError> {
     let toml = TomlText::new(text, origin);
@@ -21,6 +22,8 @@ pub(super) fn read(text: &str, origin: &Path) -> Result<Vehicle, InputError> {
         sections: Sections::default(),
         mechanisms: BTreeMap::new(),
         uncertainty: BTreeMap::new(),
+        rate_law: RateLaw::default(),
+        moving_mass_inertia_kg_m2: None,
     };
     let mut name = None;
     let mut source = None;
@@ -37,7 +40,7 @@ pub(super) fn read(text: &str, origin: &Path) -> Result<Vehicle, InputError> {
     let name = name.ok_or_else(|| {
         InputError::new(Place::file(origin), "missing key `name`, the name that reports give the vehicle")
     })?;
-    let Reader { sections, mechanisms, uncertainty, .. } = reader;
+    let Reader { sections, mechanisms, uncertainty, rate_law, moving_mass_inertia_kg_m2, .. } = reader;
     let document = document.into_mut();
     let vehicle = Vehicle {
         name,
@@ -45,6 +48,8 @@ pub(super) fn read(text: &str, origin: &Path) -> Result<Vehicle, InputError> {
         sections,
         mechanisms,
         uncertainty,
+        rate_law,
+        moving_mass_inertia_kg_m2,
         is_builtin: false,
         document,
     };
@@ -58,8 +63,8 @@ pub(super) fn read(text: &str, origin: &Path) -> Result<Vehicle, InputError> {
 pub(super) fn unknown_key(path: &str, place: Place) -> InputError {
     let mechanism_paths: Vec<String> =
         mechanisms::vehicle_parameters().map(|parameter| format!("mechanisms.{parameter}")).collect();
-    let known =
-        KEYS.iter().map(|key| key.path).chain(mechanism_paths.iter().map(String::as_str)).chain(["name", "source"]);
+    let others = ["name", "source", RATE_LAW, MOVING_MASS_INERTIA];
+    let known = KEYS.iter().map(|key| key.path).chain(mechanism_paths.iter().map(String::as_str)).chain(others);
     let error = InputError::new(place, format!("unknown key `{}`", printable(path)));
     match nearest(path, known) {
         Some(near) => error.help(format!("did you mean `{near}`?")),
@@ -79,7 +84,14 @@ struct Reader<'a> {
     sections: Sections,
     mechanisms: BTreeMap<&'static str, f64>,
     uncertainty: BTreeMap<String, f64>,
+    rate_law: RateLaw,
+    moving_mass_inertia_kg_m2: Option<[f64; 3]>,
 }
+
+/// The key whose value is a word.
+const RATE_LAW: &str = "lateral.rate_law";
+/// The key whose value is three numbers.
+const MOVING_MASS_INERTIA: &str = "moving_mass.inertia_kg_m2";
 
 impl Reader<'_> {
     fn section(&mut self, path: &str, item: &Item) -> Result<(), InputError> {
@@ -110,6 +122,8 @@ impl Reader<'_> {
                 ("uncertainty", Some(nested)) => self.nested_uncertainty(name, nested)?,
                 ("uncertainty", None) => self.one_uncertainty(name, item, place)?,
                 (_, Some(_)) => self.section(&path, item)?,
+                (_, None) if path == RATE_LAW => self.rate_law = self.law(item)?,
+                (_, None) if path == MOVING_MASS_INERTIA => self.moving_mass_inertia_kg_m2 = Some(self.three(item)?),
                 (_, None) => {
                     let Some(key) = keys::key(&path) else {
                         return Err(unknown_key(&path, place));
@@ -142,6 +156,36 @@ impl Reader<'_> {
         let value = self.number(path, item, 0.0, f64::MAX)?;
         self.uncertainty.insert(path.to_owned(), value);
         Ok(())
+    }
+
+    fn law(&self, item: &Item) -> Result<RateLaw, InputError> {
+        match self.toml.string(RATE_LAW, item)?.as_str() {
+            "V" => Ok(RateLaw::Speed),
+            "V2" => Ok(RateLaw::SpeedSquared),
+            other => {
+                let problem = format!("`{RATE_LAW}` is \"{}\", expected \"V\" or \"V2\"", printable(other));
+                let help = "\"V\": forces by a rate grow with the speed, rates times length over speed; \"V2\": with its square";
+                Err(InputError::new(self.toml.place(item.span()), problem).help(help))
+            }
+        }
+    }
+
+    fn three(&self, item: &Item) -> Result<[f64; 3], InputError> {
+        let numbers: Vec<f64> = item
+            .as_array()
+            .into_iter()
+            .flatten()
+            .filter_map(|value| value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64)))
+            .collect();
+        let length = item.as_array().map_or(0, toml_edit::Array::len);
+        match numbers.as_slice() {
+            &[x, y, z] if length == 3 && numbers.iter().all(|n| n.is_finite() && *n >= 0.0) => Ok([x, y, z]),
+            _ => {
+                let problem = format!("`{MOVING_MASS_INERTIA}`: expected three numbers not below zero [kg.m2]");
+                let help = "write [x, y, z], about axes through its own centre";
+                Err(InputError::new(self.toml.place(item.span()), problem).help(help))
+            }
+        }
     }
 
     fn number(&self, path: &str, item: &Item, min: f64, max: f64) -> Result<f64, InputError> {

@@ -42,6 +42,71 @@ fn the_default_parameters_are_the_slocum_like_vehicle() {
 }
 
 #[test]
+fn seawing_has_the_published_constants() {
+    // Zhang et al. 2013, moments without the Munk couple.
+    let body = Vehicle::load("seawing").unwrap().body().unwrap();
+    let (p, l) = (&body.plane, &body.lateral);
+    let half = 0.5 * p.reference_density_kg_m3 * p.frontal_area_m2;
+    let moment = half * p.length_m;
+    let cases = [
+        (half * p.a_per_rad, 440.99),
+        (half * p.b, 7.19),
+        (half * p.c_per_rad2, 386.29),
+        (half * p.CL0, -0.36),
+        (half * l.CY_beta_per_rad, -115.65),
+        (moment * p.CM0, 0.28),
+        (moment * p.d_per_rad - (p.added_mass_3_kg - p.added_mass_1_kg), -65.84),
+        (moment * l.Cl_beta_per_rad, -58.27),
+        (moment * l.ascent_CN_beta_per_rad - (p.added_mass_1_kg - l.added_mass_2_kg), 34.10),
+        (moment * l.CN_r, -389.30),
+        (moment * l.Cl_p, -19.83),
+        (p.pitch_inertia_kg_m2, 7.88 + 15.27 + 10.16),
+        (p.displaced_mass_kg, 65.28),
+    ];
+    for (found, expected) in cases {
+        assert!((found - expected).abs() < 1e-9 * expected.abs(), "{found} against {expected}");
+    }
+    assert_eq!(body.rate_law, RateLaw::SpeedSquared);
+}
+
+#[test]
+fn the_tables_of_turns_are_read_with_the_same_care_as_the_others() {
+    let text = builtin::text("seawing").unwrap();
+    let broken = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        Vehicle::parse(&text.replace(from, to), "x.toml").unwrap_err().to_string()
+    };
+    for (message, expected) in [
+        (broken("CN_r = ", "CN_rr = "), "did you mean `lateral.CN_r`?"),
+        (broken("rate_law = \"V2\"", "rate_law = \"V3\""), "`lateral.rate_law` is \"V3\", expected \"V\" or \"V2\""),
+        (broken("rate_law", "rate_lav"), "did you mean `lateral.rate_law`?"),
+        (broken("[0.02, 10.16, 0.17]", "[0.02, 10.16]"), "expected three numbers not below zero [kg.m2]"),
+        (broken("[0.02, 10.16, 0.17]", "\"a\""), "expected three numbers not below zero [kg.m2]"),
+        (broken("radius_m = 0.014", "radius_m = -0.014"), "`roll_mass.radius_m` is -0.014"),
+        (broken("min_rad = -1.57", "min_rad = 2.57"), "`roll_mass.max_rad` = 1.5707963267948966 rad lies below"),
+    ] {
+        assert!(message.contains(expected), "{message:?} lacks {expected:?}");
+    }
+    let error = Vehicle::load("rogue").unwrap().body().unwrap_err().to_string();
+    assert!(error.contains("lacks what a turn needs") && error.contains("`lateral.m2_kg` [kg]"), "{error}");
+}
+
+#[test]
+fn legs_that_turn_apart_and_a_list_are_read() {
+    let text = builtin::text("seawing").unwrap().replace("[ballast]", "[lateral.ascent]\nCN_r = -0.5\n[ballast]");
+    let mut vehicle = Vehicle::parse(&text, "x.toml").unwrap();
+    vehicle.set("mass.cg_starboard_m", 0.001).unwrap();
+    vehicle.set("mass.cg_forward_m", -0.0677).unwrap();
+    let body = vehicle.body().unwrap();
+    assert_eq!((body.lateral.ascent_CN_r, body.lateral.starboard_moment_kg_m), (-0.5, 65.28 * 0.001));
+    assert!(body.lateral.CN_r < -5.0);
+    let p = &body.plane;
+    // Forward: moving mass at zero; the height stays that of the offset mass.
+    assert!((p.offset_mass_kg * p.offset_mass_forward_m - 65.28 * -0.0677).abs() < 1e-12);
+    assert!((p.offset_mass_kg * p.offset_mass_below_m - 54.28 * 0.0032).abs() < 1e-12);
+}
+
+#[test]
 fn legs_measured_apart_become_ratios() {
     let p = Vehicle::load("slocum-049").unwrap().parameters().unwrap();
     assert_eq!((p.a_per_rad, p.b, p.c_per_rad2), (4.7, 0.25, 6.2));

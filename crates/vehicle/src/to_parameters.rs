@@ -1,16 +1,18 @@
 //! From a vehicle's figures to the numbers of the equations of motion.
 
 use super::Vehicle;
-use super::keys::{KEYS, Need};
+use super::keys::{self, KEYS, Need};
 use glidepolar_dynamics::limits::reversed;
 use glidepolar_dynamics::{Parameters, parameter_index};
 
-/// Keys that time histories need and the vehicle file does not give.
+/// Keys that time histories or turns need and the vehicle file does not give.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("the vehicle `{vehicle}` lacks what a time history needs: {}", .keys.join("; "))]
+#[error("the vehicle `{vehicle}` lacks what {purpose} needs: {}", .keys.join("; "))]
 pub struct MissingKeys {
     /// The vehicle's name.
     pub vehicle: String,
+    /// What was asked for: a time history, a turn.
+    pub purpose: &'static str,
     /// Each missing key with its unit and what it is needed for.
     pub keys: Vec<String>,
 }
@@ -18,6 +20,14 @@ pub struct MissingKeys {
 impl Vehicle {
     /// What is wrong with the limits of ballast or moving mass, where they stand the wrong way round.
     pub(super) fn reversed_limits(&self) -> Option<String> {
+        for table in ["rudder", "roll_mass"] {
+            let [low, high] = ["min_rad", "max_rad"].map(|end| self.get(&format!("{table}.{end}")));
+            if let (Some(low), Some(high)) = (low, high)
+                && low > high
+            {
+                return Some(format!("`{table}.max_rad` = {high} rad lies below `{table}.min_rad` = {low} rad"));
+            }
+        }
         let [(low, least), (high, largest)] = reversed(&self.glide_parameters())?;
         // In the units of the file, to the figures that a conversion leaves.
         let shown =
@@ -45,7 +55,7 @@ impl Vehicle {
         if missing.is_empty() {
             Ok(self.glide_parameters())
         } else {
-            Err(MissingKeys { vehicle: self.name.clone(), keys: missing })
+            Err(MissingKeys { vehicle: self.name.clone(), purpose: "a time history", keys: missing })
         }
     }
 
@@ -63,13 +73,20 @@ impl Vehicle {
 
         // The height of the centre of gravity, where known, says more than a single offset mass: all of the hull sits
         // where it gives the whole vehicle that height.
-        let (offset_mass_kg, offset_mass_below_m) = match s.mass.cg_below_cb_m {
-            Some(cg_below_cb_m) => {
-                let first_moment = get("mass.mass_kg") * cg_below_cb_m - moving_mass_kg * moving_mass_height_m;
-                (hull_mass_kg, first_moment / hull_mass_kg)
+        let offset = get("mass.offset_mass_kg");
+        let [forward, below] = ["mass.offset_mass_forward_m", "mass.offset_mass_below_m"].map(get);
+        let (offset_mass_kg, offset_mass_forward_m, offset_mass_below_m) = match s.mass {
+            keys::Mass { cg_below_cb_m: None, cg_forward_m: None, .. } => (offset, forward, below),
+            keys::Mass { cg_below_cb_m, cg_forward_m, .. } => {
+                let whole = get("mass.mass_kg");
+                let below =
+                    cg_below_cb_m.map_or(offset * below, |cg| whole * cg - moving_mass_kg * moving_mass_height_m);
+                let forward = cg_forward_m.map_or(offset * forward, |cg| whole * cg);
+                (hull_mass_kg, forward / hull_mass_kg, below / hull_mass_kg)
             }
-            None => (get("mass.offset_mass_kg"), get("mass.offset_mass_below_m")),
         };
+        // Turned by the roll mass, the moving mass's own inertia changes its axes: only the vertical plane has it here.
+        let own_inertia = self.moving_mass_inertia_kg_m2.map_or(0.0, |[_, pitch, _]| pitch);
 
         let mut parameters = Parameters {
             gravity_m_s2: get("mass.gravity_m_s2"),
@@ -93,10 +110,11 @@ impl Vehicle {
             displaced_mass_kg: get("mass.displaced_volume_m3") * density,
             added_mass_1_kg: get("added_mass.m1_kg"),
             added_mass_3_kg: get("added_mass.m3_kg"),
-            pitch_inertia_kg_m2: or("added_mass.pitch_inertia_kg_m2", 1.0),
+            pitch_inertia_kg_m2: or("added_mass.pitch_inertia_kg_m2", 1.0) + own_inertia,
+            added_Z_qdot_kg_m: get("lateral.Z_qdot_kg_m"),
             moving_mass_height_m,
             offset_mass_kg,
-            offset_mass_forward_m: get("mass.offset_mass_forward_m"),
+            offset_mass_forward_m,
             offset_mass_below_m,
             ballast_forward_m: get("ballast.forward_m"),
             ballast_below_m: get("ballast.below_m"),
