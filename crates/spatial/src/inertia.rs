@@ -57,24 +57,25 @@ impl<T: Number> Inertia<T> {
 
     /// The accelerations that a force and a moment give, by `L D L'`; every true inertia is positive definite.
     pub fn solve(&self, force: Vector<T>, moment: Vector<T>) -> (Vector<T>, Vector<T>) {
-        let mut lower = self.0;
+        let mut upper = self.0;
         let mut x = [force[0], force[1], force[2], moment[0], moment[1], moment[2]];
         for column in 0..6 {
-            let pivot = lower[column][column];
+            let pivot = upper[column];
             for row in column + 1..6 {
-                let factor = lower[column][row] / pivot;
-                for k in row..6 {
-                    lower[row][k] = lower[row][k] - factor * lower[column][k];
+                let factor = pivot[row] / pivot[column];
+                for (value, above) in upper[row].iter_mut().zip(pivot).skip(row) {
+                    *value -= factor * above;
                 }
-                x[row] = x[row] - factor * x[column];
+                let above = x[column];
+                x[row] -= factor * above;
             }
         }
         for row in (0..6).rev() {
             let mut sum = x[row];
             for k in row + 1..6 {
-                sum -= lower[row][k] * x[k];
+                sum -= upper[row][k] * x[k];
             }
-            x[row] = sum / lower[row][row];
+            x[row] = sum / upper[row][row];
         }
         ([x[0], x[1], x[2]], [x[3], x[4], x[5]])
     }
