@@ -127,6 +127,9 @@ fn starts(parameters: &Parameters<f64>, water: Option<Water<'_>>) -> Vec<(&'stat
         ("v1_m_s", state.v1_m_s),
         ("v3_m_s", state.v3_m_s),
         ("moving_mass_position_m", state.moving_mass_1_m),
+        ("moving_mass_position_3_m", state.moving_mass_3_m),
+        ("PP1_kg_m_s", state.momentum_1_kg_m_s),
+        ("PP3_kg_m_s", state.momentum_3_kg_m_s),
         ("ballast_mass_kg", state.ballast_mass_kg),
         ("energy_J", state.energy_J),
     ]);

@@ -6,7 +6,7 @@ mod support;
 use glidepolar_fmu::description::structure::{Unknown, structure};
 use glidepolar_fmu::fmi2::*;
 use glidepolar_fmu::fmi3::*;
-use glidepolar_fmu::model::{Causality, Kind, Slot, variables};
+use glidepolar_fmu::model::{Causality, Kind, Slot, variable};
 use support::*;
 
 /// Somewhere away from every special value, in free water, the servos within their rates, every mechanism at work.
@@ -80,16 +80,16 @@ fn adjoint(glider: &Glider3, unknowns: &[u32], knowns: &[u32], seed: &[f64]) -> 
 }
 
 fn value(glider: &Glider3, reference: u32) -> f64 {
-    glider.get(variables()[reference as usize].name)
+    glider.get(variable(reference).unwrap().name)
 }
 
 /// A small change of a variable.
 fn step_of(reference: u32, value: f64) -> f64 {
-    let variable = &variables()[reference as usize];
-    let size = match (variable.causality, variable.bounds) {
+    let row = variable(reference).unwrap();
+    let size = match (row.causality, row.bounds) {
         (Causality::Parameter, _) if value != 0.0 => value.abs(),
         (Causality::Parameter, Some((_, max))) => max.min(1.0),
-        _ => variable.nominal.unwrap_or(1.0).max(value.abs()),
+        _ => row.nominal.unwrap_or(1.0).max(value.abs()),
     };
     1e-5 * size
 }
@@ -99,8 +99,8 @@ fn check_all(glider: &Glider3, unknowns: &[Unknown], put: impl Fn(&Glider3, u32,
     let mut pairs = 0;
     for unknown in unknowns {
         for &known in &unknown.dependencies {
-            let variable = &variables()[known as usize];
-            if variable.kind != Kind::Real || variable.name == "step_time_s" {
+            let row = variable(known).unwrap();
+            if row.kind != Kind::Real || row.name == "step_time_s" {
                 continue; // switches: nothing to differentiate by
             }
             let exact = forward(glider, &[unknown.reference], &[known], &[1.0])[0];
@@ -122,8 +122,8 @@ fn check_all(glider: &Glider3, unknowns: &[Unknown], put: impl Fn(&Glider3, u32,
             assert!(
                 (exact - numeric).abs() <= allowed,
                 "d {} / d {}: {exact} against {numeric} (allowed {allowed:e})",
-                variables()[unknown.reference as usize].name,
-                variable.name
+                variable(unknown.reference).unwrap().name,
+                row.name
             );
             pairs += 1;
         }
@@ -146,10 +146,10 @@ fn while_time_is_continuous() {
             glider.ok(fmi3SetTime(glider.instance, 4000.0));
         }
         let put = |glider: &Glider3, known: u32, value: f64| {
-            let variable = &variables()[known as usize];
+            let row = variable(known).unwrap();
             // SAFETY: a live instance and room for all states.
             unsafe {
-                match variable.slot {
+                match row.slot {
                     Slot::Time => glider.ok(fmi3SetTime(glider.instance, value)),
                     Slot::State(i) => {
                         let mut x = [0.0; 12];
@@ -157,7 +157,7 @@ fn while_time_is_continuous() {
                         x[i] = value;
                         glider.ok(fmi3SetContinuousStates(glider.instance, x.as_ptr(), 12));
                     }
-                    _ => glider.set(&[(variable.name, value)]),
+                    _ => glider.set(&[(row.name, value)]),
                 }
             }
         };
@@ -174,7 +174,7 @@ fn during_initialisation_starts_and_parameters_count_too() {
     glider.set(&SOMEWHERE);
     // SAFETY: a live instance.
     glider.ok(unsafe { fmi3EnterInitializationMode(glider.instance, 0, 0.0, 0.0, 0, 0.0) });
-    let put = |glider: &Glider3, known: u32, value: f64| glider.set(&[(variables()[known as usize].name, value)]);
+    let put = |glider: &Glider3, known: u32, value: f64| glider.set(&[(variable(known).unwrap().name, value)]);
     let mut initial = structure().initial;
     for unknown in &mut initial {
         // Time is not set during initialisation.
@@ -191,7 +191,7 @@ fn the_adjoint_is_the_transpose() {
     let unknowns: Vec<u32> =
         structure.derivatives.iter().chain(&structure.indicators).map(|unknown| unknown.reference).collect();
     let knowns: Vec<u32> =
-        STATES.iter().map(|name| vr(name)).chain((1..13).chain([0, vr("b"), vr("c_per_rad2")])).collect();
+        STATES.iter().map(|name| vr(name)).chain((2..14).chain([vr("time"), vr("b"), vr("c_per_rad2")])).collect();
     let number = |i: usize| (i as f64 * 0.7).sin() + 0.1;
     let seed_knowns: Vec<f64> = (0..knowns.len()).map(number).collect();
     let seed_unknowns: Vec<f64> = (0..unknowns.len()).map(|i| number(i + 5)).collect();

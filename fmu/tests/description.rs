@@ -83,7 +83,7 @@ fn the_token_is_a_guid_and_stays_as_long_as_the_table() {
 
 #[test]
 fn what_physics_says_depends_on_what_stands_in_the_structure() {
-    let reference = |name: &str| variables().iter().position(|v| v.name == name).unwrap() as u32;
+    let reference = |name: &str| variables().iter().find(|v| v.name == name).unwrap().reference;
     let structure = structure();
     let dependencies = |unknowns: &[glidepolar_fmu::description::structure::Unknown], name: &str| {
         let unknown = unknowns.iter().find(|unknown| unknown.reference == reference(name)).unwrap();

@@ -115,7 +115,6 @@ CASADI = """
     import csv, sys, zipfile
     import casadi
     import numpy as np
-    from fmpy import simulate_fmu
     from flights import OUTPUTS, STOP, TURN, commands
 
     fmu, output, folder, step = sys.argv[1], sys.argv[2], sys.argv[3], float(sys.argv[4])
@@ -130,8 +129,7 @@ CASADI = """
     problem = {"x": x, "u": u, "ode": right_hand_side(x, u)}
     options = {"abstol": 1e-12, "reltol": 1e-10, "max_num_steps": 100000}
 
-    # It knows start values, but not those that the FMU calculates at its start (the momentum of the moving mass).
-    state = np.array(list(simulate_fmu(fmu, stop_time=1.0, output=states)[states][0]))
+    state = np.array(model.start(states), dtype=float)
     rows, time = [], 0.0
     for row, until in ((0, TURN), (2, STOP)):
         held = dict(zip(inputs, np.array(model.start(inputs), dtype=float)))
@@ -204,17 +202,11 @@ PATHSIM = """
         start, end = (values.get(variable.name, float(variable.start)) for values in (down, up))
         return Source(lambda t: start if t < TURN - 1e-9 else end)
 
-    class ModelExchange(ModelExchangeFMU):
-        # PathSim would find out whether outputs follow from inputs by setting all inputs to 0 before anything is
-        # connected; but water of no density is refused. They do.
-        def __len__(self):
-            return 1
-
     sources = [signal(variable) for variable in inputs]
     if interface == "CoSimulation":
         glider = CoSimulationFMU(fmu, dt=step)
     else:
-        glider = ModelExchange(fmu)
+        glider = ModelExchangeFMU(fmu)
     scope = Scope(labels=OUTPUTS, sampling_period=step)
     wires = [Connection(source, glider[i]) for i, source in enumerate(sources)]
     wires += [Connection(glider[outputs.index(name)], scope[i]) for i, name in enumerate(OUTPUTS)]

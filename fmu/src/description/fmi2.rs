@@ -113,7 +113,7 @@ fn scalar_variable(document: &mut Document, variable: &Variable, vehicle: &Vehic
                 ("max", variable.bounds.and_then(|(_, max)| number(max))),
                 ("nominal", variable.nominal.and_then(number)),
                 ("start", start),
-                ("derivative", derivative_of(variable).map(|state| (state + 1).to_string())),
+                ("derivative", derivative_of(variable).map(|state| state.to_string())),
                 ("reinit", flag(variable.jumps)),
             ],
         ),
@@ -139,13 +139,9 @@ fn model_structure(document: &mut Document) {
     {
         document.open(name, &[]);
         for Unknown { reference, dependencies } in unknowns {
-            let indices = |references: Vec<u32>| {
-                references.iter().map(|reference| (reference + 1).to_string()).collect::<Vec<_>>().join(" ")
-            };
-            document.leaf(
-                "Unknown",
-                &[("index", text((reference + 1).to_string())), ("dependencies", text(indices(dependencies)))],
-            );
+            // Elements are counted from one, as value references are.
+            let indices = dependencies.iter().map(u32::to_string).collect::<Vec<_>>().join(" ");
+            document.leaf("Unknown", &[("index", text(reference.to_string())), ("dependencies", text(indices))]);
         }
         document.close();
     }
@@ -183,6 +179,7 @@ pub(super) fn variability(variability: Variability) -> &'static str {
 pub(super) fn initial(initial: Initial) -> &'static str {
     match initial {
         Initial::Exact => "exact",
+        Initial::Approx => "approx",
         Initial::Calculated => "calculated",
     }
 }

@@ -43,7 +43,7 @@ pub fn structure() -> Structure {
     let running: Vec<Slot> = [Slot::Time].into_iter().chain((0..N_INPUTS).map(Slot::Input)).chain(states()).collect();
     let at_start: Vec<Slot> = variables()
         .iter()
-        .filter(|v| v.kind == Kind::Real && (v.has_start() || v.slot == Slot::Time))
+        .filter(|v| v.kind == Kind::Real && (v.initial == Some(Initial::Exact) || v.slot == Slot::Time))
         .map(|v| v.slot)
         .collect();
     let running = Probe { knowns: running, starting: false };
@@ -54,7 +54,7 @@ pub fn structure() -> Structure {
         probe.unknowns(&wanted)
     };
     let calculated_at_start = |v: &Variable| {
-        v.initial == Some(Initial::Calculated)
+        v.follows_at_start()
             && (v.causality == Causality::Output || matches!(v.slot, Slot::State(_) | Slot::Derivative(_)))
     };
     Structure {

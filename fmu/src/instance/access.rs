@@ -4,7 +4,7 @@ use std::ffi::CStr;
 
 use super::Instance;
 use super::phase::Phase;
-use super::refusal::{Outcome, Refusal};
+use super::refusal::{Outcome, Refusal, Status};
 use super::resources::COLUMN_FILE;
 use crate::model::glider::actuation_of;
 use crate::model::{Causality, Initial, Kind, Slot, Variability, Variable, variable, variables};
@@ -64,10 +64,20 @@ impl Instance {
                 continue;
             }
             self.may_set(variable)?;
-            check_value(variable, value)?;
+            check_value(variable, self.or_not_given(variable, value))?;
         }
         for (&reference, &value) in references.iter().zip(values) {
             if let Some(variable) = variable(reference) {
+                if variable.initial == Some(Initial::Approx) && self.core.phase.is_starting() {
+                    self.log
+                        .event(&format!("{} follows from other start values; that given is not used", variable.name));
+                    continue;
+                }
+                let given = value;
+                let value = self.or_not_given(variable, given);
+                if value != given {
+                    self.warn_of_ground(variable, value);
+                }
                 if let Slot::Input(i) = variable.slot {
                     self.core.slopes.forget(i);
                 }
@@ -114,6 +124,35 @@ impl Instance {
         self.core.phase == Phase::ContinuousTime && matches!(variable.slot, Slot::State(_))
     }
 
+    /// The value that acts where an input is set to this one. Importers ground inputs that nothing feeds: a density of 0, or
+    /// a seabed at the surface, says that there is no such signal. Then the water is of the reference density, and the
+    /// seabed out of reach.
+    fn or_not_given(&self, variable: &Variable, value: f64) -> f64 {
+        match (variable.name, variable.bounds) {
+            ("water_density_kg_m3", _) if value == 0.0 => self.core.glider.values.parameters.reference_density_kg_m3,
+            ("seabed_depth_m", Some((_, deepest))) if value == 0.0 => deepest,
+            _ => value,
+        }
+    }
+
+    /// Says so, once for each input.
+    fn warn_of_ground(&mut self, variable: &'static Variable, value: f64) {
+        if self.grounded.contains(&Some(variable.reference)) {
+            return;
+        }
+        if let Some(free) = self.grounded.iter_mut().find(|place| place.is_none()) {
+            *free = Some(variable.reference);
+        }
+        let unit = variable.unit.map_or("", |unit| unit.name);
+        self.log.problem(
+            Status::Warning,
+            &format!(
+                "{} = 0 counts as not given: {value:?} {unit} is used; connect the input to change it",
+                variable.name
+            ),
+        );
+    }
+
     /// Refuses a variable that cannot be set, or not now.
     fn may_set(&self, variable: &Variable) -> Outcome {
         let (name, phase) = (&variable.name, self.core.phase);
@@ -127,6 +166,9 @@ impl Instance {
         }
         if variable.initial == Some(Initial::Calculated) {
             return refused("it is calculated from other variables");
+        }
+        if variable.initial == Some(Initial::Approx) && !phase.is_starting() {
+            return refused("it is a continuous state");
         }
         let tunable = variable.variability == Variability::Tunable;
         match phase {
@@ -148,9 +190,9 @@ impl Instance {
 /// The variable of this reference, if it is of this kind.
 pub(super) fn of_kind(reference: u32, kind: Kind) -> Outcome<&'static Variable> {
     let Some(variable) = variable(reference) else {
-        let last = variables().len() - 1;
+        let last = variables().len();
         return Err(Refusal::error(format!(
-            "there is no variable with value reference {reference}; they go from 0 to {last}, see modelDescription.xml"
+            "there is no variable with value reference {reference}; they go from 1 to {last}, see modelDescription.xml"
         )));
     };
     if variable.kind == kind {

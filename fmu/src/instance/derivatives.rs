@@ -18,9 +18,11 @@ impl Instance {
     ) -> Outcome {
         let knowns = self.knowns(knowns)?;
         check_seed(seed)?;
-        let tangent = self.tangent(knowns.iter().copied().zip(seed.iter().copied()));
+        let direction = knowns.iter().copied().zip(seed.iter().copied()).filter(|(_, seed)| *seed != 0.0);
+        let tangent = self.tangent(direction);
         for (&unknown, sensitivity) in unknowns.iter().zip(sensitivity) {
-            *sensitivity = of(&tangent, self.unknown(unknown)?)?;
+            let unknown = self.unknown(unknown)?;
+            *sensitivity = tangent.as_ref().map_or(Ok(0.0), |tangent| of(tangent, unknown))?;
         }
         Ok(())
     }
@@ -37,18 +39,29 @@ impl Instance {
         check_seed(seed)?;
         let unknowns: Vec<&Variable> =
             unknowns.iter().map(|&reference| self.unknown(reference)).collect::<Outcome<_>>()?;
+        let seeded = || unknowns.iter().zip(seed).filter(|(_, seed)| **seed != 0.0);
         for (&known, sensitivity) in knowns.iter().zip(sensitivity) {
-            let tangent = self.tangent([(known, 1.0)]);
             *sensitivity = 0.0;
-            for (unknown, seed) in unknowns.iter().zip(seed) {
-                *sensitivity += seed * of(&tangent, unknown)?;
+            if seeded().next().is_none() {
+                continue;
+            }
+            if let Some(tangent) = self.tangent([(known, 1.0)]) {
+                for (unknown, seed) in seeded() {
+                    *sensitivity += seed * of(&tangent, unknown)?;
+                }
+            }
+            if !sensitivity.is_finite() {
+                return Err(too_large(*sensitivity));
             }
         }
         Ok(())
     }
 
-    fn tangent(&self, direction: impl IntoIterator<Item = (Slot, f64)>) -> Tangent {
-        Tangent::along(&self.now(), self.core.phase.is_starting(), direction)
+    /// How everything changes along a direction; none for no direction, along which nothing does, whatever the values are.
+    fn tangent(&self, direction: impl IntoIterator<Item = (Slot, f64)>) -> Option<Tangent> {
+        let mut direction = direction.into_iter().peekable();
+        direction.peek()?;
+        Some(Tangent::along(&self.now(), self.core.phase.is_starting(), direction))
     }
 
     /// What a derivative can be taken of.
@@ -77,7 +90,17 @@ impl Instance {
 }
 
 fn of(tangent: &Tangent, variable: &Variable) -> Outcome<f64> {
-    tangent.of(variable.slot).ok_or_else(|| Refusal::error(format!("{} has no derivative", variable.name)))
+    match tangent.of(variable.slot) {
+        Some(change) if change.is_finite() => Ok(change),
+        Some(change) => Err(Refusal::discard(format!("for {}: {}", variable.name, too_large(change).message))),
+        None => Err(Refusal::error(format!("{} has no derivative", variable.name))),
+    }
+}
+
+fn too_large(change: f64) -> Refusal {
+    Refusal::discard(format!(
+        "the derivative is {change} here: states, inputs, parameters or seeds are out of range; go back to where they were"
+    ))
 }
 
 fn check_seed(seed: &[f64]) -> Outcome {

@@ -58,6 +58,8 @@ pub struct Instance {
     /// Each in a place of its own, whose address is its handle.
     #[expect(clippy::vec_box, reason = "a handle must stay when the list grows")]
     saved: Vec<Box<Core>>,
+    /// The inputs that were set to 0 where nothing can be 0, and warned of.
+    grounded: [Option<u32>; 2],
     /// Where messages go.
     pub log: Log,
 }
@@ -100,7 +102,17 @@ impl Instance {
         };
         let vehicle_name = CString::new(vehicle.name.replace('\0', " ")).unwrap_or_default();
         let (resources, at_start) = (vehicle.resources, core.clone());
-        Instance { interface, abilities, vehicle_name, resources, at_start, core, saved: Vec::new(), log }
+        Instance {
+            interface,
+            abilities,
+            vehicle_name,
+            resources,
+            at_start,
+            core,
+            saved: Vec::new(),
+            grounded: [None; 2],
+            log,
+        }
     }
 
     /// Where it stands.

@@ -8,7 +8,7 @@ use glidepolar_dynamics::state::N_INPUTS;
 use glidepolar_dynamics::{Advance, Inputs, Parameters, State};
 use glidepolar_number::Number;
 
-use super::access::{check_value, of_kind};
+use super::access::{check_value, not_finite, of_kind};
 use super::refusal::{Outcome, Refusal};
 use super::{Core, Instance};
 use crate::model::glider::Rules;
@@ -22,14 +22,18 @@ pub const MAX_INPUT_ORDER: usize = 3;
 /// Longest communication step \[s\], a hundred days: whoever asks for more has lost a number.
 const LONGEST_STEP_S: f64 = 1e7;
 
-/// Right-hand sides that one communication step may cost: a glider needs 2 to 20 a second; one with a parameter that
-/// has no physical meaning may need millions, and an importer that waits for it seems to hang.
+/// Right-hand sides that one communication step may cost: a glider needs 2 to 20 a second in a turn and less than one on
+/// a leg; one with a parameter that has no physical meaning may need millions, and an importer that waits for it seems to
+/// hang. The largest number is some seconds of work.
 fn most_evaluations(size_s: f64) -> u64 {
-    const EVALUATIONS: f64 = 200_000.0;
-    const EVALUATIONS_PER_S: f64 = 200.0;
-    const MOST: f64 = 120e6;
+    const EVALUATIONS: f64 = 50_000.0;
+    const EVALUATIONS_PER_S: f64 = 100.0;
+    const MOST: f64 = 6e6;
     (EVALUATIONS + EVALUATIONS_PER_S * size_s).min(MOST) as u64
 }
+
+/// What a right-hand side with its slopes costs, in plain ones.
+const COST_OF_SLOPES: u64 = 10;
 
 /// Events at one place after which the step is given up.
 const MAX_EVENTS_AT_ONCE: usize = 100;
@@ -219,6 +223,7 @@ impl Instance {
             inputs: &step.inputs,
             begun_s: step.begun_s,
             evaluations_left: Cell::new(step.evaluations_left),
+            furthest_s: Cell::new(time),
         };
         let mut integrator = core.integrator;
         let advance = if core.is_steered || core.slopes.any {
@@ -235,8 +240,9 @@ impl Instance {
             Ok(advance) => advance,
             Err(_) if step.evaluations_left == 0 => {
                 return Err(Refusal::discard(format!(
-                    "the step to {} s needs too many internal steps; ask for it in smaller steps, or check the parameters for values without physical meaning",
-                    step.target_s
+                    "the step to {} s needs too many internal steps: it came to {:.3} s and was taken back; ask for smaller steps, or check the parameters for values without physical meaning",
+                    step.target_s,
+                    moving.furthest_s.get()
                 )));
             }
             Err(error) => return Err(Refusal::discard(error.to_string())),
@@ -330,6 +336,9 @@ impl Instance {
             check_order(order, 1)?;
             let derivative = if variable.causality == Causality::Output { tangent.of(variable.slot) } else { None };
             *value = derivative.ok_or_else(|| Refusal::error(format!("{} is not an output", variable.name)))?;
+            if !value.is_finite() {
+                return Err(not_finite(variable, *value));
+            }
         }
         Ok(())
     }
@@ -350,6 +359,8 @@ struct Moving<'a> {
     inputs: &'a Inputs<f64>,
     begun_s: f64,
     evaluations_left: Cell<u64>,
+    /// The latest time that was asked about \[s\].
+    furthest_s: Cell<f64>,
 }
 
 impl Moving<'_> {
@@ -357,17 +368,20 @@ impl Moving<'_> {
         self.slopes.inputs(self.inputs, time_s - self.begun_s)
     }
 
-    /// Whether one more evaluation may be made; it is then counted.
-    fn may_go_on(&self) -> bool {
+    /// Whether one more evaluation of this cost may be made, at this time; it is then counted.
+    fn may_go_on(&self, time_s: f64, cost: u64) -> bool {
         let left = self.evaluations_left.get();
-        self.evaluations_left.set(left.saturating_sub(1));
+        self.evaluations_left.set(left.saturating_sub(cost));
+        if left > 0 {
+            self.furthest_s.set(self.furthest_s.get().max(time_s));
+        }
         left > 0
     }
 }
 
 impl System for Moving<'_> {
     fn derivative(&self, time_s: f64, state: &State<f64>) -> State<f64> {
-        if !self.may_go_on() {
+        if !self.may_go_on(time_s, 1) {
             // The integrator refuses what is not a number: the way out of a step without end.
             return state.map(|_| f64::NAN);
         }
@@ -375,7 +389,7 @@ impl System for Moving<'_> {
     }
 
     fn linearised(&self, time_s: Jet, state: &State<Jet>) -> State<Jet> {
-        if !self.may_go_on() {
+        if !self.may_go_on(time_s.value(), COST_OF_SLOPES) {
             return state.map(|_| Jet::constant(f64::NAN));
         }
         self.rules.rates(&self.active.map(Jet::constant), time_s, state, &self.inputs_at(time_s))

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use glidepolar_dynamics::limits::{N_EVENTS, event_indicators, settle};
 use glidepolar_dynamics::{
-    Actuation, Inputs, Modes, N_STATES, Outputs, Parameters, State, Stop, derivative, next_bend_s, outputs,
+    Actuation, Inputs, Modes, N_STATES, Parameters, State, Stop, derivative, next_bend_s, outputs,
 };
 use glidepolar_environment::WaterColumn;
 use glidepolar_number::Number;
 
-use super::table::{Discrete, N_OUTPUTS, Slot};
+use super::table::{Discrete, N_OUTPUTS, Slot, output_array};
 
 /// So far beyond surface or seabed the glider must be to have met it, and back to have left it \[m\]: right after an event
 /// no indicator is zero, and each has the sign of its side.
@@ -308,22 +308,4 @@ impl Reading<'_> {
             _ => None,
         }
     }
-}
-
-fn output_array<T: Copy>(outputs: &Outputs<T>, inputs: &Inputs<T>) -> [T; N_OUTPUTS] {
-    [
-        outputs.glide_angle_rad,
-        outputs.angle_of_attack_rad,
-        outputs.speed_m_s,
-        outputs.vertical_velocity_m_s,
-        outputs.net_mass_kg,
-        outputs.ballast_m3,
-        outputs.lift_N,
-        outputs.drag_N,
-        outputs.pitching_moment_N_m,
-        outputs.pitch_read_rad,
-        outputs.pressure_read_dbar,
-        inputs.water_density_kg_m3,
-        inputs.water_temperature_C,
-    ]
 }

@@ -1,13 +1,17 @@
-//! The one table of the variables. Value references, both model descriptions, start values, units, the documentation
-//! and the dispatch of every get and set follow from it; a further variable is one more row.
+//! The one table of the variables: names, value references, units, bounds, meanings. Both model descriptions, the
+//! documentation and the dispatch of every get and set follow from it; a further variable is one more row.
 //!
-//! A row's place is its value reference. Parameters are the rows of the library's own table.
+//! A row begins with its value reference, which it keeps for good: a further row takes the next free number, wherever it
+//! stands here, and comes last in the descriptions. The references are 1 to n in the order of modelDescription.xml, so
+//! that importers that read dependencies as references and those that count elements from one read the same. Parameters
+//! are the rows of the library's own table; their references stand in `PARAMETER_REFERENCES`.
 
 use std::sync::LazyLock;
 
 use glidepolar_dynamics::limits::N_EVENTS;
 use glidepolar_dynamics::state::N_INPUTS;
-use glidepolar_dynamics::{N_STATES, PARAMETERS, STATE_NOMINALS};
+use glidepolar_dynamics::{Inputs, N_STATES, Outputs, PARAMETERS, STATE_NOMINALS};
+use glidepolar_number::Number;
 
 use super::units::{Unit, unit_named};
 
@@ -55,6 +59,8 @@ pub enum Variability {
 pub enum Initial {
     /// It is the start value.
     Exact,
+    /// It follows from other variables; the start value is what it is with theirs, for importers that must know one.
+    Approx,
     /// It follows from other variables.
     Calculated,
 }
@@ -115,6 +121,8 @@ pub enum Discrete {
 /// One variable. Owns nothing on the heap: the table must not outlive a library that is unloaded.
 #[derive(Debug, Clone, Copy)]
 pub struct Variable {
+    /// Its value reference.
+    pub reference: u32,
     /// Name, with its unit.
     pub name: &'static str,
     /// What it is, in a line.
@@ -142,29 +150,41 @@ pub struct Variable {
 impl Variable {
     /// Whether a user may give it a start value.
     pub fn has_start(&self) -> bool {
-        self.initial == Some(Initial::Exact)
+        matches!(self.initial, Some(Initial::Exact | Initial::Approx))
+    }
+
+    /// Whether its value at the start follows from other variables.
+    pub fn follows_at_start(&self) -> bool {
+        matches!(self.initial, Some(Initial::Approx | Initial::Calculated))
     }
 }
 
-/// All variables; the place in this list is the value reference.
+/// All variables, in the order of their value references.
 pub fn variables() -> &'static [Variable] {
     static TABLE: LazyLock<[Variable; N_VARIABLES]> = LazyLock::new(|| {
-        let rows = build();
-        assert_eq!(rows.len(), N_VARIABLES);
-        std::array::from_fn(|i| rows[i])
+        let mut rows = build();
+        rows.sort_by_key(|row| row.reference);
+        for (row, expected) in rows.iter().zip(1..) {
+            assert_eq!(row.reference, expected, "{}: a further row takes the next free value reference", row.name);
+        }
+        rows.try_into().unwrap_or_else(|rows: Vec<_>| panic!("{} rows, not {N_VARIABLES}", rows.len()))
     });
     &*TABLE
 }
 
 /// The variable of this value reference.
 pub fn variable(value_reference: u32) -> Option<&'static Variable> {
-    variables().get(value_reference as usize)
+    variables().get((value_reference as usize).checked_sub(1)?)
+}
+
+/// The variable that stands for this place.
+pub fn variable_of(slot: Slot) -> &'static Variable {
+    variables().iter().find(|variable| variable.slot == slot).expect("every slot has its row")
 }
 
 /// The value reference of what stands in this place.
 pub fn reference_of(slot: Slot) -> u32 {
-    let place = variables().iter().position(|variable| variable.slot == slot);
-    place.expect("every slot has its row") as u32
+    variable_of(slot).reference
 }
 
 /// A name for this very table: it changes when a variable changes, and stays when only start values do. Written as a
@@ -184,13 +204,22 @@ pub fn token() -> &'static str {
     std::str::from_utf8(&*TOKEN).expect("digits, dashes and braces")
 }
 
-/// Name, unit, smallest and largest value, usual size, meaning.
-type Row = (&'static str, &'static str, f64, f64, f64, &'static str);
+/// Value reference, name, unit, smallest and largest value, usual size, meaning.
+type Row = (u32, &'static str, &'static str, f64, f64, f64, &'static str);
 
 /// The inputs, in the order of the library's `Inputs`.
 const INPUTS: [Row; N_INPUTS] = [
-    ("ballast_command_m3", "m3", -10.0, 10.0, 1e-4, "Buoyancy-engine set-point, positive = more buoyant (actuation 0)"),
     (
+        2,
+        "ballast_command_m3",
+        "m3",
+        -10.0,
+        10.0,
+        1e-4,
+        "Buoyancy-engine set-point, positive = more buoyant (actuation 0)",
+    ),
+    (
+        3,
         "moving_mass_command_m",
         "m",
         -100.0,
@@ -199,6 +228,7 @@ const INPUTS: [Row; N_INPUTS] = [
         "Moving-mass set-point along axis 1, positive forward (actuation 0)",
     ),
     (
+        4,
         "u1_N",
         "N",
         -1e6,
@@ -207,6 +237,7 @@ const INPUTS: [Row; N_INPUTS] = [
         "Force on the moving mass along axis 1: the rate of change of its momentum PP1 (actuation 1 and 2)",
     ),
     (
+        5,
         "u3_N",
         "N",
         -1e6,
@@ -214,35 +245,36 @@ const INPUTS: [Row; N_INPUTS] = [
         1.0,
         "Force on the moving mass along axis 3: the rate of change of its momentum PP3 (actuation 1)",
     ),
-    ("u4_kg_s", "kg/s", -1e3, 1e3, 0.01, "Ballast mass rate, positive = heavier (actuation 1 and 2)"),
-    ("water_density_kg_m3", "kg/m3", 900.0, 1300.0, 1000.0, "In-situ water density at the glider (water_source 0)"),
-    ("water_temperature_C", "degC", -5.0, 50.0, 10.0, "Water temperature at the glider (water_source 0)"),
-    ("current_x_m_s", "m/s", -10.0, 10.0, 0.1, "Horizontal water velocity"),
-    ("current_z_m_s", "m/s", -10.0, 10.0, 0.1, "Vertical water velocity, positive down"),
-    ("seabed_depth_m", "m", 0.0, 12_000.0, 1000.0, "Depth of the seabed"),
-    ("roll_rad", "rad", -3.2, 3.2, 0.1, "Roll angle, for the drag that it costs"),
-    ("rudder_rad", "rad", -3.2, 3.2, 0.1, "Rudder angle, for the drag that it costs"),
+    (6, "u4_kg_s", "kg/s", -1e3, 1e3, 0.01, "Ballast mass rate, positive = heavier (actuation 1 and 2)"),
+    (7, "water_density_kg_m3", "kg/m3", 900.0, 1300.0, 1000.0, "In-situ water density at the glider (water_source 0)"),
+    (8, "water_temperature_C", "degC", -5.0, 50.0, 10.0, "Water temperature at the glider (water_source 0)"),
+    (9, "current_x_m_s", "m/s", -10.0, 10.0, 0.1, "Horizontal water velocity"),
+    (10, "current_z_m_s", "m/s", -10.0, 10.0, 0.1, "Vertical water velocity, positive down"),
+    (11, "seabed_depth_m", "m", 0.0, 12_000.0, 1000.0, "Depth of the seabed"),
+    (12, "roll_rad", "rad", -3.2, 3.2, 0.1, "Roll angle, for the drag that it costs"),
+    (13, "rudder_rad", "rad", -3.2, 3.2, 0.1, "Rudder angle, for the drag that it costs"),
 ];
 
 /// The states in the order of the library's `State`; the first letter says whether it is an output too, the second
 /// whether its start follows from other variables.
 const STATES: [(Row, Causality, Initial); N_STATES] = [
-    (("x_m", "m", -1e9, 1e9, 0.0, "Horizontal position"), Causality::Output, Initial::Exact),
-    (("depth_m", "m", -1e4, 2e4, 0.0, "Depth of the centre of buoyancy"), Causality::Output, Initial::Exact),
-    (("pitch_rad", "rad", -1e3, 1e3, 0.0, "Pitch, nose-up positive"), Causality::Output, Initial::Exact),
-    (("pitch_rate_rad_s", "rad/s", -1e3, 1e3, 0.0, "Pitch rate"), Causality::Output, Initial::Exact),
+    ((14, "x_m", "m", -1e9, 1e9, 0.0, "Horizontal position"), Causality::Output, Initial::Exact),
+    ((15, "depth_m", "m", -1e4, 2e4, 0.0, "Depth of the centre of buoyancy"), Causality::Output, Initial::Exact),
+    ((16, "pitch_rad", "rad", -1e3, 1e3, 0.0, "Pitch, nose-up positive"), Causality::Output, Initial::Exact),
+    ((17, "pitch_rate_rad_s", "rad/s", -1e3, 1e3, 0.0, "Pitch rate"), Causality::Output, Initial::Exact),
     (
-        ("v1_m_s", "m/s", -100.0, 100.0, 0.0, "Velocity through the water along axis 1 (forward)"),
+        (18, "v1_m_s", "m/s", -100.0, 100.0, 0.0, "Velocity through the water along axis 1 (forward)"),
         Causality::Output,
         Initial::Exact,
     ),
     (
-        ("v3_m_s", "m/s", -100.0, 100.0, 0.0, "Velocity through the water along axis 3 (down when level)"),
+        (19, "v3_m_s", "m/s", -100.0, 100.0, 0.0, "Velocity through the water along axis 3 (down when level)"),
         Causality::Output,
         Initial::Exact,
     ),
     (
         (
+            20,
             "moving_mass_position_m",
             "m",
             -100.0,
@@ -255,6 +287,7 @@ const STATES: [(Row, Causality, Initial); N_STATES] = [
     ),
     (
         (
+            21,
             "moving_mass_position_3_m",
             "m",
             -100.0,
@@ -263,10 +296,11 @@ const STATES: [(Row, Causality, Initial); N_STATES] = [
             "Position of the moving mass along axis 3, below the centre of buoyancy; starts at moving_mass_height_m",
         ),
         Causality::Local,
-        Initial::Calculated,
+        Initial::Approx,
     ),
     (
         (
+            22,
             "PP1_kg_m_s",
             "kg.m/s",
             -1e9,
@@ -275,10 +309,11 @@ const STATES: [(Row, Causality, Initial); N_STATES] = [
             "Momentum of the moving mass along axis 1; starts with the mass at rest in the hull",
         ),
         Causality::Local,
-        Initial::Calculated,
+        Initial::Approx,
     ),
     (
         (
+            23,
             "PP3_kg_m_s",
             "kg.m/s",
             -1e9,
@@ -287,110 +322,110 @@ const STATES: [(Row, Causality, Initial); N_STATES] = [
             "Momentum of the moving mass along axis 3; starts with the mass at rest in the hull",
         ),
         Causality::Local,
-        Initial::Calculated,
+        Initial::Approx,
     ),
     (
-        ("ballast_mass_kg", "kg", -1e6, 1e6, 0.0, "Ballast mass at the reference density"),
+        (24, "ballast_mass_kg", "kg", -1e6, 1e6, 0.0, "Ballast mass at the reference density"),
         Causality::Output,
         Initial::Exact,
     ),
-    (("energy_J", "J", -1e18, 1e18, 0.0, "Energy drawn from the battery"), Causality::Output, Initial::Exact),
+    ((25, "energy_J", "J", -1e18, 1e18, 0.0, "Energy drawn from the battery"), Causality::Output, Initial::Exact),
 ];
 
 macro_rules! derivatives {
-    ($($state:literal : $unit:literal),*) => {
-        [$((concat!("der(", $state, ")"), $unit, concat!("Time derivative of ", $state))),*]
+    ($($reference:literal $state:literal : $unit:literal),*) => {
+        [$(($reference, concat!("der(", $state, ")"), $unit, concat!("Time derivative of ", $state))),*]
     };
 }
 
-/// Name, unit and meaning of the derivatives, in the order of the states.
-const DERIVATIVES: [(&str, &str, &str); N_STATES] = derivatives![
-    "x_m": "m/s",
-    "depth_m": "m/s",
-    "pitch_rad": "rad/s",
-    "pitch_rate_rad_s": "rad/s2",
-    "v1_m_s": "m/s2",
-    "v3_m_s": "m/s2",
-    "moving_mass_position_m": "m/s",
-    "moving_mass_position_3_m": "m/s",
-    "PP1_kg_m_s": "N",
-    "PP3_kg_m_s": "N",
-    "ballast_mass_kg": "kg/s",
-    "energy_J": "W"
+/// Value reference, name, unit and meaning of the derivatives, in the order of the states.
+const DERIVATIVES: [(u32, &str, &str, &str); N_STATES] = derivatives![
+    43 "x_m": "m/s",
+    44 "depth_m": "m/s",
+    45 "pitch_rad": "rad/s",
+    46 "pitch_rate_rad_s": "rad/s2",
+    47 "v1_m_s": "m/s2",
+    48 "v3_m_s": "m/s2",
+    49 "moving_mass_position_m": "m/s",
+    50 "moving_mass_position_3_m": "m/s",
+    51 "PP1_kg_m_s": "N",
+    52 "PP3_kg_m_s": "N",
+    53 "ballast_mass_kg": "kg/s",
+    54 "energy_J": "W"
 ];
 
 /// States that an event may change: what the impulse of the moving mass at its stop reaches, and the ballast.
 const JUMPING_STATES: [&str; 7] =
     ["pitch_rate_rad_s", "v1_m_s", "v3_m_s", "moving_mass_position_m", "PP1_kg_m_s", "PP3_kg_m_s", "ballast_mass_kg"];
 
-/// What is calculated, but no output: it can be read like one. FMPy's plot of all outputs fails beyond 17 (its panels are
-/// set too far apart), and 17 are what a user connects.
-const SEEN_INSIDE: [&str; 5] =
-    ["ballast_m3", "pitch_read_rad", "pressure_read_dbar", "surrounding_density_kg_m3", "surrounding_temperature_C"];
+macro_rules! outputs {
+    (|$outputs:ident, $inputs:ident| $($reference:literal $causality:ident $name:literal [$unit:literal] $min:literal .. $max:literal, $nominal:literal, $meaning:literal, $value:expr;)*) => {
+        /// The calculated numbers that are neither states nor their derivatives, in the order of [`output_array`].
+        const OUTPUTS: &[(Row, Causality)] =
+            &[$((($reference, $name, $unit, $min, $max, $nominal, $meaning), Causality::$causality),)*];
 
-/// The outputs and [`SEEN_INSIDE`], in the order of `output_array`.
-const OUTPUTS: &[Row] = &[
-    ("glide_angle_rad", "rad", -1e3, 1e3, 0.1, "Glide path angle through the water, negative when descending"),
-    ("angle_of_attack_rad", "rad", -3.2, 3.2, 0.01, "Angle of attack"),
-    ("speed_m_s", "m/s", 0.0, 200.0, 0.1, "Speed through the water"),
-    ("vertical_velocity_m_s", "m/s", -200.0, 200.0, 0.1, "Rate of change of depth, current included, positive down"),
-    ("net_mass_kg", "kg", -1e6, 1e6, 0.1, "Net (excess) mass m0, positive when heavy"),
-    ("ballast_m3", "m3", -1e3, 1e3, 1e-4, "Ballast volume that an instrument reads, positive = more buoyant"),
-    ("lift_N", "N", -1e9, 1e9, 1.0, "Lift, normal to the path, upward positive"),
-    ("drag_N", "N", -1e9, 1e9, 0.1, "Drag, against the path"),
-    (
-        "pitching_moment_N_m",
-        "N.m",
-        -1e9,
-        1e9,
-        0.1,
+        /// Their values, from what the equations give and from the inputs that act.
+        pub fn output_array<T: Number>($outputs: &Outputs<T>, $inputs: &Inputs<T>) -> [T; N_OUTPUTS] {
+            [$($value,)*]
+        }
+    };
+}
+
+// A calculated number is `Local` and not `Output` where few connect it: FMPy's plot of all outputs fails beyond 17 (its
+// panels are set too far apart).
+outputs! {
+    |outputs, inputs|
+    26 Output "glide_angle_rad" ["rad"] -1e3 .. 1e3, 0.1,
+        "Glide path angle through the water, negative when descending", outputs.glide_angle_rad;
+    27 Output "angle_of_attack_rad" ["rad"] -3.2 .. 3.2, 0.01,
+        "Angle of attack", outputs.angle_of_attack_rad;
+    28 Output "speed_m_s" ["m/s"] 0.0 .. 200.0, 0.1,
+        "Speed through the water", outputs.speed_m_s;
+    29 Output "vertical_velocity_m_s" ["m/s"] -200.0 .. 200.0, 0.1,
+        "Rate of change of depth, current included, positive down", outputs.vertical_velocity_m_s;
+    30 Output "net_mass_kg" ["kg"] -1e6 .. 1e6, 0.1,
+        "Net (excess) mass m0, positive when heavy", outputs.net_mass_kg;
+    31 Local "ballast_m3" ["m3"] -1e3 .. 1e3, 1e-4,
+        "Ballast volume that an instrument reads, positive = more buoyant", outputs.ballast_m3;
+    32 Output "lift_N" ["N"] -1e9 .. 1e9, 1.0,
+        "Lift, normal to the path, upward positive", outputs.lift_N;
+    33 Output "drag_N" ["N"] -1e9 .. 1e9, 0.1,
+        "Drag, against the path", outputs.drag_N;
+    34 Output "pitching_moment_N_m" ["N.m"] -1e9 .. 1e9, 0.1,
         "Hydrodynamic pitching moment about the centre of buoyancy, Munk couple and damping included",
-    ),
-    ("pitch_read_rad", "rad", -1e4, 1e4, 0.1, "Pitch as the glider's own instrument reads it"),
-    (
-        "pressure_read_dbar",
-        "dbar",
-        -1e5,
-        1e5,
-        10.0,
-        "Gauge pressure as the glider's own instrument reads it, without lag",
-    ),
-    (
-        "surrounding_density_kg_m3",
-        "kg/m3",
-        900.0,
-        1300.0,
-        1000.0,
-        "Density of the water that the glider is in, from input or column",
-    ),
-    (
-        "surrounding_temperature_C",
-        "degC",
-        -5.0,
-        50.0,
-        10.0,
-        "Temperature of the water that the glider is in, from input or column",
-    ),
-];
+        outputs.pitching_moment_N_m;
+    35 Local "pitch_read_rad" ["rad"] -1e4 .. 1e4, 0.1,
+        "Pitch as the glider's own instrument reads it", outputs.pitch_read_rad;
+    36 Local "pressure_read_dbar" ["dbar"] -1e5 .. 1e5, 10.0,
+        "Gauge pressure as the glider's own instrument reads it, without lag", outputs.pressure_read_dbar;
+    37 Local "surrounding_density_kg_m3" ["kg/m3"] 900.0 .. 1300.0, 1000.0,
+        "Density of the water that the glider is in, from input or column", inputs.water_density_kg_m3;
+    38 Local "surrounding_temperature_C" ["degC"] -5.0 .. 50.0, 10.0,
+        "Temperature of the water that the glider is in, from input or column", inputs.water_temperature_C;
+}
 
-/// Name and meaning of the event indicators, in the order of the library's. The ends of ballast and moving mass are
+/// Value reference, name and meaning of the event indicators, in the order of the library's. The ends of ballast and moving mass are
 /// watched by volume \[m3\] or length \[m\] while free, by flow \[kg/s\] or force \[N\] when held: one unit cannot say so.
-const INDICATORS: [(&str, &str); N_EVENTS] = [
-    ("indicator_surface", "Event indicator: changes sign at the surface"),
-    ("indicator_seabed", "Event indicator: changes sign at the seabed"),
+const INDICATORS: [(u32, &str, &str); N_EVENTS] = [
+    (55, "indicator_surface", "Event indicator: changes sign at the surface"),
+    (56, "indicator_seabed", "Event indicator: changes sign at the seabed"),
     (
+        57,
         "indicator_ballast_min",
         "Event indicator: changes sign when the ballast comes to its minimum or leaves it (m3 while free, kg/s when held)",
     ),
     (
+        58,
         "indicator_ballast_max",
         "Event indicator: changes sign when the ballast comes to its maximum or leaves it (m3 while free, kg/s when held)",
     ),
     (
+        59,
         "indicator_moving_mass_aft",
         "Event indicator: changes sign when the moving mass comes to its aft stop or leaves it (m while free, N when held)",
     ),
     (
+        60,
         "indicator_moving_mass_forward",
         "Event indicator: changes sign when the moving mass comes to its forward stop or leaves it (m while free, N when held)",
     ),
@@ -418,6 +453,69 @@ const FIXED: &[&str] = &[
     "ballast_below_m",
 ];
 
+/// Value references of the library's parameters, by name.
+const PARAMETER_REFERENCES: [(u32, &str); N_PARAMETERS] = [
+    (63, "gravity_m_s2"),
+    (64, "reference_density_kg_m3"),
+    (65, "reference_temperature_C"),
+    (66, "frontal_area_m2"),
+    (67, "length_m"),
+    (68, "a_per_rad"),
+    (69, "b"),
+    (70, "c_per_rad2"),
+    (71, "d_per_rad"),
+    (72, "CL0"),
+    (73, "CM0"),
+    (74, "ascent_a_ratio"),
+    (75, "ascent_b_ratio"),
+    (76, "ascent_c_ratio"),
+    (77, "ascent_d_ratio"),
+    (78, "pitch_damping_N_m_s"),
+    (79, "pitch_damping_quadratic_N_m_s2"),
+    (80, "pitch_damping_CMq"),
+    (81, "hull_mass_kg"),
+    (82, "moving_mass_kg"),
+    (83, "ballast_nominal_kg"),
+    (84, "displaced_mass_kg"),
+    (85, "added_mass_1_kg"),
+    (86, "added_mass_3_kg"),
+    (87, "pitch_inertia_kg_m2"),
+    (88, "moving_mass_height_m"),
+    (89, "offset_mass_kg"),
+    (90, "offset_mass_forward_m"),
+    (91, "offset_mass_below_m"),
+    (92, "ballast_forward_m"),
+    (93, "ballast_below_m"),
+    (94, "ballast_min_m3"),
+    (95, "ballast_max_m3"),
+    (96, "ballast_rate_m3_s"),
+    (97, "moving_mass_min_m"),
+    (98, "moving_mass_max_m"),
+    (99, "moving_mass_rate_m_s"),
+    (100, "hotel_W"),
+    (101, "pump_J_per_m3"),
+    (102, "pump_J_per_Pa_m3"),
+    (103, "ballast_offset_kg"),
+    (104, "hull_compressibility_per_Pa"),
+    (105, "hull_thermal_expansion_per_K"),
+    (106, "ballast_scale"),
+    (107, "trapped_air_cc"),
+    (108, "leak_kg_per_hour"),
+    (109, "drag_growth_per_day"),
+    (110, "drag_step"),
+    (111, "step_time_s"),
+    (112, "drag_exponent"),
+    (113, "nonlinear_lift_per_rad2"),
+    (114, "climb_dive_drag_ratio"),
+    (115, "roll_drag_per_rad2"),
+    (116, "rudder_drag_per_rad2"),
+    (117, "vertical_current_m_s"),
+    (118, "density_bias_kg_m3"),
+    (119, "pitch_scale"),
+    (120, "pitch_offset_rad"),
+    (121, "pressure_scale"),
+];
+
 /// Parameters that an instance takes from its vehicle file alone: without effect on motion or outputs (a log's matter), or
 /// the damping law and the coupling of one published vehicle.
 const NOT_PUBLISHED: &[&str] = &["pressure_lag_s", "pitch_damping_V2_kg_s", "added_Z_qdot_kg_m"];
@@ -434,13 +532,15 @@ fn build() -> Vec<Variable> {
         causality: *causality,
         initial: Some(*initial),
         nominal: Some(nominals[i]),
-        jumps: JUMPING_STATES.contains(&row.0),
+        jumps: JUMPING_STATES.contains(&row.1),
         ..real(row, Slot::State(i))
     }));
-    table.extend(OUTPUTS.iter().enumerate().map(|(i, row)| {
-        let causality = if SEEN_INSIDE.contains(&row.0) { Causality::Local } else { Causality::Output };
-        Variable { causality, ..real(row, Slot::Output(i)) }
-    }));
+    table.extend(
+        OUTPUTS
+            .iter()
+            .enumerate()
+            .map(|(i, (row, causality))| Variable { causality: *causality, ..real(row, Slot::Output(i)) }),
+    );
     table.extend(discrete());
     table.extend((0..N_STATES).map(|i| derivative(i, nominals[i])));
     table.extend((0..N_EVENTS).map(indicator));
@@ -457,12 +557,13 @@ fn time() -> Variable {
         initial: None,
         bounds: None,
         nominal: None,
-        ..real(&("time", "s", 0.0, 0.0, 0.0, "Time"), Slot::Time)
+        ..real(&(1, "time", "s", 0.0, 0.0, 0.0, "Time"), Slot::Time)
     }
 }
 
-fn real(&(name, unit, min, max, nominal, description): &Row, slot: Slot) -> Variable {
+fn real(&(reference, name, unit, min, max, nominal, description): &Row, slot: Slot) -> Variable {
     Variable {
+        reference,
         name,
         description,
         kind: Kind::Real,
@@ -480,39 +581,41 @@ fn real(&(name, unit, min, max, nominal, description): &Row, slot: Slot) -> Vari
 fn derivative(index: usize, nominal: f64) -> Variable {
     /// Time over which a state changes by its usual size \[s\].
     const USUAL_TIME_S: f64 = 10.0;
-    let (name, unit, description) = DERIVATIVES[index];
-    let row = (name, unit, 0.0, 0.0, nominal / USUAL_TIME_S, description);
+    let (reference, name, unit, description) = DERIVATIVES[index];
+    let row = (reference, name, unit, 0.0, 0.0, nominal / USUAL_TIME_S, description);
     Variable { bounds: None, ..real(&row, Slot::Derivative(index)) }
 }
 
 fn indicator(index: usize) -> Variable {
-    let (name, description) = INDICATORS[index];
+    let (reference, name, description) = INDICATORS[index];
     Variable {
         bounds: None,
         nominal: None,
         unit: unit_named(if index < 2 { "m" } else { "1" }),
-        ..real(&(name, "m", 0.0, 0.0, 1.0, description), Slot::Indicator(index))
+        ..real(&(reference, name, "m", 0.0, 0.0, 1.0, description), Slot::Indicator(index))
     }
 }
 
 fn discrete() -> impl Iterator<Item = Variable> {
-    const ROWS: [(&str, Kind, Discrete, &str); 4] = [
-        ("at_surface", Kind::Boolean, Discrete::AtSurface, "Whether the centre of buoyancy is above the surface"),
-        ("on_seabed", Kind::Boolean, Discrete::OnSeabed, "Whether the hull rests on the seabed"),
+    const ROWS: [(u32, &str, Kind, Discrete, &str); 4] = [
+        (39, "at_surface", Kind::Boolean, Discrete::AtSurface, "Whether the centre of buoyancy is above the surface"),
+        (40, "on_seabed", Kind::Boolean, Discrete::OnSeabed, "Whether the hull rests on the seabed"),
         (
+            41,
             "ballast_stop",
             Kind::Integer,
             Discrete::BallastStop,
             "-1 at the smallest ballast volume, 1 at the largest, 0 between (actuation 1 and 2)",
         ),
         (
+            42,
             "moving_mass_stop",
             Kind::Integer,
             Discrete::MovingMassStop,
             "-1 at the aft stop, 1 at the forward stop, 0 between (actuation 1 and 2)",
         ),
     ];
-    ROWS.into_iter().map(|(name, kind, which, description)| Variable {
+    ROWS.into_iter().map(|(reference, name, kind, which, description)| Variable {
         kind,
         // Not outputs: block-diagram importers read every output as a number (PathSim, CasADi), and the depth says as much.
         causality: Causality::Local,
@@ -520,7 +623,7 @@ fn discrete() -> impl Iterator<Item = Variable> {
         unit: None,
         bounds: (kind == Kind::Integer).then_some((-1.0, 1.0)),
         nominal: None,
-        ..real(&(name, "1", 0.0, 0.0, 1.0, description), Slot::Discrete(which))
+        ..real(&(reference, name, "1", 0.0, 0.0, 1.0, description), Slot::Discrete(which))
     })
 }
 
@@ -534,13 +637,14 @@ fn actuation() -> Variable {
         unit: None,
         bounds: Some((0.0, 2.0)),
         nominal: None,
-        ..real(&("actuation", "1", 0.0, 0.0, 1.0, MEANING), Slot::Actuation)
+        ..real(&(61, "actuation", "1", 0.0, 0.0, 1.0, MEANING), Slot::Actuation)
     }
 }
 
 fn water_source() -> Variable {
     const MEANING: &str = "0: density and temperature of the water are the inputs; 1: they come from resources/water_column.csv, against depth";
     Variable {
+        reference: 62,
         name: "water_source",
         description: MEANING,
         bounds: Some((0.0, 1.0)),
@@ -552,12 +656,14 @@ fn water_source() -> Variable {
 fn parameter(index: usize) -> Variable {
     let info = &PARAMETERS[index];
     let fixed = FIXED.contains(&info.name);
+    let of_name = PARAMETER_REFERENCES.iter().find(|(_, name)| *name == info.name);
+    let reference = of_name.unwrap_or_else(|| panic!("{} has no row in PARAMETER_REFERENCES", info.name)).0;
     Variable {
         causality: Causality::Parameter,
         variability: if fixed { Variability::Fixed } else { Variability::Tunable },
         initial: Some(Initial::Exact),
         nominal: (info.default != 0.0).then_some(info.default.abs()),
-        ..real(&(info.name, info.unit, info.min, info.max, 0.0, info.meaning), Slot::Parameter(index))
+        ..real(&(reference, info.name, info.unit, info.min, info.max, 0.0, info.meaning), Slot::Parameter(index))
     }
 }
 
@@ -570,6 +676,6 @@ fn vehicle_name() -> Variable {
         unit: None,
         bounds: None,
         nominal: None,
-        ..real(&("vehicle_name", "1", 0.0, 0.0, 1.0, "Name of the vehicle"), Slot::VehicleName)
+        ..real(&(122, "vehicle_name", "1", 0.0, 0.0, 1.0, "Name of the vehicle"), Slot::VehicleName)
     }
 }

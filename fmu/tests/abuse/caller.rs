@@ -12,6 +12,8 @@ use glidepolar_fmu::model::table::token;
 use glidepolar_fmu::model::{Kind, variables};
 
 pub const OK: c_int = 0;
+/// What was done, but perhaps not as meant.
+const WARNING: c_int = 1;
 pub const ERROR: c_int = 3;
 
 /// Every function that takes an instance, and the kinds of its arguments after it: `b` truth, `i` small integer, `u`
@@ -101,7 +103,8 @@ fn count(environment: *mut c_void, status: c_int, message: *const c_char) {
     unsafe {
         let counter = &*environment.cast::<Counter>();
         counter.messages.fetch_add(1, Ordering::Relaxed);
-        counter.problems.fetch_add(usize::from(status != OK), Ordering::Relaxed);
+        // A warning may come with a call that is done.
+        counter.problems.fetch_add(usize::from(status > WARNING), Ordering::Relaxed);
         let message = std::ffi::CStr::from_ptr(message).to_bytes();
         counter.empty.fetch_add(usize::from(message.len() < 20), Ordering::Relaxed);
         let tells_of_fault = String::from_utf8_lossy(message).contains("a fault of the FMU");
@@ -198,7 +201,7 @@ impl Memory {
             .find(|(part, _)| function.contains(part))
             .map_or(Kind::Integer, |(_, kind)| kind);
         for reference in &mut self.references {
-            *reference = if random.one_in(20) { random.next() as u32 } else { random.below(n) as u32 };
+            *reference = if random.one_in(20) { random.next() as u32 } else { 1 + random.below(n) as u32 };
         }
         // Often one kind of variable throughout, or nothing could ever be set.
         if polite || random.one_in(2) {
@@ -211,7 +214,7 @@ impl Memory {
                     let (a, b) = (&variables()[*i], &variables()[first]);
                     a.kind == b.kind && a.causality == b.causality && a.variability == b.variability
                 })
-                .map(|i| i as u32)
+                .map(|i| variables()[i].reference)
                 .collect();
             self.references.iter_mut().for_each(|reference| *reference = alike[random.below(alike.len())]);
         }
@@ -317,7 +320,7 @@ impl Victim<'_> {
         let get =
             self.functions.iter().find(|f| f.name.ends_with("GetReal") || f.name.ends_with("GetFloat64")).unwrap();
         memory.fill(random, 0.0, true, "GetReal");
-        memory.references[0] = 0;
+        memory.references[0] = variables()[0].reference;
         let (references, room) = (memory.references.as_ptr() as u64, memory.rooms[0].as_mut_ptr() as u64);
         // SAFETY: one reference, room for one number.
         let status = unsafe { (get.call)(self.pointer, references, 1, room, 1, 0, 0, 0, 0, 0, 0, 0, 0.0, 0.0, 0.0) };

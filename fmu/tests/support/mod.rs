@@ -18,8 +18,8 @@ pub const ERROR: c_int = 3;
 
 /// The value reference of a variable.
 pub fn vr(name: &str) -> u32 {
-    let place = variables().iter().position(|variable| variable.name == name);
-    place.unwrap_or_else(|| panic!("no variable {name}")) as u32
+    let found = variables().iter().find(|variable| variable.name == name);
+    found.unwrap_or_else(|| panic!("no variable {name}")).reference
 }
 
 /// What the instance said.

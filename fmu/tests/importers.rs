@@ -1,0 +1,159 @@
+//! What importers do to the FMU beside setting and stepping, each as it was met: the rules that each goes by, written as
+//! checks of our own.
+
+mod support;
+
+use std::ffi::c_int;
+
+use glidepolar_fmu::description::files;
+use glidepolar_fmu::fmi2::*;
+use glidepolar_fmu::fmi3::*;
+use glidepolar_fmu::model::{Initial, Slot, variables};
+use support::*;
+
+/// The value of an attribute of an element.
+fn attribute<'a>(element: &'a str, name: &str) -> Option<&'a str> {
+    let (_, rest) = element.split_once(&format!(" {name}=\""))?;
+    rest.split_once('"').map(|(value, _)| value)
+}
+
+fn description(standard: &str) -> String {
+    let path = format!("{standard}/modelDescription.xml");
+    files().into_iter().find(|(name, _)| name.as_os_str() == path.as_str()).expect("a description").1
+}
+
+/// OMSimulator 2 takes a dependency of FMI 3.0 for a place in the list of variables, counted from one, as FMI 2.0 has it. With
+/// references from 1 to n in the order of the list both readings are the same.
+#[test]
+fn a_value_reference_is_the_place_in_the_description() {
+    for (standard, element) in [("fmi3", "valueReference"), ("fmi2", "ScalarVariable")] {
+        let text = description(standard);
+        let (_, rest) = text.split_once("<ModelVariables>").unwrap();
+        let (list, structure) = rest.split_once("</ModelVariables>").unwrap();
+        let elements: Vec<&str> = list.lines().filter(|line| line.contains(" valueReference=\"")).collect();
+        assert_eq!(elements.len(), variables().len(), "{standard} {element}");
+        for (place, line) in (1..).zip(&elements) {
+            assert_eq!(attribute(line, "valueReference"), Some(place.to_string().as_str()), "{standard}: {line}");
+        }
+        for number in
+            structure.lines().filter_map(|line| attribute(line, "dependencies")).flat_map(str::split_whitespace)
+        {
+            assert!((1..=elements.len()).contains(&number.parse().unwrap()), "{standard}: dependency {number}");
+        }
+    }
+}
+
+/// CasADi starts a state without a start value at 0.
+#[test]
+fn every_state_has_a_start_that_is_its_start() {
+    let glider = Glider3::model_exchange();
+    glider.begin(None);
+    for standard in ["fmi2", "fmi3"] {
+        let text = description(standard);
+        for variable in variables().iter().filter(|v| matches!(v.slot, Slot::State(_))) {
+            let (_, rest) = text.split_once(&format!(" name=\"{}\"", variable.name)).unwrap();
+            let start: f64 = attribute(rest, "start").unwrap().parse().unwrap();
+            assert_eq!(start, glider.get(variable.name), "{standard}: {}", variable.name);
+        }
+    }
+    // An importer may hand over every start that it reads; those that follow from others still follow.
+    let other = Glider3::model_exchange();
+    let starts: Vec<_> = variables()
+        .iter()
+        .filter(|v| v.initial == Some(Initial::Approx))
+        .map(|v| (v.name, 7.0))
+        .chain([("v1_m_s", 0.2)])
+        .collect();
+    other.set(&starts);
+    other.begin(None);
+    let momentum = other.get("moving_mass_kg") * 0.2;
+    assert!((other.get("PP1_kg_m_s") - momentum).abs() < 1e-12, "{} against {momentum}", other.get("PP1_kg_m_s"));
+}
+
+/// PathSim's Model Exchange block sets every input to 0 before anything is connected; others ground inputs for good.
+#[test]
+fn inputs_that_nothing_feeds_are_water_of_the_reference_density_without_a_seabed() {
+    let glider = Glider3::co_simulation(Options::default());
+    let grounded = [("water_density_kg_m3", 0.0), ("seabed_depth_m", 0.0), ("current_x_m_s", 0.0)];
+    glider.set(&grounded);
+    let warnings = glider.environment.messages.take();
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    assert!(warnings.iter().all(|(status, text)| *status == WARNING && text.contains("not given")), "{warnings:?}");
+    glider.begin(None);
+    glider.set(&grounded);
+    glider.run(0.0, 100.0, 10.0);
+    assert!(glider.environment.messages.take().is_empty(), "once is enough");
+    let reference = Glider3::started(Options::default(), &[]);
+    reference.run(0.0, 100.0, 10.0);
+    assert_eq!(glider.states(), reference.states());
+    // Any other density without sense is still refused.
+    // SAFETY: a live instance.
+    let status = unsafe { fmi3SetFloat64(glider.instance, &vr("water_density_kg_m3"), 1, &1.0, 1) };
+    assert_eq!(status, ERROR);
+
+    let glider = Glider2::new(1);
+    glider.set("water_density_kg_m3", 0.0);
+    glider.begin();
+    assert_eq!(glider.step(0.0, 10.0), OK);
+    assert_eq!(glider.get("surrounding_density_kg_m3"), 1027.0);
+}
+
+/// What is no number is discarded, with or without seeds that ask for it; along no direction nothing changes.
+#[test]
+fn derivatives_that_are_not_finite_are_discarded() {
+    let glider = Glider3::model_exchange();
+    glider.begin(None);
+    let component = Glider2::new(0);
+    component.begin();
+    // SAFETY: live instances, places of their own.
+    unsafe {
+        let (mut a, mut b, mut c, mut d, mut e, mut t) = (0, 0, 0, 0, 0, 0.0);
+        glider.ok(fmi3UpdateDiscreteStates(glider.instance, &mut a, &mut b, &mut c, &mut d, &mut e, &mut t));
+        glider.ok(fmi3EnterContinuousTimeMode(glider.instance));
+        let mut event = std::mem::zeroed();
+        component.ok(fmi2NewDiscreteStates(component.component, &mut event));
+        component.ok(fmi2EnterContinuousTimeMode(component.component));
+        let mut states = [0.0; 12];
+        glider.ok(fmi3GetContinuousStates(glider.instance, states.as_mut_ptr(), 12));
+        states[4] = 1e155;
+        glider.ok(fmi3SetContinuousStates(glider.instance, states.as_ptr(), 12));
+        component.ok(fmi2SetContinuousStates(component.component, states.as_ptr(), 12));
+
+        let (unknown, known) = (vr("drag_N"), vr("v1_m_s"));
+        let ask = |seed: f64| -> [(c_int, f64); 3] {
+            let mut found = [f64::NAN; 3];
+            let forward =
+                fmi3GetDirectionalDerivative(glider.instance, &unknown, 1, &known, 1, &seed, 1, &mut found[0], 1);
+            let adjoint = fmi3GetAdjointDerivative(glider.instance, &unknown, 1, &known, 1, &seed, 1, &mut found[1], 1);
+            let second =
+                fmi2GetDirectionalDerivative(component.component, &unknown, 1, &known, 1, &seed, &mut found[2]);
+            [(forward, found[0]), (adjoint, found[1]), (second, found[2])]
+        };
+        for (status, _) in ask(1.0) {
+            assert_eq!(status, DISCARD);
+        }
+        let messages = glider.environment.messages.take();
+        assert!(messages.iter().all(|(_, text)| text.contains("out of range")), "{messages:?}");
+        for (status, value) in ask(0.0) {
+            assert_eq!((status, value), (OK, 0.0));
+        }
+    }
+}
+
+/// However senseless the parameters are, a step ends soon, with how far it came.
+#[test]
+fn a_step_without_end_is_given_up_soon() {
+    let glider = Glider3::started(Options::default(), &[("pitch_damping_N_m_s", -1e6), ("pitch_inertia_kg_m2", 1e-6)]);
+    glider.set(&[("ballast_command_m3", 3e-4), ("moving_mass_command_m", -0.1), ("current_x_m_s", 0.1)]);
+    let begun = std::time::Instant::now();
+    let stepped = glider.step(0.0, 1e7);
+    let seconds = begun.elapsed().as_secs_f64();
+    // Twenty times what an idle machine takes without optimisation.
+    assert!(seconds < 60.0, "{seconds} s");
+    if stepped.status != OK {
+        assert_eq!(stepped.status, DISCARD);
+        assert_eq!((stepped.time, glider.get("time")), (0.0, 0.0));
+        let messages = glider.environment.messages.take();
+        assert!(messages.iter().any(|(_, text)| text.contains("it came to")), "{messages:?}");
+    }
+}
