@@ -6,7 +6,7 @@
 use std::collections::{HashMap, HashSet};
 use std::path::{Component, Path, PathBuf};
 
-use glidepolar::input::{InputError, Place, nearest, printable};
+use glidepolar_input::{InputError, Place, nearest, printable};
 use nalgebra::Matrix3;
 use serde::Deserialize;
 use toml::Spanned;

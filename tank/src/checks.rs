@@ -1,7 +1,7 @@
 //! What cannot be right: signs that no bare hull shows.
 
-use glidepolar::hull_tests::{Estimate, HullFit};
-use glidepolar::input::printable;
+use glidepolar_hull::hull_tests::{Estimate, HullFit};
+use glidepolar_input::printable;
 
 use crate::campaign::Rejected;
 use crate::derivatives::Derivatives;

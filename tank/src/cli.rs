@@ -5,9 +5,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
-use glidepolar::cli::{CliError, Output, shell, warn};
-use glidepolar::input::InputError;
-use glidepolar::report::InputFile;
+use glidepolar_input::InputError;
+use glidepolar_report::InputFile;
+use glidepolar_terminal::{CliError, Output, shell, warn};
 
 use crate::demo_cli;
 use glidepolar_tank::virtual_tank::Error;

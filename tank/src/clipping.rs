@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use glidepolar::input::{InputError, Place};
+use glidepolar_input::{InputError, Place};
 
 use crate::campaign::{Kind, Run};
 use crate::history::History;

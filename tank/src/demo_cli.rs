@@ -78,7 +78,7 @@ pub fn run(args: DemoArgs) -> Result<(), Error> {
     if !args.quiet {
         let megabytes = truth.data_bytes as f64 / 1e6;
         let rate = megabytes / begin.elapsed().as_secs_f64();
-        glidepolar::cli::print_line(format_args!(
+        glidepolar_terminal::print_line(format_args!(
             "{}: synthetic campaign, {} hulls, {} runs, {megabytes:.1} MB ({rate:.0} MB/s); truth in truth.toml",
             args.folder.display(),
             truth.hulls.len(),

@@ -1,8 +1,8 @@
 //! The three-parameter model on a sweep: `CL = a alpha`, `CD = b + c alpha^2`, `CM = d alpha`, each with its interval,
 //! its residuals, and whether the model is adequate at all.
 
-use glidepolar::hull_tests::{Estimate, HullFit};
-use glidepolar::input::printable;
+use glidepolar_hull::hull_tests::{Estimate, HullFit};
+use glidepolar_input::printable;
 use nalgebra::{DMatrix, DVector};
 
 use crate::adequacy::{self, Adequacy};

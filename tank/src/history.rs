@@ -5,7 +5,7 @@
 use std::io::Read;
 use std::path::Path;
 
-use glidepolar::input::{InputError, Place, printable};
+use glidepolar_input::{InputError, Place, printable};
 
 use crate::table::{missing_column, not_a_number};
 

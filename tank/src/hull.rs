@@ -18,8 +18,8 @@
 //! base_area_m2 = 0.0          # optional: area where the flow leaves a blunt or separated tail, for the theory
 //! ```
 
-use glidepolar::hull_tests::HullGeometry;
-use glidepolar::input::InputError;
+use glidepolar_hull::hull_tests::HullGeometry;
+use glidepolar_input::InputError;
 use serde::Deserialize;
 use toml::Spanned;
 

@@ -2,7 +2,7 @@
 //!
 //! [`reduce_points`] takes a table of steady points, [`reduce_campaign`] a folder of raw runs; both give [`Results`], from
 //! which `fits.json`, tables, figures and the page follow. Signs and reference values are those of
-//! [`glidepolar::coefficients`]. The [virtual tank](virtual_tank) shares nothing with the reduction.
+//! [`glidepolar_hull::coefficients`]. The [virtual tank](virtual_tank) shares nothing with the reduction.
 
 #![allow(non_snake_case, reason = "units stand in names as they are written: N, Pa, C")]
 

@@ -6,7 +6,7 @@ mod demo_cli;
 use std::process::ExitCode;
 
 use clap::Parser;
-use glidepolar::cli::{begin, show};
+use glidepolar_terminal::{begin, show};
 
 fn main() -> ExitCode {
     begin();

@@ -124,7 +124,7 @@ fn derivatives(series: &Series, phase: f64, omega: f64) -> [f64; 3] {
 mod tests {
     use super::*;
     use crate::hull::LiveMass;
-    use glidepolar::hull_tests::HullGeometry;
+    use glidepolar_hull::hull_tests::HullGeometry;
 
     /// A free body turning about its own centre feels no force: what the balance would read is inertia alone, and taking
     /// it out leaves nothing. The centre's acceleration is worked out along the path, the formulas along body axes.

@@ -28,8 +28,8 @@
 
 use std::path::Path;
 
-use glidepolar::coefficients::{BalanceForce, HullCoefficients, PrimeForce};
-use glidepolar::input::{InputError, Place, printable};
+use glidepolar_hull::coefficients::{BalanceForce, HullCoefficients, PrimeForce};
+use glidepolar_input::{InputError, Place, printable};
 use serde::Deserialize;
 use toml::Spanned;
 

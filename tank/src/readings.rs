@@ -1,7 +1,7 @@
 //! One run, from its file to the few figures that the reduction needs: raw readings of the balance still, before zero,
 //! interaction and tare. Every run is read once and forgotten.
 
-use glidepolar::input::{InputError, Place};
+use glidepolar_input::{InputError, Place};
 use nalgebra::Vector3;
 
 use crate::campaign::{Kind, Run};

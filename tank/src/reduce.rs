@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use glidepolar::input::{InputError, Place, printable};
+use glidepolar_input::{InputError, Place, printable};
 use rayon::prelude::*;
 
 use crate::campaign::{Campaign, Kind, Rejected, Run};

@@ -3,7 +3,7 @@
 //!
 //! Knows numbers only.
 
-use glidepolar::hull_tests::Estimate;
+use glidepolar_hull::hull_tests::Estimate;
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 

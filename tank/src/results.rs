@@ -1,7 +1,7 @@
 //! What a reduction found, whole: from it follow the JSON, the tables, the figures and the page.
 
-use glidepolar::diagnose::Diagnosis;
-use glidepolar::hull_tests::{ReducedHull, Reduction, SCHEMA, Trend};
+use glidepolar_hull::hull_tests::{ReducedHull, Reduction, SCHEMA, Trend};
+use glidepolar_inference::Diagnosis;
 
 use crate::campaign::{Kind, Rejected, Run};
 use crate::derivatives::{Comparison, Derivatives};

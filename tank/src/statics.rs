@@ -1,7 +1,7 @@
 //! Steady runs step by step: reading, zero, interaction, tare, inertia, force of the water, coefficients. Every step is
 //! kept, so that the tables can show it.
 
-use glidepolar::coefficients::BalanceForce;
+use glidepolar_hull::coefficients::BalanceForce;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use crate::campaign::{Balance, Kind, Run};

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use glidepolar::input::{InputError, Place, nearest, printable};
+use glidepolar_input::{InputError, Place, nearest, printable};
 
 /// A table as text, rows and cells as the file has them.
 #[derive(Debug, Clone)]

@@ -1,7 +1,7 @@
 //! What theory says of a hull, beside what was measured: Munk's moment, crossflow after Allen and Perkins and after
 //! Hopkins, friction after ITTC-57 with a form factor, added mass of Lamb's spheroid.
 
-use glidepolar::hull_tests::{DynamicDerivatives, Estimate, HullFit, LambFactors};
+use glidepolar_hull::hull_tests::{DynamicDerivatives, Estimate, HullFit, LambFactors};
 
 use crate::hull::Hull;
 use crate::outline::{Integrals, Outline};
@@ -164,7 +164,7 @@ fn crossflow_share(slenderness: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glidepolar::hull_tests::HullGeometry;
+    use glidepolar_hull::hull_tests::HullGeometry;
 
     fn suboff() -> Hull {
         Hull {

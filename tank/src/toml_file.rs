@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::path::Path;
 
-use glidepolar::input::{InputError, Place, printable};
+use glidepolar_input::{InputError, Place, printable};
 use serde::de::DeserializeOwned;
 use toml::Spanned;
 

@@ -1,7 +1,7 @@
 //! How the coefficients change with length to diameter ratio, hull by hull one point, errors that the hulls share (one
 //! strut, one set of zeros) taken into account.
 
-use glidepolar::hull_tests::{Estimate, Slope};
+use glidepolar_hull::hull_tests::{Estimate, Slope};
 use nalgebra::{DMatrix, DVector};
 
 use crate::fits::SweepFit;

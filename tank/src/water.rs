@@ -1,7 +1,7 @@
 //! The water of the tank as a manifest states it, and at the temperature of a run.
 
-use glidepolar::input::InputError;
-use glidepolar::water::TankWater;
+use glidepolar_environment::TankWater;
+use glidepolar_input::InputError;
 use serde::Deserialize;
 use toml::Spanned;
 

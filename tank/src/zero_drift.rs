@@ -6,7 +6,7 @@
 //! where points are too few. The order is not chosen by what it leaves: a curve too slight to be seen point by point still
 //! moves the slope by more than its error, and an interval after a choice holds less than it says (92.7 % in place of 95 %).
 
-use glidepolar::hull_tests::Estimate;
+use glidepolar_hull::hull_tests::Estimate;
 
 use crate::fits::{Basis, problem, scatter};
 use crate::sweep::Sweep;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use glidepolar::hull_tests::Reduction;
+use glidepolar_hull::hull_tests::Reduction;
 
 fn tank_reduce(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_tank-reduce")).current_dir(folder).args(arguments).output().unwrap()

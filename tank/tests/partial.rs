@@ -2,7 +2,7 @@
 
 mod support;
 
-use glidepolar::hull_tests::{Estimate, Reduction};
+use glidepolar_hull::hull_tests::{Estimate, Reduction};
 use glidepolar_tank::Results;
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use glidepolar::hull_tests::HullFit;
+use glidepolar_hull::hull_tests::HullFit;
 use glidepolar_tank::{Results, reduce_points};
 
 fn data(name: &str) -> PathBuf {

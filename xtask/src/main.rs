@@ -5,6 +5,7 @@
 
 mod bench;
 mod check_library;
+mod cycles;
 mod demo;
 mod fetch_data;
 mod figures;
@@ -71,6 +72,8 @@ enum Chore {
     Bench(bench::Choice),
     /// Look for input that makes a reader of files, or the FMU, panic, hang or take memory without bound
     Fuzz(fuzz::Choice),
+    /// Fail where the files of a crate depend on each other in a circle
+    Cycles,
     /// Download real flight logs, as they lie in published source packages, into data/
     FetchData,
 }
@@ -100,6 +103,7 @@ fn run(chore: Chore) -> Result<()> {
         Chore::Figures { check } => figures::run(&workspace, check),
         Chore::Bench(choice) => bench::run(workspace, &choice),
         Chore::Fuzz(choice) => fuzz::run(&workspace, &choice),
+        Chore::Cycles => cycles::run(&workspace),
         Chore::FetchData => fetch_data::run(&workspace),
     }
 }

@@ -1,13 +1,13 @@
 //! Other sets of mechanisms that these data cannot tell from the named one.
 //!
-//! What could stand in the place of one mechanism alone is told beside it ([`super::told`]). Two or more may be exchanged
+//! What could stand in the place of one mechanism alone is told beside it by the report. Two or more may be exchanged
 //! together as well: a reader who knows more of the glider than the log says may know which set it was.
 
-use super::engine::MARGIN;
 use super::evidence::Problem;
 use super::findings::Alternative;
 use super::fitted::Fitted;
 use super::lap::Lap;
+use super::search::MARGIN;
 use super::versions;
 
 /// Most sets that are told.

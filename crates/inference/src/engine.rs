@@ -3,59 +3,20 @@
 //! Fit and search alternate: around the best fit of the present set every set is tried on the linearised model, the
 //! chosen one is fitted again in full, until the choice stands.
 
-use nalgebra::{DMatrix, DVector};
-
-use super::evidence::{Evidence, Point, Problem};
-use super::findings::{Diagnosis, Gain, Wrong};
+use super::evidence::{Point, Problem};
+use super::findings::{Diagnosis, Wrong};
 use super::fitted::Fitted;
-use super::holdout;
 use super::lap::Lap;
-use super::search::Choice;
+use super::outcome::{Outcome, Stage};
+use super::search::{Choice, MARGIN};
 use super::told::{report, wrong};
 
-/// By how much a curve without a name must be better before it keeps a mechanism from being named, and how much worse
-/// a mechanism may be and still count as a stand-in: a factor of 20 in evidence.
-pub(super) const MARGIN: f64 = 6.0;
+/// Alternations of fit and search.
+const MAX_ROUNDS: usize = 6;
 
 /// Share of what the best curve explains that few parameters with a name must reach to keep it: what a rigid law explains
 /// but for a twentieth is that law, imperfectly written down, and the rest is told as unexplained.
 const FULL_SHARE: f64 = 0.95;
-
-/// A diagnosis with the figures that it rests on, for tables and drawings.
-#[derive(Debug, Clone)]
-pub struct Outcome {
-    /// What is said.
-    pub diagnosis: Diagnosis,
-    /// The baseline alone.
-    pub before: Stage,
-    /// With what was named.
-    pub after: Stage,
-    /// The candidates of the fit in the order of the fit.
-    pub fitted: Vec<usize>,
-    /// The candidates that were named, strongest first, by their place in [`Problem::candidates`].
-    pub named: Vec<usize>,
-    /// Measured less modelled by a model without it, fitted without the row's block.
-    pub without: Vec<DVector<f64>>,
-    /// Evidence of each one: fall of the sum of squares, in units of the noise, when it is added last.
-    pub gains: Vec<f64>,
-}
-
-/// The model at one stage of a diagnosis.
-#[derive(Debug, Clone)]
-pub struct Stage {
-    /// Its parameters.
-    pub point: Point,
-    /// Measured less modelled, row by row.
-    pub residual: DVector<f64>,
-    /// The same for a model that was fitted without the row's block.
-    pub held_out: DVector<f64>,
-    /// Standard deviation of each row's noise.
-    pub sd: Vec<f64>,
-    /// Covariance of what was fitted: the baseline's parameters, then those of each candidate in [`Outcome::fitted`].
-    pub covariance: DMatrix<f64>,
-    /// The same by the scatter between blocks (Liang and Zeger 1986): right where the rows of a block err together.
-    pub covariance_by_blocks: DMatrix<f64>,
-}
 
 /// The diagnosis of a problem, and the point of the extended model.
 pub fn diagnose(problem: &impl Problem) -> (Diagnosis, Point) {
@@ -99,21 +60,6 @@ pub fn baseline(problem: &impl Problem) -> (Stage, Vec<Wrong>) {
     (baseline.stage(baseline.held_out()), wrong)
 }
 
-/// The gain from one set of held-out residuals to another, for each quantity.
-pub fn gains(evidence: &Evidence, before: &DVector<f64>, after: &DVector<f64>) -> Vec<Gain> {
-    let of = |quantity: &super::evidence::Quantity| {
-        let (b, a) = (holdout::rms(before, quantity.rows.clone()), holdout::rms(after, quantity.rows.clone()));
-        Gain {
-            quantity: quantity.name.to_owned(),
-            holdout_rms_before: b,
-            holdout_rms_after: a,
-            reduction_percent: holdout::reduction_percent(b, a),
-            ci95: holdout::reduction_interval(&evidence.block, quantity.rows.clone(), before, after),
-        }
-    };
-    evidence.quantities.iter().map(of).collect()
-}
-
 /// Mechanisms alone, or what is left of them beside a curve that none of them can replace.
 fn decide(
     mechanisms: Choice,
@@ -155,5 +101,33 @@ fn decide(
             (named, curves.first().and_then(|curve| lap.curve_name(*curve)).map(str::to_owned))
         }
         _ => (mechanisms.members, None),
+    }
+}
+
+impl Fitted {
+    /// Alternates between the choice of a set and its fit until the choice stands; returns the curve that goes with it.
+    fn alternate(
+        &mut self,
+        problem: &impl Problem,
+        choose: impl Fn(&Lap<'_>) -> (Vec<usize>, Option<String>),
+    ) -> Option<String> {
+        let mut tried = vec![self.included.clone()];
+        let mut curve = None;
+        for _ in 0..MAX_ROUNDS {
+            let lap = Lap::new(problem.candidates(), self);
+            let (members, found) = choose(&lap);
+            curve = found;
+            if members == self.included {
+                break;
+            }
+            let mut next = Fitted::new(problem, lap.point_of(&members, problem), members.clone());
+            next.settle(problem);
+            *self = next;
+            if tried.contains(&members) {
+                break;
+            }
+            tried.push(members);
+        }
+        curve
     }
 }

@@ -179,3 +179,14 @@ pub trait Problem {
     /// Residuals and sensitivities at a point. Rows, blocks and covariates are the same at every point.
     fn evidence(&self, point: &Point) -> Evidence;
 }
+
+/// The names of the candidates, each once.
+pub(crate) fn names(candidates: &[Candidate]) -> Vec<&'static str> {
+    let mut names: Vec<&'static str> = Vec::new();
+    for candidate in candidates {
+        if !names.contains(&candidate.name) {
+            names.push(candidate.name);
+        }
+    }
+    names
+}

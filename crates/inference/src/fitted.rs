@@ -3,12 +3,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::engine::Stage;
-use super::evidence::{Candidate, Evidence, Point, Problem};
+use super::evidence::{Candidate, Evidence, Point, Problem, names};
 use super::holdout::{self, least_squares};
-use super::lap::Lap;
+use super::outcome::Stage;
 use super::score::{whiten, whiten_with_prior};
-use super::told::names;
 use crate::noise::{self, Lasting, Noise};
 
 /// Steps of Gauss and Newton to one fit.
@@ -19,9 +17,6 @@ const MAX_NOISE_ROUNDS: usize = 4;
 
 /// Versions of one mechanism whose traces are kept out of the noise.
 const MAX_VERSIONS_IN_NOISE: usize = 3;
-
-/// Alternations of fit and search.
-const MAX_ROUNDS: usize = 6;
 
 /// Ratio of misfit to noise from which on the linearised model is not trusted to find the first mechanism.
 const GROSS_MISFIT: f64 = 1.25;
@@ -80,32 +75,6 @@ impl Fitted {
             }
         }
         fallen
-    }
-
-    /// Alternates between the choice of a set and its fit until the choice stands; returns the curve that goes with it.
-    pub(super) fn alternate(
-        &mut self,
-        problem: &impl Problem,
-        choose: impl Fn(&Lap<'_>) -> (Vec<usize>, Option<String>),
-    ) -> Option<String> {
-        let mut tried = vec![self.included.clone()];
-        let mut curve = None;
-        for _ in 0..MAX_ROUNDS {
-            let lap = Lap::new(problem.candidates(), self);
-            let (members, found) = choose(&lap);
-            curve = found;
-            if members == self.included {
-                break;
-            }
-            let mut next = Fitted::new(problem, lap.point_of(&members, problem), members.clone());
-            next.settle(problem);
-            *self = next;
-            if tried.contains(&members) {
-                break;
-            }
-            tried.push(members);
-        }
-        curve
     }
 
     /// Far from the truth the model bends, and its slopes mislead: there each mechanism is fitted in full, alone, by plain

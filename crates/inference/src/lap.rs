@@ -2,12 +2,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::engine::MARGIN;
 use super::evidence::{Candidate, Evidence, Point, Problem};
 use super::fitted::{Fitted, side_by_side};
 use super::holdout;
 use super::score::Score;
-use super::search::{Race, Runner};
+use super::search::{MARGIN, Race, Runner};
 use super::smooth;
 
 /// A curve in the race.

@@ -19,6 +19,7 @@ mod fitted;
 pub mod holdout;
 mod lap;
 pub mod noise;
+pub mod outcome;
 pub mod regimes;
 pub mod score;
 pub mod search;
@@ -27,9 +28,10 @@ mod thinning;
 mod told;
 mod versions;
 
-pub use engine::{Outcome, Stage, diagnose, diagnose_in_full};
+pub use engine::{diagnose, diagnose_in_full};
 pub use evidence::{Candidate, Covariate, Evidence, Headline, Point, Problem, Quantity, Version};
 pub use findings::{Alternative, Cause, Check, Checked, Diagnosis, Gain, Rejected, Unexplained, Verdict, Wrong};
+pub use outcome::{Outcome, Stage, gains};
 
 #[cfg(test)]
 mod tests;

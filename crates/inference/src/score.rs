@@ -4,6 +4,7 @@
 //! the candidates' columns with each other and with the residuals. So every set of candidates can be tried.
 
 use nalgebra::{DMatrix, DVector};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::evidence::Evidence;
 use crate::noise::{self, Noise, orthonormal};
@@ -157,4 +158,9 @@ fn effective_rows(evidence: &Evidence, noises: &[Noise]) -> f64 {
         effective += information * variance / rows.len().max(1) as f64;
     }
     effective.clamp(2.0, n as f64)
+}
+
+/// Probability that chance alone explains this much.
+pub(crate) fn chance(gain: f64, df: usize) -> f64 {
+    ChiSquared::new(df as f64).map_or(1.0, |distribution| distribution.sf(gain.max(0.0)))
 }

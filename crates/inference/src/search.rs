@@ -6,6 +6,10 @@
 
 use super::score::Score;
 
+/// By how much a curve without a name must be better before it keeps a mechanism from being named, and how much worse
+/// a mechanism may be and still count as a stand-in: a factor of 20 in evidence.
+pub(crate) const MARGIN: f64 = 6.0;
+
 /// Something that runs in the race.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Runner {

@@ -3,13 +3,13 @@
 
 use nalgebra::DMatrix;
 
-use super::engine::MARGIN;
-use super::evidence::{Problem, Quantity};
+use super::evidence::{Problem, Quantity, names};
 use super::fitted::Fitted;
 use super::holdout;
 use super::lap::Lap;
 use super::regimes;
-use super::told::{chance, names};
+use super::score::chance;
+use super::search::MARGIN;
 
 /// Change of a mechanism's size from regime to regime, relative to it, from which on it is another mechanism; less may
 /// be due to what the model leaves out.

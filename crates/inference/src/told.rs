@@ -1,16 +1,16 @@
 //! What is said of a fit: causes with their stand-ins, what was rejected and why, where the baseline misses the data.
 
 use nalgebra::{DMatrix, DVector};
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::alternatives::alternatives;
-use super::engine::{MARGIN, Outcome, gains};
-use super::evidence::{Candidate, Headline, Problem};
+use super::evidence::{Candidate, Headline, Problem, names};
 use super::findings::{Cause, Diagnosis, Rejected, Unexplained, Verdict, Wrong};
 use super::fitted::{Fitted, expected_rms};
 use super::holdout;
 use super::lap::Lap;
-use super::search::Race;
+use super::outcome::{Outcome, gains};
+use super::score::chance;
+use super::search::{MARGIN, Race};
 use super::versions;
 use crate::estimate::Estimate;
 
@@ -263,20 +263,4 @@ pub(super) fn wrong(candidates: &[Candidate], baseline: &Fitted) -> Vec<Wrong> {
     }
     found.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
     found
-}
-
-/// The names of the candidates, each once.
-pub(super) fn names(candidates: &[Candidate]) -> Vec<&'static str> {
-    let mut names: Vec<&'static str> = Vec::new();
-    for candidate in candidates {
-        if !names.contains(&candidate.name) {
-            names.push(candidate.name);
-        }
-    }
-    names
-}
-
-/// Probability that chance alone explains this much.
-pub(super) fn chance(gain: f64, df: usize) -> f64 {
-    ChiSquared::new(df as f64).map_or(1.0, |distribution| distribution.sf(gain.max(0.0)))
 }

@@ -21,7 +21,7 @@ use crate::log::Observation;
 use super::evidence::{Candidate, Evidence, Point, Problem, Quantity};
 use super::findings::{Check, Checked};
 use jumps::Jump;
-use model::{Directions, MAX_DIRECTIONS, Vehicle};
+use model::{Directions, Vehicle};
 use nalgebra::{DMatrix, DVector};
 pub use whole::{SeaDiagnosis, diagnose_log};
 
@@ -199,13 +199,9 @@ impl SeaProblem {
             if !self.has_speed() && candidate.name == "pitch_scale" {
                 continue;
             }
-            let Some(direction) = self.directions.of(index) else {
-                continue;
-            };
             self.candidates.push(candidate);
-            self.shapes.push(direction);
+            self.shapes.push(self.directions.of(index));
         }
-        debug_assert!(self.directions.len() <= MAX_DIRECTIONS);
     }
 
     /// Whether measured speed has a vote.
@@ -336,11 +332,11 @@ impl Problem for SeaProblem {
         let vehicle = Vehicle::new(&parameters, &self.directions);
         for (row, (bin, inside)) in self.bins.iter().zip(&inside).enumerate() {
             let (sink, speed) = vehicle.fly(bin, inside);
-            residual[row] = bin.mean.sink_m_s - sink.0;
-            slopes.row_mut(row).copy_from_slice(&sink.1[..self.directions.len()]);
+            residual[row] = bin.mean.sink_m_s - sink.value;
+            slopes.row_mut(row).copy_from_slice(&sink.slopes);
             if self.with_speed.get(speed_row - n_w) == Some(&row) {
-                residual[speed_row] = bin.mean.speed_m_s - speed.0;
-                slopes.row_mut(speed_row).copy_from_slice(&speed.1[..self.directions.len()]);
+                residual[speed_row] = bin.mean.speed_m_s - speed.value;
+                slopes.row_mut(speed_row).copy_from_slice(&speed.slopes);
                 speed_row += 1;
             }
         }

@@ -7,13 +7,10 @@ use crate::dynamics::{Parameters, parameter_index};
 use crate::glide::Glider;
 use crate::identify::{Bin, Inside, usual_step_s};
 
-/// Most parameters that can be varied at once.
-pub const MAX_DIRECTIONS: usize = 24;
+/// Parameters that are varied in one pass; more take another pass.
+const DIRECTIONS_OF_A_PASS: usize = 24;
 
-type Dual = DualSVec64<MAX_DIRECTIONS>;
-
-/// A value and its slopes.
-pub type Slopes = (f64, [f64; MAX_DIRECTIONS]);
+type Dual = DualSVec64<DIRECTIONS_OF_A_PASS>;
 
 /// Which rows of the table of parameters are varied, in order.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,12 +23,9 @@ impl Directions {
         Directions { rows: baseline.to_vec() }
     }
 
-    /// The direction of a row, a new one where it has none yet; none where there is no room.
-    pub fn of(&mut self, row: usize) -> Option<usize> {
-        if let Some(direction) = self.rows.iter().position(|known| *known == row) {
-            return Some(direction);
-        }
-        (self.rows.len() < MAX_DIRECTIONS).then(|| {
+    /// The direction of a row, a new one where it has none yet.
+    pub fn of(&mut self, row: usize) -> usize {
+        self.rows.iter().position(|known| *known == row).unwrap_or_else(|| {
             self.rows.push(row);
             self.rows.len() - 1
         })
@@ -46,39 +40,74 @@ impl Directions {
     }
 }
 
+/// A value and its slope in every direction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sloped {
+    pub value: f64,
+    pub slopes: Vec<f64>,
+}
+
 /// The vehicle at one point of a fit, before and after the jump of its drag.
 pub struct Vehicle {
+    passes: Vec<Pass>,
+    n_directions: usize,
+    jump_s: f64,
+}
+
+/// The vehicle with some of the directions in it.
+struct Pass {
     before: Glider<Dual>,
     after: Glider<Dual>,
-    jump_s: f64,
 }
 
 impl Vehicle {
     pub fn new(parameters: &Parameters<f64>, directions: &Directions) -> Self {
+        let passes = directions.rows.chunks(DIRECTIONS_OF_A_PASS).map(|rows| Pass::new(parameters, rows)).collect();
+        Vehicle { passes, n_directions: directions.len(), jump_s: parameters.step_time_s }
+    }
+
+    /// Vertical velocity and speed as the instruments would read them. Where no glide balances the glider stands still:
+    /// no velocity, no slope.
+    pub fn fly(&self, bin: &Bin, inside: &Inside) -> (Sloped, Sloped) {
+        let still = || Sloped { value: 0.0, slopes: Vec::with_capacity(self.n_directions) };
+        let (mut sink, mut speed) = (still(), still());
+        for pass in &self.passes {
+            let glider = if bin.mean.time_s < self.jump_s { &pass.before } else { &pass.after };
+            if let Some(read) = inside.predict(glider, bin, None) {
+                sink.take(read.sink_m_s);
+                speed.take(read.speed_m_s);
+            }
+        }
+        sink.slopes.resize(self.n_directions, 0.0);
+        speed.slopes.resize(self.n_directions, 0.0);
+        (sink, speed)
+    }
+}
+
+impl Pass {
+    fn new(parameters: &Parameters<f64>, rows: &[usize]) -> Self {
         let mut p = parameters.map(Dual::from);
-        for (direction, row) in directions.rows.iter().enumerate() {
+        for (direction, row) in rows.iter().enumerate() {
             let value = p.at(*row).re;
             *p.at(*row) = Dual::new(value, Derivative::derivative_generic(Const, U1, direction));
         }
         // The slope along a jump is wanted on both sides of it: the caller knows which rows a jump reaches.
-        let jump_s = p.step_time_s.re;
         p.step_time_s = Dual::from(f64::NEG_INFINITY);
         let after = Glider::new(p);
         if let Some(row) = parameter_index("drag_step") {
             let step = *p.at(row);
             *p.at(row) = step - step.re;
         }
-        Vehicle { before: Glider::new(p), after, jump_s }
+        Pass { before: Glider::new(p), after }
     }
+}
 
-    /// Vertical velocity and speed as the instruments would read them. Where no glide balances the glider stands still:
-    /// no velocity, no slope.
-    pub fn fly(&self, bin: &Bin, inside: &Inside) -> (Slopes, Slopes) {
-        let glider = if bin.mean.time_s < self.jump_s { &self.before } else { &self.after };
-        match inside.predict(glider, bin, None) {
-            Some(read) => (parts(read.sink_m_s), parts(read.speed_m_s)),
-            None => ((0.0, [0.0; MAX_DIRECTIONS]), (0.0, [0.0; MAX_DIRECTIONS])),
-        }
+impl Sloped {
+    /// The value of a pass, its slopes behind those of the passes before.
+    fn take(&mut self, value: Dual) {
+        self.value = value.re;
+        let slopes = value.eps.0.map_or([0.0; DIRECTIONS_OF_A_PASS], |eps| std::array::from_fn(|i| eps[i]));
+        self.slopes.extend(slopes);
     }
 }
 
@@ -157,7 +186,52 @@ fn reach_s(bins: &[Bin]) -> f64 {
     1.5 * usual_step_s(bins.iter().map(|bin| &bin.mean))
 }
 
-fn parts(value: Dual) -> Slopes {
-    let slopes = value.eps.0.map_or([0.0; MAX_DIRECTIONS], |eps| std::array::from_fn(|i| eps[i]));
-    (value.re, slopes)
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dynamics::PARAMETERS;
+    use crate::log::Observation;
+
+    /// A mechanism is fitted by its slope wherever its parameter stands: with more directions than one pass has, each slope is
+    /// that of the same parameter varied alone.
+    #[test]
+    fn slopes_do_not_depend_on_how_many_parameters_are_varied() {
+        let vehicle = crate::vehicle::Vehicle::load("slocum-049").unwrap();
+        let parameters = vehicle.glide_parameters();
+        let mean = Observation {
+            time_s: 100.0,
+            pressure_dbar: 50.0,
+            pressure_rate_dbar_s: 0.0,
+            temperature_C: parameters.reference_temperature_C,
+            density_kg_m3: 1025.0,
+            teos10_density_kg_m3: 1025.0,
+            teos10_surface_density_kg_m3: 1025.0,
+            pitch_rad: -0.4,
+            roll_rad: 0.1,
+            rudder_rad: 0.1,
+            heading_rad: 0.0,
+            ballast_m3: -2e-4,
+            battery_forward_m: f64::NAN,
+            sink_m_s: 0.15,
+            sink_se_m_s: 0.002,
+            sink_rate_m_s2: 0.0,
+            speed_m_s: 0.35,
+            leg: 0,
+            dive: 0,
+            stretch: 0,
+            steady: true,
+        };
+        let bin = Bin { mean, first: 0, samples: 10, sink_sd_m_s: 0.002, speed_sd_m_s: 0.03 };
+        let rows: Vec<usize> = (0..PARAMETERS.len()).collect();
+        assert!(rows.len() > DIRECTIONS_OF_A_PASS, "the test needs more than one pass");
+        let (sink, speed) = Vehicle::new(&parameters, &Directions::new(&rows)).fly(&bin, &Inside::NOTHING);
+        assert!(sink.value.is_finite() && sink.value != 0.0 && sink.slopes.len() == rows.len());
+        for row in rows {
+            let (alone, speed_alone) = Vehicle::new(&parameters, &Directions::new(&[row])).fly(&bin, &Inside::NOTHING);
+            assert_eq!(sink.slopes[row].to_bits(), alone.slopes[0].to_bits(), "{}", PARAMETERS[row].name);
+            assert_eq!(speed.slopes[row].to_bits(), speed_alone.slopes[0].to_bits(), "{}", PARAMETERS[row].name);
+        }
+        let moving = |name: &str| sink.slopes[parameter_index(name).unwrap()] != 0.0;
+        assert!(moving("b") && moving("ballast_offset_kg"), "{sink:?}");
+    }
 }

@@ -2,10 +2,10 @@
 
 use super::consistency::{self, DensityError};
 use super::{SeaError, SeaProblem, Settings};
-use crate::diagnose::engine::{self, Outcome};
+use crate::diagnose::engine;
 use crate::diagnose::findings::{Cause, Check, Checked, Verdict};
 use crate::diagnose::holdout;
-use crate::diagnose::{Evidence, Problem};
+use crate::diagnose::{Evidence, Outcome, Problem, gains};
 use crate::dynamics::{Parameters, parameter_index};
 use crate::estimate::Estimate;
 use crate::identify::Trim;
@@ -109,7 +109,7 @@ fn put_before(told: &mut Outcome, mended: &SeaProblem, raw: &SeaProblem) {
         }
     }
     told.diagnosis.wrong = wrong;
-    told.diagnosis.gains = engine::gains(&evidence, &told.before.held_out, &told.after.held_out);
+    told.diagnosis.gains = gains(&evidence, &told.before.held_out, &told.after.held_out);
     told.diagnosis.gain = told.diagnosis.gains[0].clone();
 }
 

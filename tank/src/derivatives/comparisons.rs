@@ -1,7 +1,7 @@
 //! The same derivative from different runs: each oscillation alone, turns against yaw, oscillation against the steady
 //! sweep, low frequencies against high ones.
 
-use glidepolar::hull_tests::{DynamicDerivatives, Estimate};
+use glidepolar_hull::hull_tests::{DynamicDerivatives, Estimate};
 
 use super::model::{Model, R, RDOT, V, VDOT, problem, solve};
 use super::observations::Observation;

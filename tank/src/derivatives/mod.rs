@@ -16,7 +16,7 @@ mod model;
 mod noise;
 mod observations;
 
-use glidepolar::hull_tests::{DynamicDerivatives, Estimate};
+use glidepolar_hull::hull_tests::{DynamicDerivatives, Estimate};
 use nalgebra::DMatrix;
 
 use crate::campaign::{Kind, Run};

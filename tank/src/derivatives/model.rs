@@ -1,6 +1,6 @@
 //! The regression of side force and moment: which terms it has, and its solution.
 
-use glidepolar::hull_tests::{DynamicDerivatives, Estimate};
+use glidepolar_hull::hull_tests::{DynamicDerivatives, Estimate};
 use nalgebra::{DMatrix, DVector};
 
 use super::Form;

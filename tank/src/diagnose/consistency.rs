@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use glidepolar::diagnose::{Cause, Diagnosis, Gain, Verdict};
-use glidepolar::estimate::Estimate;
+use glidepolar_inference::estimate::Estimate;
+use glidepolar_inference::{Cause, Diagnosis, Gain, Verdict};
 
 use super::data::Data;
 use super::drift::Days;
@@ -19,7 +19,7 @@ const USUAL_K: f64 = 1.0;
 /// A channel that is recorded with the wrong sign, as the slopes of every hull say.
 pub fn signs(hulls: &[HullResults]) -> Option<Diagnosis> {
     let fits: Vec<_> = hulls.iter().filter_map(|hull| Some(&hull.fit.as_ref().ok()?.estimates)).collect();
-    let negative = |of: &dyn Fn(&glidepolar::hull_tests::HullFit) -> Estimate| {
+    let negative = |of: &dyn Fn(&glidepolar_hull::hull_tests::HullFit) -> Estimate| {
         !fits.is_empty() && fits.iter().all(|fit| of(fit).ci95[1] < 0.0)
     };
     let lift = negative(&|fit| fit.a.clone());
@@ -46,7 +46,7 @@ pub fn signs(hulls: &[HullResults]) -> Option<Diagnosis> {
     let quantity = cause.quantity.clone();
     let nothing =
         Gain { quantity, holdout_rms_before: 0.0, holdout_rms_after: 0.0, reduction_percent: 0.0, ci95: [0.0; 2] };
-    let wrong = glidepolar::diagnose::Wrong {
+    let wrong = glidepolar_inference::Wrong {
         quantity: cause.quantity.clone(),
         regime: format!(
             "its slope is {slope:.3} per rad, impossible for a bare hull: {channel} is recorded with the opposite sign"
@@ -102,7 +102,7 @@ pub fn temperatures(data: &mut Data) -> Option<Cause> {
     let variance = others.iter().map(|t| (t - usual).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
     // A day's own temperature scatters as the others' do, and so does the mean that it is held against.
     let se = (variance * (1.0 + 1.0 / n)).sqrt();
-    let half = glidepolar::estimate::student_975(n - 1.0) * se;
+    let half = glidepolar_inference::estimate::student_975(n - 1.0) * se;
     Some(Cause {
         cause: "water_temperature".to_owned(),
         parameters: BTreeMap::from([
@@ -133,7 +133,7 @@ fn correct(data: &mut Data, run: usize, error_K: f64) {
 /// Adds a cause that the readings themselves show to what the runs say.
 pub fn add(diagnosis: &mut Diagnosis, cause: Cause) {
     diagnosis.rejected.retain(|rejected| rejected.cause != cause.cause);
-    diagnosis.wrong.push(glidepolar::diagnose::Wrong {
+    diagnosis.wrong.push(glidepolar_inference::Wrong {
         quantity: cause.quantity.clone(),
         regime: "one day against the others".to_owned(),
         rms: cause.holdout_rms_before,

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use glidepolar::diagnose::holdout::{reduction_interval, reduction_percent, rms};
-use glidepolar::diagnose::{Cause, Diagnosis, Gain, Outcome, Problem, Rejected, Unexplained, Verdict, Wrong};
-use glidepolar::estimate::Estimate;
-use glidepolar::hull_tests::{ExtendedFit, HullFit};
+use glidepolar_hull::hull_tests::{ExtendedFit, HullFit};
+use glidepolar_inference::estimate::Estimate;
+use glidepolar_inference::holdout::{reduction_interval, reduction_percent, rms};
+use glidepolar_inference::{Cause, Diagnosis, Gain, Outcome, Problem, Rejected, Unexplained, Verdict, Wrong};
 use nalgebra::DMatrix;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 

@@ -1,6 +1,6 @@
 //! The diagnosis in the tank: what a campaign's steady runs say against `CL = a alpha, CD = b + c alpha^2, CM = d alpha`.
 //!
-//! Readings are first held against themselves (signs, temperatures). Then the engine of [`glidepolar::diagnose`] races
+//! Readings are first held against themselves (signs, temperatures). Then the engine of [`glidepolar_inference`] races
 //! the [mechanisms] on all steady runs of all hulls together: each hull has its own a, b, c, d; balance, carriage and
 //! water are one for all. What no steady run can show, since a, b, c, d absorb it, stands in the baseline with the belief
 //! in it, so that no other mechanism is named in its place, and is said to be unseen.
@@ -16,8 +16,8 @@ mod model;
 mod problem;
 mod reduced;
 
-use glidepolar::diagnose::{Diagnosis, Outcome, diagnose_in_full};
-use glidepolar::hull_tests::ExtendedFit;
+use glidepolar_hull::hull_tests::ExtendedFit;
+use glidepolar_inference::{Diagnosis, Outcome, diagnose_in_full};
 
 use crate::results::HullResults;
 pub use data::{Data, SteadyData, ZeroTimes, zero_times};

@@ -2,8 +2,8 @@
 //! slopes come from the very equations. The reduction's own map then takes the reading to CL, CD, CM, as it took the
 //! measured one. Knows one run; no campaign, no statistics.
 
-use glidepolar::Number;
-use glidepolar::coefficients::BalanceForce;
+use glidepolar_hull::coefficients::BalanceForce;
+use glidepolar_number::Number;
 use nalgebra::{Const, Matrix3, U1};
 use num_dual::{Derivative, DualSVec64};
 

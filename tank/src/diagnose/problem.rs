@@ -1,8 +1,8 @@
 //! A campaign's steady runs as the engine sees them: rows of CL, CD, CM, a baseline of every hull's own a, b, c, d, and the
 //! mechanisms that these runs could show.
 
-use glidepolar::diagnose::smooth::Kind;
-use glidepolar::diagnose::{Candidate, Covariate, Evidence, Headline, Point, Problem, Quantity};
+use glidepolar_inference::smooth::Kind;
+use glidepolar_inference::{Candidate, Covariate, Evidence, Headline, Point, Problem, Quantity};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::data::{Data, SteadyData, ZeroTimes};
@@ -197,7 +197,7 @@ impl<'a> TankProblem<'a> {
     fn map(&self, run: usize) -> nalgebra::Matrix3<f64> {
         let s = &self.settings[run];
         let column = |axial_N: f64, side_N: f64, yaw_N_m: f64| {
-            let c = glidepolar::coefficients::BalanceForce { axial_N, side_N, yaw_N_m }
+            let c = glidepolar_hull::coefficients::BalanceForce { axial_N, side_N, yaw_N_m }
                 .moved(s.mc_m, s.cb_m)
                 .in_wind_axes(s.yaw_rad)
                 .coefficients(s.pressure_Pa, s.area_m2, s.length_m);

@@ -1,12 +1,12 @@
 //! The short table on the terminal.
 
-use glidepolar::hull_tests::Estimate;
+use glidepolar_hull::hull_tests::Estimate;
 
 use crate::results::Results;
 
 /// Ends the program with a message where nothing more can be printed.
 macro_rules! println {
-    ($($line:tt)*) => { glidepolar::cli::print_line(format_args!($($line)*)) };
+    ($($line:tt)*) => { glidepolar_terminal::print_line(format_args!($($line)*)) };
 }
 
 /// Prints the fits hull by hull.
@@ -14,7 +14,7 @@ pub fn print(results: &Results) {
     let width = results.hulls.iter().map(|h| h.hull.id.len()).max().unwrap_or(0).max(4);
     println!("{BOLD}{:<width$}  {:>4}  {}{BOLD:#}", "hull", "runs", heading());
     for hull in &results.hulls {
-        let id = glidepolar::input::printable(&hull.hull.id);
+        let id = glidepolar_input::printable(&hull.hull.id);
         match &hull.fit {
             Ok(fit) => {
                 let e = &fit.estimates;

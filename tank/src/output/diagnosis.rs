@@ -1,8 +1,8 @@
 //! The diagnosis in words and figures: what is wrong, why, the extension, the gain.
 
-use glidepolar::diagnose::{Cause, Diagnosis, Verdict};
-use glidepolar::estimate::Estimate;
-use glidepolar::report::{Axis, Cell, Figure, Layer, Panel, Section, Table, probability};
+use glidepolar_inference::estimate::Estimate;
+use glidepolar_inference::{Cause, Diagnosis, Verdict};
+use glidepolar_report::{Axis, Cell, Figure, Layer, Panel, Section, Table, probability};
 
 use crate::diagnose::CHANNEL;
 use crate::diagnose::mechanisms::in_tank;
@@ -99,7 +99,7 @@ fn shown(name: &str, size: &Estimate) -> String {
     if let Some(channel) = channel(name, size) {
         format!("{name} = {channel}")
     } else if size.se > 0.0 {
-        format!("{name} = {}", glidepolar::report::estimate(size.value, size.se))
+        format!("{name} = {}", glidepolar_report::estimate(size.value, size.se))
     } else {
         format!("{name} = {}", size.value)
     }

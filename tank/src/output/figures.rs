@@ -1,6 +1,6 @@
 //! The figures: coefficients against angle of attack for all hulls, residuals, trends, and each run's history.
 
-use glidepolar::report::{Axis, Dash, Figure, Layer, Panel};
+use glidepolar_report::{Axis, Dash, Figure, Layer, Panel};
 
 use crate::fits::SweepFit;
 use crate::results::{HullResults, Results, RunResults};

@@ -6,8 +6,8 @@ mod figures;
 mod page;
 mod tables;
 
-use glidepolar::output::{OutputError, OutputFolder};
-use glidepolar::report::InputFile;
+use glidepolar_report::InputFile;
+use glidepolar_report::output::{OutputError, OutputFolder};
 
 use crate::results::Results;
 

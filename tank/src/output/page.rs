@@ -1,7 +1,7 @@
 //! The page: what was found, how sure it is, every step that led there.
 
-use glidepolar::hull_tests::Estimate;
-use glidepolar::report::{Cell, InputFile, Report, Section, Table};
+use glidepolar_hull::hull_tests::Estimate;
+use glidepolar_report::{Cell, InputFile, Report, Section, Table};
 
 use super::figures;
 use crate::derivatives::{self, Comparison, Derivatives};
@@ -83,7 +83,7 @@ fn findings(results: &Results) -> Vec<String> {
 }
 
 fn shown(q: &Estimate) -> String {
-    glidepolar::report::estimate(q.value, q.se)
+    glidepolar_report::estimate(q.value, q.se)
 }
 
 fn pair_of_thousandths(q: &Estimate) -> [Cell; 2] {
@@ -308,7 +308,7 @@ fn add_forms(table: &mut Table, id: &str, fit: &SweepFit) {
         let own = candidates.first().map_or(f64::NAN, |c| c.left_out_rms);
         for c in candidates {
             let parameters: Vec<String> =
-                c.parameters.iter().map(|(value, se)| glidepolar::report::estimate(*value, *se)).collect();
+                c.parameters.iter().map(|(value, se)| glidepolar_report::estimate(*value, *se)).collect();
             table.push([
                 Cell::from(id),
                 Cell::from(NAMES[i]),

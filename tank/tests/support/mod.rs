@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use glidepolar::hull_tests::{Estimate, Reduction};
+use glidepolar_hull::hull_tests::{Estimate, Reduction};
 use glidepolar_tank::virtual_tank::{self, EffectRequest, Truth};
 use glidepolar_tank::{Options, Results, reduce_campaign};
 use tempfile::TempDir;

@@ -7,6 +7,8 @@ use clap::{Args, Command};
 use clap_complete::Shell;
 use clap_mangen::Man;
 
+use glidepolar_report::output::{Replace, write_whole};
+
 use super::CliError;
 
 /// Print completions for a shell
@@ -21,7 +23,11 @@ pub struct CompletionsArguments {
 }
 
 impl CompletionsArguments {
-    pub(super) fn run(&self, command: Command) -> Result<(), CliError> {
+    /// Does what was asked.
+    ///
+    /// # Errors
+    /// Where the result cannot be written.
+    pub fn run(&self, command: Command) -> Result<(), CliError> {
         completions(command, self.shell)
     }
 }
@@ -39,7 +45,11 @@ pub struct ManArguments {
 }
 
 impl ManArguments {
-    pub(super) fn run(&self, command: Command) -> Result<(), CliError> {
+    /// Does what was asked.
+    ///
+    /// # Errors
+    /// Where the result cannot be written.
+    pub fn run(&self, command: Command) -> Result<(), CliError> {
         man_pages(command, &self.folder, self.force)
     }
 }
@@ -102,6 +112,6 @@ fn write_pages(command: &Command, folder: &Path, force: bool) -> Result<(), CliE
     let page = Man::new(command.clone());
     let mut text = Vec::new();
     page.render(&mut text).map_err(|error| CliError::Failed(error.to_string()))?;
-    let replace = if force { crate::output::Replace::Any } else { crate::output::Replace::Own };
-    Ok(crate::output::write_whole(folder.join(page.get_filename()), &text, replace)?)
+    let replace = if force { Replace::Any } else { Replace::Own };
+    Ok(write_whole(folder.join(page.get_filename()), &text, replace)?)
 }

@@ -1,0 +1,58 @@
+//! What a diagnosis hands on: what it says, and the figures that it rests on. Decides nothing.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::evidence::{Evidence, Point, Quantity};
+use super::findings::{Diagnosis, Gain};
+use super::holdout;
+
+/// A diagnosis with the figures that it rests on, for tables and drawings.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// What is said.
+    pub diagnosis: Diagnosis,
+    /// The baseline alone.
+    pub before: Stage,
+    /// With what was named.
+    pub after: Stage,
+    /// The candidates of the fit in the order of the fit.
+    pub fitted: Vec<usize>,
+    /// The candidates that were named, strongest first, by their place in [`Problem::candidates`](super::evidence::Problem::candidates).
+    pub named: Vec<usize>,
+    /// Measured less modelled by a model without it, fitted without the row's block.
+    pub without: Vec<DVector<f64>>,
+    /// Evidence of each one: fall of the sum of squares, in units of the noise, when it is added last.
+    pub gains: Vec<f64>,
+}
+
+/// The model at one stage of a diagnosis.
+#[derive(Debug, Clone)]
+pub struct Stage {
+    /// Its parameters.
+    pub point: Point,
+    /// Measured less modelled, row by row.
+    pub residual: DVector<f64>,
+    /// The same for a model that was fitted without the row's block.
+    pub held_out: DVector<f64>,
+    /// Standard deviation of each row's noise.
+    pub sd: Vec<f64>,
+    /// Covariance of what was fitted: the baseline's parameters, then those of each candidate in [`Outcome::fitted`].
+    pub covariance: DMatrix<f64>,
+    /// The same by the scatter between blocks (Liang and Zeger 1986): right where the rows of a block err together.
+    pub covariance_by_blocks: DMatrix<f64>,
+}
+
+/// The gain from one set of held-out residuals to another, for each quantity.
+pub fn gains(evidence: &Evidence, before: &DVector<f64>, after: &DVector<f64>) -> Vec<Gain> {
+    let of = |quantity: &Quantity| {
+        let (b, a) = (holdout::rms(before, quantity.rows.clone()), holdout::rms(after, quantity.rows.clone()));
+        Gain {
+            quantity: quantity.name.to_owned(),
+            holdout_rms_before: b,
+            holdout_rms_after: a,
+            reduction_percent: holdout::reduction_percent(b, a),
+            ci95: holdout::reduction_interval(&evidence.block, quantity.rows.clone(), before, after),
+        }
+    };
+    evidence.quantities.iter().map(of).collect()
+}

@@ -1,0 +1,174 @@
+//! What the programs have in common on a terminal: where results go, why a command ended, messages, completions and manual
+//! pages.
+//!
+//! Exit code 0: done; 1: the question has no answer, or the result could not be written; 2: the input cannot be used.
+//! Standard output carries results, standard error messages. Knows no command.
+
+pub mod shell;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+use glidepolar_dynamics::glide::GlideError;
+use glidepolar_input::InputError;
+use glidepolar_report::output::{OutputError, OutputFolder, Replace, check, write_whole};
+use glidepolar_vehicle::MissingKeys;
+
+/// Where results go; the same for every command.
+#[derive(Debug, Clone, Args)]
+pub struct Output {
+    /// Write the result as JSON to FILE; `-` prints it, and nothing else, on standard output
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub json: Option<PathBuf>,
+    /// Print no table; warnings still go to standard error
+    #[arg(long, short, help_heading = "Output")]
+    pub quiet: bool,
+    /// Replace files, too, that this program did not write
+    #[arg(long, help_heading = "Output")]
+    pub force: bool,
+}
+
+impl Output {
+    /// Whether tables belong on standard output.
+    pub fn shows_tables(&self) -> bool {
+        !self.quiet && self.json.as_ref().is_none_or(|path| path.as_os_str() != "-")
+    }
+
+    /// Writes the result as JSON where it was asked for.
+    ///
+    /// # Errors
+    /// Where the file cannot be written.
+    pub fn write_json(&self, result: &impl serde::Serialize) -> Result<(), CliError> {
+        let Some(path) = &self.json else {
+            return Ok(());
+        };
+        let mut text = serde_json::to_string_pretty(result).map_err(|error| CliError::Failed(error.to_string()))?;
+        text.push('\n');
+        if path.as_os_str() == "-" {
+            use std::io::Write;
+            return std::io::stdout()
+                .write_all(text.as_bytes())
+                .map_err(|error| CliError::Failed(format!("standard output cannot be written: {error}")));
+        }
+        Ok(write_whole(path, text.as_bytes(), self.replace())?)
+    }
+
+    /// Writes a file that the user named, whole or not at all; an earlier result is replaced, anything else only with
+    /// `--force`.
+    ///
+    /// # Errors
+    /// Where the file cannot be written or may not be replaced.
+    pub fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), CliError> {
+        self.check_json()?;
+        Ok(write_whole(path, bytes, self.replace())?)
+    }
+
+    /// Finds out whether [`write`](Self::write) will write there, before something else is written.
+    ///
+    /// # Errors
+    /// Where the file cannot be written or may not be replaced.
+    pub fn check(&self, path: &Path, bytes: &[u8]) -> Result<(), CliError> {
+        Ok(check(path, bytes, self.replace())?)
+    }
+
+    /// Opens a folder for results, in which only earlier results are replaced, or anything with `--force`.
+    ///
+    /// # Errors
+    /// Where the folder cannot be made, or the place of `--json` cannot be written to: the folder would be left without it.
+    pub fn folder(&self, path: &Path) -> Result<OutputFolder, CliError> {
+        self.check_json()?;
+        Ok(OutputFolder::open(path, self.force)?)
+    }
+
+    fn check_json(&self) -> Result<(), CliError> {
+        match &self.json {
+            Some(path) if path.as_os_str() != "-" => self.check(path, b"{}"),
+            _ => Ok(()),
+        }
+    }
+
+    fn replace(&self) -> Replace {
+        if self.force { Replace::Any } else { Replace::Own }
+    }
+}
+
+/// Why a command ended without its result.
+#[derive(Debug, thiserror::Error)]
+pub enum CliError {
+    /// Input that cannot be used: exit code 2.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// Results that cannot be written: exit code 1.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// A vehicle file that lacks what this command needs: exit code 2.
+    #[error(transparent)]
+    MissingKeys(#[from] MissingKeys),
+    /// Arguments that do not fit together: exit code 2.
+    #[error("{0}")]
+    Usage(String),
+    /// No such glide: exit code 1.
+    #[error(transparent)]
+    Glide(#[from] GlideError),
+    /// Anything else: exit code 1.
+    #[error("{0}")]
+    Failed(String),
+}
+
+impl CliError {
+    /// The exit code that tells it to a script.
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            CliError::Input(_) | CliError::MissingKeys(_) | CliError::Usage(_) => ExitCode::from(2),
+            CliError::Glide(GlideError::OutOfRange { .. }) => ExitCode::from(2),
+            CliError::Output(_) | CliError::Glide(_) | CliError::Failed(_) => ExitCode::FAILURE,
+        }
+    }
+}
+
+/// What a program does before anything else.
+pub fn begin() {
+    // A reader that has seen enough (`| head`) closes the pipe; the program then ends, as others do, and complains of
+    // nothing. Rust's own start-up turns that off.
+    #[cfg(unix)]
+    // SAFETY: no other thread runs yet, and the default action calls no code of this program.
+    unsafe {
+        libc::signal(libc::SIGPIPE, libc::SIG_DFL);
+    }
+}
+
+/// Prints a line of a table on standard output, in colour on a terminal only. Where it cannot be written, on a full disk,
+/// the program ends with a message: the rest of the table would not arrive either.
+pub fn print_line(line: std::fmt::Arguments) {
+    use std::io::Write;
+    if let Err(error) = writeln!(anstream::stdout().lock(), "{line}") {
+        let error = CliError::Failed(format!("standard output cannot be written: {error}"));
+        show(&error);
+        std::process::exit(1);
+    }
+}
+
+/// Prints an error: what, then what to do.
+pub fn show(error: &CliError) {
+    let text = error.to_string();
+    match error {
+        CliError::Input(InputError { place, problem, help: Some(help) })
+        | CliError::Output(OutputError(InputError { place, problem, help: Some(help) })) => {
+            anstream::eprintln!("{RED}error{RED:#}: {place}: {problem}\n{CYAN}help{CYAN:#}: {help}");
+        }
+        _ => anstream::eprintln!("{RED}error{RED:#}: {text}"),
+    }
+}
+
+/// Says on standard error what a result is to be read with, `--quiet` or not: a script that keeps the tables keeps them clean,
+/// and one that throws them away has still been told.
+pub fn warn<S: std::fmt::Display>(warnings: impl IntoIterator<Item = S>) {
+    for warning in warnings {
+        anstream::eprintln!("{YELLOW}warning{YELLOW:#}: {warning}");
+    }
+}
+
+const RED: anstyle::Style = anstyle::AnsiColor::Red.on_default().bold();
+const YELLOW: anstyle::Style = anstyle::AnsiColor::Yellow.on_default().bold();
+const CYAN: anstyle::Style = anstyle::AnsiColor::Cyan.on_default().bold();
