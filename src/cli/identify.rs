@@ -123,7 +123,7 @@ fn iterative(
     warnings: Vec<String>,
     trim: Trim,
 ) -> Result<(), CliError> {
-    let Log { observations, w_filter, notes } = log;
+    let Log { observations, w_filter, notes, .. } = log;
     let Some(mut report) = paper_form::iterative(vehicle, trim, &observations, w_filter, notes) else {
         return Err(CliError::Failed("the scheme has no solution for any leg: weight, pitch and sink rate contradict each other; is the trim right?".into()));
     };

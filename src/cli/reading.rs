@@ -13,20 +13,26 @@ use crate::diagnose::sea::consistency;
 use crate::diagnose::{Check, Checked};
 use crate::input::{InputError, Place};
 use crate::log::{
-    CHANNELS, Channel, Columns, Condenser, FlightLog, MOST_OBSERVATIONS, Observation, Opened, Preparation, Settings,
-    Shorten, open, take_out_lost_speeds,
+    CHANNELS, Channel, Columns, Condenser, FlightLog, LogFiles, MOST_OBSERVATIONS, Observation, Piece, Preparation,
+    Settings, Shorten, take_out_lost_speeds,
 };
 use crate::vehicle::Vehicle;
 
 /// How logs are read; the same for every command that takes one.
 #[derive(Debug, Clone, Args)]
 pub struct Reading {
-    /// Column that holds the measured speed through the water [m/s]
+    /// Column that holds the measured speed through the water [m/s]; ad2cp: the near cells of a Seaglider's own AD2CP
     #[arg(long, value_name = "NAME", help_heading = "Log")]
     pub speed_column: Option<String>,
     /// Take a channel from this column (repeat): pitch_rad=pitch_corr_rad
     #[arg(long, value_name = "CHANNEL=COLUMN", help_heading = "Log")]
     pub column: Vec<String>,
+    /// State the unit of a channel, whatever the file says (repeat): pitch_rad=rad
+    #[arg(long, value_name = "CHANNEL=UNIT", help_heading = "Log")]
+    pub unit: Vec<String>,
+    /// Folder with the lists of sensors (.cac, .ccc) of a Slocum's binary files [default: beside them]
+    #[arg(long, value_name = "DIR", help_heading = "Log")]
+    pub cache: Vec<PathBuf>,
     /// In-situ density where the log gives none [kg/m3]
     #[arg(long, value_name = "RHO", help_heading = "Log", allow_negative_numbers = true)]
     pub density: Option<f64>,
@@ -43,6 +49,8 @@ pub struct Log {
     pub w_filter: String,
     /// What was found in the log and done about it.
     pub notes: Vec<String>,
+    /// Files that were left out.
+    pub of_files: Vec<String>,
 }
 
 impl Log {
@@ -64,7 +72,7 @@ impl Log {
                 check.check, check.says
             )
         };
-        Ok(found.map(warning).collect())
+        Ok(self.of_files.iter().cloned().chain(found.map(warning)).collect())
     }
 }
 
@@ -85,13 +93,7 @@ impl Reading {
     /// # Errors
     /// The same.
     pub fn read_shortened(&self, logs: &[PathBuf], vehicle: &Vehicle, how: Shorten) -> Result<Log, CliError> {
-        let mut columns = Columns::default();
-        for choice in &self.column {
-            columns.choose_text(choice).map_err(CliError::Usage)?;
-        }
-        if let Some(name) = &self.speed_column {
-            columns.choose(Channel::Speed, name);
-        }
+        let columns = columns(&self.column, &self.unit, &self.cache, self.speed_column.as_deref())?;
         if !(0.1..=600.0).contains(&self.half_window_s) {
             return Err(CliError::Usage(format!(
                 "--half-window-s {} is no window: expected 0.1 to 600 s",
@@ -100,14 +102,11 @@ impl Reading {
         }
         let settings = Settings { half_window_s: self.half_window_s, ..settings(vehicle, self.density)? };
         let mut gathering = Gathering::new(settings, how);
-        for path in logs {
-            match open(path, &columns)? {
-                Opened::Series(mut series) => {
-                    while let Some(piece) = series.next_piece(PIECE_ROWS)? {
-                        gathering.push(piece);
-                    }
-                }
-                Opened::Glides(mut glides) => {
+        let mut files = LogFiles::open(logs, &columns)?;
+        while let Some(piece) = files.next_piece(PIECE_ROWS)? {
+            match piece {
+                Piece::Series(piece) => gathering.push(piece),
+                Piece::Glides(mut glides) => {
                     if let Some(density) = self.density {
                         glides
                             .iter_mut()
@@ -115,7 +114,8 @@ impl Reading {
                             .for_each(|g| g.density_kg_m3 = density);
                     }
                     if glides.iter().any(|glide| !glide.density_kg_m3.is_finite()) {
-                        let error = InputError::new(Place::file(path), "no density: expected a column `density_kg_m3`");
+                        let place = Place::file(&logs[0]);
+                        let error = InputError::new(place, "no density: expected a column `density_kg_m3`");
                         return Err(error.help("give it with --density").into());
                     }
                     gathering.push_glides(glides);
@@ -123,12 +123,44 @@ impl Reading {
             }
         }
         let nothing_left = gathering.nothing_left(&logs[0], self.density.is_some());
-        let log = gathering.finish()?;
+        let mut log = gathering.finish()?;
         if log.observations.is_empty() {
             return Err(nothing_left.into());
         }
+        log.notes.splice(0..0, files.notes().iter().cloned());
+        log.of_files = files.warnings().to_vec();
         Ok(log)
     }
+}
+
+/// What the user says of the columns of a log.
+///
+/// # Errors
+/// A choice or a unit that is none.
+pub fn columns(
+    choices: &[String],
+    units: &[String],
+    caches: &[PathBuf],
+    speed: Option<&str>,
+) -> Result<Columns, CliError> {
+    let mut columns = Columns::default();
+    for choice in choices {
+        columns.choose_text(choice).map_err(CliError::Usage)?;
+    }
+    for unit in units {
+        columns.unit_text(unit).map_err(CliError::Usage)?;
+    }
+    for folder in caches {
+        if !folder.is_dir() {
+            let error = InputError::new(Place::file(folder), "is no folder");
+            return Err(error.help("--cache names the folder with the files .cac or .ccc").into());
+        }
+        columns.cache(folder);
+    }
+    if let Some(name) = speed {
+        columns.choose(Channel::Speed, name);
+    }
+    Ok(columns)
 }
 
 /// What a log is prepared by that is flown with this vehicle.
@@ -232,7 +264,11 @@ impl Gathering {
         let notes: Vec<String> =
             self.preparation.notes().sentences().into_iter().chain(lost).chain(shortened).collect();
         let wrong = consistency::taken_out(&self.preparation);
-        if wrong.is_empty() { Ok(Log { observations, w_filter, notes }) } else { Err(refused(wrong, &notes)) }
+        if wrong.is_empty() {
+            Ok(Log { observations, w_filter, notes, of_files: Vec::new() })
+        } else {
+            Err(refused(wrong, &notes))
+        }
     }
 }
 

@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
-use super::reading::{Gathering, no_rows, settings};
+use super::reading::{Gathering, columns, no_rows, settings};
 use super::table::for_each_row;
 use super::track_page::{self, Remarks};
 use super::{CliError, Output, vehicle_input, warn};
 use crate::dynamics::Parameters;
 use crate::input::{InputError, Place};
-use crate::log::{CHANNELS, Channel, Columns, DBAR_PA, FlightLog, Opened, Shorten, in_situ_density_kg_m3, open};
+use crate::log::{CHANNELS, Channel, DBAR_PA, FlightLog, LogFiles, Piece, Shorten, in_situ_density_kg_m3};
 use crate::report::InputFile;
 use crate::track::comparison::{self, Comparison, Stored};
 use crate::track::{DiveTrack, Drift, Fix, Sample, Settings, Track, reckon};
@@ -65,6 +65,12 @@ pub struct Arguments {
     /// Take a channel from another column: heading_rad=heading_true_rad
     #[arg(long, value_name = "CHANNEL=COLUMN")]
     column: Vec<String>,
+    /// State the unit of a channel, whatever the file says: pitch_rad=rad
+    #[arg(long, value_name = "CHANNEL=UNIT")]
+    unit: Vec<String>,
+    /// Folder with the lists of sensors (.cac, .ccc) of a Slocum's binary files [default: beside them]
+    #[arg(long, value_name = "DIR")]
+    cache: Vec<PathBuf>,
     /// Write the track to FILE (CSV)
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
@@ -180,27 +186,24 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
 /// The log as it was recorded. Beside it goes the way that the other commands take to their samples, so that what they
 /// refuse is refused here, and what is doubtful comes back in words.
 fn read(a: &Arguments, vehicle: &Vehicle) -> Result<(FlightLog, Vec<String>), CliError> {
-    let mut columns = Columns::default();
-    for choice in &a.column {
-        columns.choose_text(choice).map_err(CliError::Usage)?;
-    }
+    let columns = columns(&a.column, &a.unit, &a.cache, None)?;
     let mut log = FlightLog::default();
     let mut gathering = Gathering::new(settings(vehicle, a.density)?, Shorten::Means);
-    for path in &a.logs {
-        match open(path, &columns)? {
-            Opened::Series(mut series) => {
-                while let Some(piece) = series.next_piece(PIECE_ROWS)? {
-                    log.append(&piece);
-                    gathering.push(piece);
-                }
+    let mut files = LogFiles::open(&a.logs, &columns)?;
+    while let Some(piece) = files.next_piece(PIECE_ROWS)? {
+        match piece {
+            Piece::Series(piece) => {
+                log.append(&piece);
+                gathering.push(piece);
             }
-            Opened::Glides(_) => {
-                let error = InputError::new(Place::file(path), "a table of glides has no track");
+            Piece::Glides(_) => {
+                let error = InputError::new(Place::file(&a.logs[0]), "a table of glides has no track");
                 return Err(error.help("name the log it was made from").into());
             }
         }
     }
-    let warnings = gathering.finish()?.warnings(vehicle)?;
+    let mut warnings = gathering.finish()?.warnings(vehicle)?;
+    warnings.splice(0..0, files.warnings().iter().cloned());
     Ok((log, warnings))
 }
 

@@ -5,7 +5,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use super::channels::{CHANNELS, Channel, FlightLog};
-use super::open::Columns;
+use super::columns::Columns;
 use glidepolar_input::{InputError, Place, nearest, printable};
 
 /// A CSV log that is being read.

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::channels::{CHANNELS, Channel};
+use super::columns::Columns;
 use super::csv::{csv_error, header, not_a_number, number, reader};
 use super::observation::Observation;
-use super::open::Columns;
 use glidepolar_input::{InputError, Place};
 
 /// The column that tells such a table from a time series: vertical velocity, positive up.

@@ -5,7 +5,8 @@
 //! per-glide table                          ------------------------------------------------------> Observation
 //! ```
 //! - [`FlightLog`]: columns, one row per sample, a missing value is NaN.
-//! - [`open`]: any of the files above, told by name and content, read piece by piece.
+//! - [`LogFiles`]: any number of the files above in any order, known by their content, read piece by piece; [`open`] for one.
+//! - [`Calibration`], [`GpsFix`]: what the files say of the vehicle, and where it was at the surface.
 //! - [`Preparation`]: cleaning, density, vertical velocity, legs; what it did to the data stands in its [`Notes`].
 //! - [`take_out_lost_speeds`]: legs on which the speed sensor had lost the water.
 //! - [`Condenser`]: a log of any length in bounded memory.
@@ -15,11 +16,16 @@
 
 #![allow(non_snake_case, reason = "units stand in names as they are written: N, Pa, C, J")]
 
+mod ad2cp;
+mod calibration;
 mod channels;
 mod clean;
+mod columns;
 mod condense;
 mod csv;
 mod density;
+mod files;
+mod fix;
 mod glide_table;
 mod lost_speed;
 mod motors;
@@ -28,20 +34,26 @@ mod observation;
 mod og1;
 mod open;
 mod prepare;
+mod resample;
 mod seaglider;
 mod segment;
+mod units;
 mod vertical_velocity;
 
 pub use self::csv::CsvLog;
+pub use calibration::Calibration;
 pub use channels::{CHANNELS, Channel, ChannelInfo, FlightLog};
 pub use clean::Notes;
 pub use clean::median;
+pub use columns::Columns;
 pub use condense::{Condenser, MOST_OBSERVATIONS, Shorten};
 pub use density::{absolute_salinity_g_kg, conservative_temperature_C, in_situ_density_kg_m3};
+pub use files::{LogFiles, Piece};
+pub use fix::GpsFix;
 pub use glide_table::read_glide_table;
 pub use lost_speed::take_out_lost_speeds;
 pub use observation::{DBAR_PA, Observation};
-pub use open::{Columns, LogPieces, Opened, open};
+pub use open::{LogPieces, Opened, open};
 pub use prepare::{Preparation, Prepared, Settings};
 pub use segment::{Leg, legs};
 pub use vertical_velocity::{Velocity, filter_window, vertical_velocity};

@@ -1,5 +1,6 @@
 //! What both kinds of NetCDF log share: a variable by name as numbers in a known unit, errors that name the file.
 
+use std::io::Read;
 use std::path::Path;
 
 use netcdf_reader::{NcFile, NcOpenOptions};
@@ -9,6 +10,16 @@ use glidepolar_input::{InputError, Place, printable};
 /// Most that is ever read into memory for one variable \[bytes\]: no log of one file is longer, a damaged header may
 /// claim anything.
 const MAX_READ_BYTES: usize = 1 << 30;
+
+/// Whether the file begins as one.
+pub(super) fn is_one(path: &Path) -> Result<bool, InputError> {
+    let mut magic = [0u8; 8];
+    let file = std::fs::File::open(path).map_err(|error| InputError::io(path, &error))?;
+    let mut read = Vec::new();
+    file.take(8).read_to_end(&mut read).map_err(|error| InputError::io(path, &error))?;
+    magic[..read.len()].copy_from_slice(&read);
+    Ok(magic.starts_with(b"CDF") || magic == *b"\x89HDF\r\n\x1a\n")
+}
 
 pub(super) fn open(path: &Path) -> Result<NcFile, InputError> {
     let options = NcOpenOptions { max_read_bytes: MAX_READ_BYTES, ..NcOpenOptions::default() };
@@ -53,6 +64,17 @@ pub(super) fn units(file: &NcFile, name: &str) -> String {
 pub(super) fn attribute_f64(file: &NcFile, name: &str) -> Option<f64> {
     let value = &file.global_attribute(name).ok()?.value;
     value.as_f64().or_else(|| value.as_string()?.trim().parse().ok())
+}
+
+pub(super) fn attribute_text(file: &NcFile, name: &str) -> Option<String> {
+    Some(file.global_attribute(name).ok()?.value.as_string()?.trim().to_owned())
+}
+
+/// A variable of one number; nothing where it is not there or has no value.
+pub(super) fn scalar(file: &NcFile, name: &str) -> Option<f64> {
+    file.variable(name).ok()?;
+    let array = file.read_variable_unpacked_masked(name).ok()?;
+    array.iter().copied().next().filter(|value| value.abs() < 1e15)
 }
 
 /// Complains about a variable that is missing or of another length than the time.

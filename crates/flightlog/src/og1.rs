@@ -6,8 +6,8 @@ use std::path::Path;
 use netcdf_reader::NcFile;
 
 use super::channels::{CHANNELS, Channel, FlightLog};
-use super::netcdf::{has, missing, of_length, open, units, values};
-use super::open::Columns;
+use super::columns::Columns;
+use super::netcdf::{attribute_text, has, missing, of_length, open, units, values};
 use glidepolar_input::{InputError, Place, printable};
 
 /// Under which names a channel is found, the best first.
@@ -69,6 +69,26 @@ pub(super) fn read(path: &Path, columns: &Columns) -> Result<FlightLog, InputErr
     need(Channel::Pitch, "pitch")?;
     need(Channel::Ballast, "ballast volume")?;
     Ok(log)
+}
+
+/// The glider, where the file names it, and the first time of its record \[s\].
+///
+/// # Errors
+/// A file without time.
+pub(super) fn headline(path: &Path, file: &NcFile, columns: &Columns) -> Result<(String, f64), InputError> {
+    let names = NAMES.iter().find(|(channel, _)| *channel == Channel::Time).map_or(&[][..], |(_, names)| names);
+    let name = columns.of(Channel::Time).or_else(|| names.iter().copied().find(|name| has(file, name)));
+    let start_s = match name.filter(|name| has(file, name)) {
+        Some(name) => {
+            let factor = factor(path, file, Channel::Time, name)?;
+            values(path, file, name)?.into_iter().find(|time| time.is_finite()).map_or(f64::NAN, |time| time * factor)
+        }
+        None => return Err(missing(path, "time", names)),
+    };
+    let glider = ["platform_serial_number", "glider_serial", "glider_name", "platform_id"]
+        .into_iter()
+        .find_map(|name| attribute_text(file, name).filter(|text| !text.is_empty()));
+    Ok((glider.unwrap_or_default(), start_s))
 }
 
 /// From the unit of the file to that of the channel. A unit that is not stated is taken for the usual one.

@@ -1,13 +1,26 @@
-//! Seaglider basestation files, one NetCDF file a dive (`p*.nc`).
+//! Seaglider basestation files, one NetCDF file a dive (`p*.nc`), of every version of the basestation.
+//!
+//! Each instrument stands on a dimension of its own, with times of its own. The rows of the log are the readings of
+//! pressure: on the glider's clock where it has them, else on that of the CTD. Everything else is brought to these times
+//! by straight lines: temperature and salinity from the CTD's clock, attitude and ballast from the glider's. A file whose
+//! instruments share one dimension passes as it is.
 //!
 //! Angles are degrees, the pitch mass is in cm and positive nose up. Temperature and salinity are those that passed the
 //! basestation's quality control, the raw ones where it gave none. A motor moves from `gc_st_secs` to `gc_end_secs`.
 
 use std::path::Path;
 
-use super::channels::{Channel, FlightLog};
-use super::netcdf::{attribute_f64, first, has, missing, of_length, open};
-use glidepolar_input::InputError;
+use netcdf_reader::NcFile;
+
+use super::ad2cp;
+use super::calibration::Calibration;
+use super::channels::{CHANNELS, Channel, FlightLog};
+use super::columns::Columns;
+use super::fix::GpsFix;
+use super::netcdf::{attribute_f64, attribute_text, first, has, missing, of_length, open, scalar, units, values};
+use super::resample::Readings;
+use super::units::{self, Conversion, is_angle};
+use glidepolar_input::{InputError, Place, printable};
 
 /// Time around a motor's move in which the record still shows it \[s\].
 const MOVE_MARGIN_S: f64 = 6.0;
@@ -15,66 +28,327 @@ const MOVE_MARGIN_S: f64 = 6.0;
 /// What makes a basestation file one.
 const BALLAST: &str = "eng_vbdCC";
 
+/// The record of one dive.
+pub(super) struct Dive {
+    pub(super) log: FlightLog,
+    pub(super) fixes: Vec<GpsFix>,
+    /// What was found in it, as sentences that name no file.
+    pub(super) notes: Vec<String>,
+}
+
 /// Whether the file is one of the basestation's.
-pub(super) fn is_one(path: &Path) -> Result<bool, InputError> {
-    let file = open(path)?;
-    Ok(has(&file, BALLAST) && has(&file, "eng_pitchAng"))
+pub(super) fn is_one(file: &NcFile) -> bool {
+    has(file, "eng_pitchAng") && (has(file, BALLAST) || has(file, "log_C_VBD") || has(file, "gc_st_secs"))
 }
 
 /// Reads the record of one dive.
 ///
 /// # Errors
 /// A variable that is missing or of the wrong length, a file that is no NetCDF.
-pub(super) fn read(path: &Path) -> Result<FlightLog, InputError> {
+pub(super) fn read(path: &Path, columns: &Columns) -> Result<Dive, InputError> {
     let file = open(path)?;
-    let times = ["time", "ctd_time"];
-    let time = first(path, &file, &times)?.ok_or_else(|| missing(path, "time", &times))?;
-    let rows = time.len();
-    let column = |names: &[&str], factor: f64| -> Result<Option<Vec<f64>>, InputError> {
-        let Some(values) = first(path, &file, names)? else { return Ok(None) };
-        let values = values.into_iter().map(|value| value * factor).collect();
-        of_length(path, names[0], values, rows).map(Some)
+    let clocks = Clocks::of(path, &file)?;
+    let mut notes = Vec::new();
+    let pressure = pressure(path, &clocks, columns)?;
+    let (rows, speed) = match columns.of(Channel::Speed) {
+        Some(ad2cp::NAME) => {
+            let found = ad2cp::read(path, &file, &Readings::new(&pressure.times, &pressure.values), &mut notes)?;
+            (ad2cp::rows(&pressure.times, &found), found)
+        }
+        _ => (pressure.times.clone(), Vec::new()),
     };
-    let need =
-        |what: &str, names: &[&str], factor: f64| column(names, factor)?.ok_or_else(|| missing(path, what, names));
-    let degrees = std::f64::consts::PI / 180.0;
-
     let mut log = FlightLog::default();
-    log.set(Channel::Pressure, need("pressure", &["ctd_pressure", "pressure"], 1.0)?);
-    log.set(Channel::Pitch, need("pitch", &["eng_pitchAng"], degrees)?);
-    log.set(Channel::Ballast, need("ballast volume", &[BALLAST], 1.0)?);
-    for (channel, names, factor) in [
-        (Channel::Roll, &["eng_rollAng"][..], degrees),
-        (Channel::Heading, &["eng_head"], degrees),
-        (Channel::PitchMass, &["eng_pitchCtl"], 0.01),
-        (Channel::Temperature, &["temperature", "temperature_raw"], 1.0),
-        (Channel::Salinity, &["salinity", "salinity_raw"], 1.0),
-        (Channel::Latitude, &["latitude", "latitude_gsm"], 1.0),
-        (Channel::Longitude, &["longitude", "longitude_gsm"], 1.0),
-    ] {
-        if let Some(values) = column(names, factor)? {
-            log.set(channel, values);
+    log.set(Channel::Time, rows.clone());
+    log.set(Channel::Pressure, pressure.at(&rows, false));
+    for (channel, names, unit) in CHANNELS_OF_FILES {
+        let is_chosen = columns.of(*channel).filter(|name| *name != ad2cp::NAME);
+        let found = match is_chosen {
+            Some(name) if !has(&file, name) => return Err(no_variable(path, *channel, name)),
+            Some(name) => clocks.instrument(&[name])?,
+            None => clocks.instrument(names)?,
+        };
+        let Some(found) = found else { continue };
+        let conversion =
+            columns.unit(*channel).map_or_else(|| stated(path, &file, *channel, &found.name, *unit), Ok)?;
+        let mut column = found.converted(conversion).at(&rows, is_angle(*channel));
+        if *channel == Channel::Heading {
+            column.iter_mut().for_each(|angle| *angle = angle.rem_euclid(std::f64::consts::TAU));
+        }
+        log.set(*channel, column);
+    }
+    for (channel, what) in [(Channel::Pitch, "pitch"), (Channel::Ballast, "ballast volume")] {
+        if log.column(channel).is_empty() {
+            let names =
+                CHANNELS_OF_FILES.iter().find(|(named, ..)| *named == channel).map_or(&[][..], |(_, names, _)| names);
+            return Err(missing(path, what, names));
         }
     }
-    // Where quality control took too much away, the raw record is better than none.
+    water(&clocks, columns, &mut log, &rows, &mut notes)?;
+    if !speed.is_empty() {
+        log.set(Channel::Speed, ad2cp::column(&rows, &speed));
+    }
+    log.set(Channel::MotorMoving, motor_moving(path, &file, &rows)?);
+    log.set(Channel::Dive, vec![dive_number(&file).unwrap_or(f64::NAN); rows.len()]);
+    Ok(Dive { log, fixes: fixes(path, &file)?, notes })
+}
+
+/// Where the channels are found, the best name first, and the unit in which the basestation has them.
+const CHANNELS_OF_FILES: &[(Channel, &[&str], Conversion)] = &[
+    (Channel::Pitch, &["eng_pitchAng"], Conversion::by(DEG)),
+    (Channel::Ballast, &[BALLAST], Conversion::NONE),
+    (Channel::Roll, &["eng_rollAng"], Conversion::by(DEG)),
+    (Channel::Heading, &["eng_head"], Conversion::by(DEG)),
+    (Channel::PitchMass, &["eng_pitchCtl"], Conversion::by(0.01)),
+    (Channel::Temperature, &["temperature", "temperature_raw"], Conversion::NONE),
+    (Channel::Salinity, &["salinity", "salinity_raw"], Conversion::NONE),
+    (Channel::Latitude, &["latitude", "latitude_gsm"], Conversion::NONE),
+    (Channel::Longitude, &["longitude", "longitude_gsm"], Conversion::NONE),
+    (Channel::Density, &[], Conversion::NONE),
+    (Channel::Conductivity, &[], Conversion::NONE),
+    (Channel::Rudder, &[], Conversion::by(DEG)),
+    (Channel::BatteryPosition, &[], Conversion::NONE),
+    (Channel::Speed, &[], Conversion::NONE),
+];
+
+const DEG: f64 = std::f64::consts::PI / 180.0;
+
+/// Readings of one instrument at its own times.
+struct Instrument {
+    name: String,
+    times: Vec<f64>,
+    values: Vec<f64>,
+}
+
+impl Instrument {
+    fn converted(mut self, conversion: Conversion) -> Self {
+        self.values.iter_mut().for_each(|value| *value = conversion.of(*value));
+        self
+    }
+
+    /// At the rows of the log: as they are where the times are the same.
+    fn at(&self, rows: &[f64], is_angle: bool) -> Vec<f64> {
+        if rows == self.times {
+            return self.values.clone();
+        }
+        let readings = if is_angle { Readings::of_angles } else { Readings::new };
+        readings(&self.times, &self.values).at_all(rows)
+    }
+}
+
+/// The times that belong to the dimensions of a file.
+struct Clocks<'a> {
+    path: &'a Path,
+    file: &'a NcFile,
+    /// Dimension, its times.
+    known: Vec<(String, Vec<f64>)>,
+}
+
+impl<'a> Clocks<'a> {
+    /// Finds for each dimension the variable with its times: `time`, `ctd_time`, or another that ends so and counts
+    /// seconds since 1970.
+    fn of(path: &'a Path, file: &'a NcFile) -> Result<Self, InputError> {
+        let mut clocks = Clocks { path, file, known: Vec::new() };
+        let variables = file.variables().unwrap_or_default();
+        let named = ["time", "ctd_time"].into_iter().filter(|name| has(file, name)).map(str::to_owned);
+        let others = variables
+            .iter()
+            .filter(|variable| {
+                variable.name().ends_with("_time") && units(file, variable.name()).contains("since 1970")
+            })
+            .map(|variable| variable.name().to_owned());
+        for name in named.chain(others) {
+            let Some(dimension) = dimension(file, &name) else { continue };
+            if clocks.known.iter().all(|(known, _)| *known != dimension) {
+                clocks.known.push((dimension, values(path, file, &name)?));
+            }
+        }
+        if clocks.known.is_empty() {
+            return Err(missing(path, "time", &["time", "ctd_time"]));
+        }
+        Ok(clocks)
+    }
+
+    /// The first of these variables that is there and has a value, with its times.
+    fn instrument(&self, names: &[&str]) -> Result<Option<Instrument>, InputError> {
+        for name in names.iter().filter(|name| has(self.file, name)) {
+            let values = values(self.path, self.file, name)?;
+            if !values.iter().any(|value| value.is_finite()) && name != &names[names.len() - 1] {
+                continue;
+            }
+            let dimension = dimension(self.file, name);
+            let of_dimension = self.known.iter().find(|(known, _)| Some(known) == dimension.as_ref());
+            // Without dimensions in common: the first clock of as many times.
+            let times = match of_dimension.or_else(|| self.known.iter().find(|(_, times)| times.len() == values.len()))
+            {
+                Some((_, times)) => times.clone(),
+                None => return of_length(self.path, name, values, self.known[0].1.len()).map(|_| None),
+            };
+            let values = of_length(self.path, name, values, times.len())?;
+            return Ok(Some(Instrument { name: (*name).to_owned(), times, values }));
+        }
+        Ok(None)
+    }
+}
+
+/// The name of the only dimension of a variable.
+fn dimension(file: &NcFile, name: &str) -> Option<String> {
+    match file.variable(name).ok()?.dimensions() {
+        [only] => Some(only.name.clone()),
+        _ => None,
+    }
+}
+
+/// The readings of pressure, on whose times the rows of the log stand.
+fn pressure(path: &Path, clocks: &Clocks<'_>, columns: &Columns) -> Result<Instrument, InputError> {
+    // `pressure` is what the glider's own sensor read; `ctd_pressure` is brought from there to the times and the place of
+    // the CTD. On one clock the latter belongs to the temperature beside it.
+    let one_clock = dimension(clocks.file, "pressure") == dimension(clocks.file, "ctd_pressure");
+    let names = if one_clock { ["ctd_pressure", "pressure"] } else { ["pressure", "ctd_pressure"] };
+    if let Some(name) = columns.of(Channel::Pressure) {
+        let found = clocks.instrument(&[name])?.ok_or_else(|| no_variable(path, Channel::Pressure, name))?;
+        return Ok(found.converted(columns.unit(Channel::Pressure).unwrap_or(Conversion::NONE)));
+    }
+    if let Some(found) = clocks.instrument(&names)? {
+        return Ok(found.converted(columns.unit(Channel::Pressure).unwrap_or(Conversion::NONE)));
+    }
+    // Files that were never processed have the depth only, in cm; 1 m is 1.0055 dbar in the basestation's own sea water.
+    for (name, metres) in [("depth", 1.0), ("eng_depth", 0.01)] {
+        if let Some(found) = clocks.instrument(&[name])? {
+            return Ok(found.converted(Conversion::by(metres * 1.0055)));
+        }
+    }
+    Err(missing(path, "pressure", &["pressure", "ctd_pressure", "depth"]))
+}
+
+/// Where quality control took too much away, the raw record is better than none; where there is none at all, it is said.
+fn water(
+    clocks: &Clocks<'_>,
+    columns: &Columns,
+    log: &mut FlightLog,
+    rows: &[f64],
+    notes: &mut Vec<String>,
+) -> Result<(), InputError> {
     for (channel, raw) in [(Channel::Temperature, "temperature_raw"), (Channel::Salinity, "salinity_raw")] {
-        let Some(raw) = column(&[raw], 1.0)? else { continue };
+        if columns.of(channel).is_some() {
+            continue;
+        }
         let good = log.column(channel).iter().filter(|value| value.is_finite()).count();
-        if 2 * good < rows {
+        if 2 * good >= rows.len() {
+            continue;
+        }
+        let Some(raw) = clocks.instrument(&[raw])? else { continue };
+        let raw = raw.at(rows, false);
+        if raw.iter().filter(|value| value.is_finite()).count() > good {
             log.set(channel, raw);
         }
     }
-    log.set(Channel::MotorMoving, motor_moving(path, &file, &time)?);
-    log.set(Channel::Dive, vec![attribute_f64(&file, "dive_number").unwrap_or(f64::NAN); rows]);
-    log.set(Channel::Time, time);
-    Ok(log)
+    let has = |channel: Channel| log.has(channel);
+    if !has(Channel::Density) && !(has(Channel::Temperature) && has(Channel::Salinity)) {
+        notes.push("no record of the CTD, so no density of its own: it is used only with --density".to_owned());
+    }
+    Ok(())
 }
 
-fn motor_moving(path: &Path, file: &netcdf_reader::NcFile, time: &[f64]) -> Result<Vec<f64>, InputError> {
+/// What the file states of a unit, else the basestation's own.
+fn stated(
+    path: &Path,
+    file: &NcFile,
+    channel: Channel,
+    name: &str,
+    usual: Conversion,
+) -> Result<Conversion, InputError> {
+    let unit = units(file, name);
+    // The basestation states none of its engineering units, and wrong ones of others (`g/m^3` beside kg/m3).
+    let is_own = CHANNELS_OF_FILES.iter().any(|(_, names, _)| names.contains(&name));
+    if unit.is_empty() || is_own {
+        return Ok(usual);
+    }
+    units::conversion(channel, &unit).ok_or_else(|| {
+        let problem =
+            format!("variable `{}` is in `{}`, a unit that is not known here", printable(name), printable(&unit));
+        let option = CHANNELS[channel as usize].name;
+        InputError::new(Place::file(path), problem).help(format!("state it by --unit {option}=UNIT"))
+    })
+}
+
+fn no_variable(path: &Path, channel: Channel, name: &str) -> InputError {
+    missing(path, CHANNELS[channel as usize].meaning, &[name])
+}
+
+fn motor_moving(path: &Path, file: &NcFile, time: &[f64]) -> Result<Vec<f64>, InputError> {
     let starts = first(path, file, &["gc_st_secs"])?.unwrap_or_default();
     let ends = first(path, file, &["gc_end_secs"])?.unwrap_or_default();
     let moves: Vec<(f64, f64)> =
         starts.into_iter().zip(ends).map(|(start, end)| (start - MOVE_MARGIN_S, end + MOVE_MARGIN_S)).collect();
     let moving = |t: f64| moves.iter().any(|&(start, end)| (start..=end).contains(&t));
     Ok(time.iter().map(|&t| f64::from(u8::from(moving(t)))).collect())
+}
+
+/// The positions before the dive and after it.
+fn fixes(path: &Path, file: &NcFile) -> Result<Vec<GpsFix>, InputError> {
+    let mut columns = Vec::new();
+    for name in ["log_gps_time", "log_gps_lat", "log_gps_lon"] {
+        match first(path, file, &[name])? {
+            Some(column) => columns.push(column),
+            None => return Ok(Vec::new()),
+        }
+    }
+    let rows = columns[0].iter().zip(&columns[1]).zip(&columns[2]);
+    Ok(rows.filter_map(|((&time, &lat), &lon)| GpsFix::new(time, lat, lon)).collect())
+}
+
+fn dive_number(file: &NcFile) -> Option<f64> {
+    attribute_f64(file, "dive_number").or_else(|| scalar(file, "log_DIVE"))
+}
+
+/// What is known of a file before its record is read: enough to put dives in order.
+pub(super) struct Headline {
+    /// When the dive began \[s\].
+    pub(super) start_s: f64,
+    pub(super) calibration: Calibration,
+}
+
+/// Reads the headline of a dive.
+///
+/// # Errors
+/// A file without any time.
+pub(super) fn headline(path: &Path, file: &NcFile) -> Result<Headline, InputError> {
+    let clocks = Clocks::of(path, file)?;
+    let start_s = clocks.known[0].1.iter().copied().find(|time| time.is_finite());
+    let start_s = start_s.ok_or_else(|| {
+        InputError::new(Place::file(path), "not a single time in it").help("was the dive aborted, or the file cut off?")
+    })?;
+    let number = |name: &str| scalar(file, name);
+    // The basestation keeps volumes in cm3 under a label of m3.
+    let volume = |value: f64| if value > 1.0 { value * 1e-6 } else { value };
+    let density = |value: f64| if value < 100.0 { value * 1000.0 } else { value };
+    let glider = attribute_text(file, "platform_id")
+        .filter(|name| !name.is_empty())
+        .or_else(|| number("log_ID").or_else(|| attribute_f64(file, "glider")).map(|id| format!("SG{id:03}")));
+    let declination = first(path, file, &["log_gps_magvar"])?.unwrap_or_default();
+    let calibration = Calibration {
+        glider: glider.unwrap_or_default(),
+        dive: dive_number(file),
+        mass_kg: number("sg_cal_mass").or_else(|| number("log_MASS").map(|grams| grams * 1e-3)),
+        volmax_m3: number("sg_cal_volmax").map(volume),
+        hd_a: number("sg_cal_hd_a").or_else(|| number("log_HD_A")),
+        hd_b: number("sg_cal_hd_b").or_else(|| number("log_HD_B")),
+        hd_c: number("sg_cal_hd_c").or_else(|| number("log_HD_C")),
+        hd_s: number("sg_cal_hd_s"),
+        length_m: number("sg_cal_glider_length"),
+        rho0_kg_m3: number("sg_cal_rho0"),
+        log_rho_kg_m3: number("log_RHO").map(density),
+        c_vbd_counts: number("log_C_VBD"),
+        vbd_min_counts: number("log_VBD_MIN"),
+        vbd_cc_per_count: number("log_VBD_CNV"),
+        vbd_bias_cc: number("sg_cal_vbdbias"),
+        compressibility_1_dbar: number("sg_cal_abs_compress"),
+        thermal_expansion_1_K: number("sg_cal_therm_expan"),
+        reference_temperature_C: number("sg_cal_temp_ref"),
+        c_roll_dive_counts: number("log_C_ROLL_DIVE"),
+        c_roll_climb_counts: number("log_C_ROLL_CLIMB"),
+        roll_deg_per_count: number("log_ROLL_CNV"),
+        declination_deg: declination.into_iter().rfind(|angle| angle.is_finite() && angle.abs() <= 180.0),
+    };
+    Ok(Headline { start_s, calibration })
 }

@@ -5,6 +5,7 @@ mod classic;
 mod condensing;
 mod lost_speeds;
 mod preparing;
+mod seaglider_files;
 
 use std::path::PathBuf;
 

@@ -1,32 +1,59 @@
-//! A writer of the NetCDF classic format (CDF-1), enough for a log: one dimension, variables of doubles with units,
-//! moves of the motors on a second dimension, whole numbers as attributes of the file.
+//! A writer of the NetCDF classic format (CDF-1), enough for a log: variables of doubles with units on a dimension for the
+//! rows, moves of the motors on a second, other instruments on more; whole numbers and texts as attributes of the file.
 
 pub struct File {
     rows: usize,
-    variables: Vec<(String, String, usize, Vec<f64>)>,
-    moves: usize,
-    attributes: Vec<(String, i32)>,
+    variables: Vec<(String, String, Vec<usize>, Vec<f64>)>,
+    dimensions: Vec<(String, usize)>,
+    attributes: Vec<(String, Value)>,
+}
+
+enum Value {
+    Whole(i32),
+    Text(String),
 }
 
 impl File {
     pub fn new(rows: usize) -> Self {
-        File { rows, variables: Vec::new(), moves: 0, attributes: Vec::new() }
+        let dimensions = vec![("row".into(), rows), ("move".into(), 1)];
+        File { rows, variables: Vec::new(), dimensions, attributes: Vec::new() }
     }
 
     pub fn variable(mut self, name: &str, units: &str, values: &[f64]) -> Self {
-        self.variables.push((name.into(), units.into(), 0, values.to_vec()));
+        assert_eq!(values.len(), self.rows);
+        self.variables.push((name.into(), units.into(), vec![0], values.to_vec()));
+        self
+    }
+
+    /// A variable on other dimensions, which are made where they are not there yet; on none, one number.
+    pub fn variable_on(mut self, dimensions: &[(&str, usize)], name: &str, units: &str, values: &[f64]) -> Self {
+        assert_eq!(values.len(), dimensions.iter().map(|(_, length)| length).product::<usize>());
+        let of = dimensions.iter().map(|&(dimension, length)| {
+            let found = self.dimensions.iter().position(|(known, _)| known == dimension);
+            found.unwrap_or_else(|| {
+                self.dimensions.push((dimension.into(), length));
+                self.dimensions.len() - 1
+            })
+        });
+        let of = of.collect();
+        self.variables.push((name.into(), units.into(), of, values.to_vec()));
         self
     }
 
     pub fn with_moves(mut self, moves: &[(f64, f64)]) -> Self {
-        self.moves = moves.len();
-        self.variables.push(("gc_st_secs".into(), String::new(), 1, moves.iter().map(|m| m.0).collect()));
-        self.variables.push(("gc_end_secs".into(), String::new(), 1, moves.iter().map(|m| m.1).collect()));
+        self.dimensions[1].1 = moves.len().max(1);
+        self.variables.push(("gc_st_secs".into(), String::new(), vec![1], moves.iter().map(|m| m.0).collect()));
+        self.variables.push(("gc_end_secs".into(), String::new(), vec![1], moves.iter().map(|m| m.1).collect()));
         self
     }
 
     pub fn attribute(mut self, name: &str, value: i32) -> Self {
-        self.attributes.push((name.into(), value));
+        self.attributes.push((name.into(), Value::Whole(value)));
+        self
+    }
+
+    pub fn text(mut self, name: &str, value: &str) -> Self {
+        self.attributes.push((name.into(), Value::Text(value.into())));
         self
     }
 
@@ -44,10 +71,10 @@ impl File {
         let mut out = b"CDF\x01".to_vec();
         word(&mut out, 0);
         word(&mut out, 0x0A);
-        word(&mut out, 2);
-        for (dimension, length) in [("row", self.rows), ("move", self.moves.max(1))] {
+        word(&mut out, self.dimensions.len());
+        for (dimension, length) in &self.dimensions {
             text(&mut out, dimension);
-            word(&mut out, length);
+            word(&mut out, *length);
         }
         if self.attributes.is_empty() {
             word(&mut out, 0);
@@ -57,18 +84,26 @@ impl File {
             word(&mut out, self.attributes.len());
             for (name, value) in &self.attributes {
                 text(&mut out, name);
-                word(&mut out, 4);
-                word(&mut out, 1);
-                out.extend(value.to_be_bytes());
+                match value {
+                    Value::Whole(number) => {
+                        word(&mut out, 4);
+                        word(&mut out, 1);
+                        out.extend(number.to_be_bytes());
+                    }
+                    Value::Text(characters) => {
+                        word(&mut out, 2);
+                        text(&mut out, characters);
+                    }
+                }
             }
         }
         word(&mut out, 0x0B);
         word(&mut out, self.variables.len());
         let mut offset = data_from;
-        for (name, units, dimension, values) in &self.variables {
+        for (name, units, dimensions, values) in &self.variables {
             text(&mut out, name);
-            word(&mut out, 1);
-            word(&mut out, *dimension);
+            word(&mut out, dimensions.len());
+            dimensions.iter().for_each(|dimension| word(&mut out, *dimension));
             word(&mut out, 0x0C);
             word(&mut out, 1);
             text(&mut out, "units");

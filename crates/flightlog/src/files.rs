@@ -1,0 +1,278 @@
+//! The files of one log: told apart by their content, put in order of time whatever the order in which they are named,
+//! read one after the other in bounded memory.
+//!
+//! A file that is damaged is left out with a warning where others are sound. Files of two gliders are no log.
+//!
+//! Knows the readers of each format; not what is done with the samples.
+
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+
+use super::calibration::Calibration;
+use super::channels::{Channel, FlightLog};
+use super::columns::Columns;
+use super::fix::GpsFix;
+use super::observation::Observation;
+use super::open::{LogPieces, Opened};
+use super::{CsvLog, ad2cp, glide_table, netcdf, og1, open, seaglider};
+use glidepolar_input::{InputError, Place, printable};
+
+/// The next part of a log.
+pub enum Piece {
+    /// Samples of a time series.
+    Series(FlightLog),
+    /// A table with one row per leg.
+    Glides(Vec<Observation>),
+}
+
+/// A log in any number of files.
+pub struct LogFiles {
+    columns: Columns,
+    waiting: VecDeque<Source>,
+    /// The file that is being read.
+    open: Option<LogPieces>,
+    /// The ballast volume counts from these counts of the pump, where several dives count from different ones.
+    c_vbd_counts: Option<f64>,
+    calibration: Option<Calibration>,
+    fixes: Vec<GpsFix>,
+    warnings: Vec<String>,
+    notes: Vec<String>,
+    /// Files that were begun, and why the first of them could not be read.
+    begun: usize,
+    failed: Option<InputError>,
+    has_read: bool,
+    has_speed: bool,
+}
+
+/// One file, before it is read.
+struct Source {
+    path: PathBuf,
+    kind: Kind,
+    /// The glider, where the file names it.
+    glider: String,
+    /// When its record begins \[s\]; NaN where that is not known without reading it.
+    start_s: f64,
+}
+
+enum Kind {
+    Seaglider(Box<Calibration>),
+    TimeSeries,
+    Csv,
+    Glides,
+}
+
+impl LogFiles {
+    /// Looks into each of the files and puts them in order.
+    ///
+    /// # Errors
+    /// A file that is not there, files of two gliders, and where no file is a log.
+    pub fn open(paths: &[PathBuf], columns: &Columns) -> Result<Self, InputError> {
+        let (mut sources, mut warnings, mut failed) = (Vec::new(), Vec::new(), None);
+        for path in paths {
+            // A name that was mistyped is no damage.
+            std::fs::File::open(path).map_err(|error| InputError::io(path, &error))?;
+            match probe(path, columns) {
+                Ok(source) => sources.push(source),
+                Err(error) if paths.len() == 1 => return Err(error),
+                Err(error) => {
+                    warnings.push(format!("left out: {error}"));
+                    failed.get_or_insert(error);
+                }
+            }
+        }
+        if let (true, Some(error)) = (sources.is_empty(), &failed) {
+            return Err(error.clone());
+        }
+        one_glider(&sources)?;
+        in_order(&mut sources, &mut warnings);
+        let calibration = sources.iter().rev().find_map(|source| match &source.kind {
+            Kind::Seaglider(calibration) => Some((**calibration).clone()),
+            _ => None,
+        });
+        Ok(LogFiles {
+            columns: columns.clone(),
+            waiting: sources.into(),
+            open: None,
+            c_vbd_counts: calibration.as_ref().and_then(|calibration| calibration.c_vbd_counts),
+            calibration,
+            fixes: Vec::new(),
+            warnings,
+            notes: Vec::new(),
+            begun: 0,
+            failed,
+            has_read: false,
+            has_speed: false,
+        })
+    }
+
+    /// The next piece of about `rows` samples; nothing at the end.
+    ///
+    /// # Errors
+    /// What cannot be read, with its place, where no other file is left to go on with.
+    pub fn next_piece(&mut self, rows: usize) -> Result<Option<Piece>, InputError> {
+        loop {
+            if let Some(pieces) = &mut self.open {
+                if let Some(piece) = pieces.next_piece(rows)? {
+                    self.has_read |= !piece.is_empty();
+                    self.has_speed |= piece.has(Channel::Speed);
+                    return Ok(Some(Piece::Series(piece)));
+                }
+                self.open = None;
+            }
+            let Some(source) = self.waiting.pop_front() else { return self.end() };
+            self.begun += 1;
+            match self.begin(&source) {
+                Ok(Some(glides)) => {
+                    self.has_read = true;
+                    return Ok(Some(Piece::Glides(glides)));
+                }
+                Ok(None) => {}
+                Err(error) if matches!(source.kind, Kind::Csv | Kind::Glides) => return Err(error),
+                Err(error) => {
+                    if self.begun > 1 || !self.waiting.is_empty() {
+                        self.warnings.push(format!("left out: {error}"));
+                    }
+                    self.failed.get_or_insert(error);
+                }
+            }
+        }
+    }
+
+    /// What was left out, and other things a user should know of: complete at the end.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// What was found in the files and done about it: complete at the end.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// Positions at the surface that the files hold, in the order of time: complete at the end.
+    pub fn fixes(&self) -> Vec<GpsFix> {
+        let mut fixes = self.fixes.clone();
+        fixes.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+        fixes.dedup();
+        fixes
+    }
+
+    /// What the last dive's file says of the vehicle; Seaglider only.
+    pub fn calibration(&self) -> Option<&Calibration> {
+        self.calibration.as_ref()
+    }
+
+    /// Begins with a file; a table of glides comes back whole.
+    fn begin(&mut self, source: &Source) -> Result<Option<Vec<Observation>>, InputError> {
+        let path = &source.path;
+        match &source.kind {
+            Kind::Seaglider(calibration) => {
+                let mut dive = seaglider::read(path, &self.columns)?;
+                self.count_ballast_from_one_zero(path, calibration, &mut dive.log);
+                self.fixes.append(&mut dive.fixes);
+                let name = printable(&path.to_string_lossy());
+                self.notes.extend(dive.notes.iter().map(|note| format!("{name}: {note}")));
+                self.open = Some(LogPieces::Whole(Some(Box::new(dive.log))));
+            }
+            Kind::Glides => return glide_table::read_glide_table(path, &self.columns).map(Some),
+            Kind::TimeSeries | Kind::Csv => match open(path, &self.columns)? {
+                Opened::Series(pieces) => self.open = Some(*pieces),
+                Opened::Glides(glides) => return Ok(Some(glides)),
+            },
+        }
+        Ok(None)
+    }
+
+    /// A Seaglider counts its ballast volume from the pilot's `C_VBD`, which changes from dive to dive: the same number is
+    /// another volume then. All dives are counted from the `C_VBD` of the last.
+    fn count_ballast_from_one_zero(&mut self, path: &Path, calibration: &Calibration, log: &mut FlightLog) {
+        let (Some(reference), Some(own)) = (self.c_vbd_counts, calibration.c_vbd_counts) else { return };
+        if self.columns.of(Channel::Ballast).is_some() || own == reference {
+            return;
+        }
+        let Some(shift) = calibration.ballast_shift_cc(reference) else { return };
+        log.column_mut(Channel::Ballast).iter_mut().for_each(|cc| *cc += shift);
+        self.notes.push(format!(
+            "{}: ballast volume counted from C_VBD {own} in the file, from {reference} as on the last dive here: {shift:+.1} cc",
+            printable(&path.to_string_lossy())
+        ));
+    }
+
+    /// The end, where something was read.
+    fn end(&mut self) -> Result<Option<Piece>, InputError> {
+        match self.failed.take() {
+            Some(error) if !self.has_read => return Err(error),
+            failed => self.failed = failed,
+        }
+        if self.columns.of(Channel::Speed) == Some(ad2cp::NAME) && self.has_read && !self.has_speed {
+            let why = self.notes.first().map(|note| format!("; {note}")).unwrap_or_default();
+            let all =
+                InputError::new(Place::file("--speed-column ad2cp"), format!("no speed in any of the files{why}"));
+            return Err(all.help("it is read from the files of a Seaglider with an AD2CP"));
+        }
+        Ok(None)
+    }
+}
+
+/// What a file is, by its content.
+fn probe(path: &Path, columns: &Columns) -> Result<Source, InputError> {
+    let source = |kind, glider, start_s| Source { path: path.to_owned(), kind, glider, start_s };
+    if netcdf::is_one(path)? {
+        let file = netcdf::open(path)?;
+        if seaglider::is_one(&file) {
+            let headline = seaglider::headline(path, &file)?;
+            let glider = headline.calibration.glider.clone();
+            return Ok(source(Kind::Seaglider(Box::new(headline.calibration)), glider, headline.start_s));
+        }
+        let (glider, start_s) = og1::headline(path, &file, columns)?;
+        return Ok(source(Kind::TimeSeries, glider, start_s));
+    }
+    super::open::refuse_foreign(path)?;
+    if glide_table::is_one(path)? {
+        return Ok(source(Kind::Glides, String::new(), f64::NAN));
+    }
+    let first = CsvLog::open(path, columns)?.next_piece(1)?;
+    let start_s = first.map_or(f64::NAN, |piece| piece.at(Channel::Time, 0));
+    // Times since a start of their own order nothing.
+    let start_s = if start_s > FIRST_UNIX_S { start_s } else { f64::NAN };
+    Ok(source(Kind::Csv, String::new(), start_s))
+}
+
+/// A time above this counts from 1970, not from the start of a mission: three years.
+const FIRST_UNIX_S: f64 = 1e8;
+
+fn one_glider(sources: &[Source]) -> Result<(), InputError> {
+    let mut named = sources.iter().filter(|source| !source.glider.is_empty());
+    let Some(first) = named.next() else { return Ok(()) };
+    match named.find(|other| !other.glider.eq_ignore_ascii_case(&first.glider)) {
+        None => Ok(()),
+        Some(other) => {
+            let problem = format!(
+                "is of the glider {}, {} is of {}",
+                printable(&other.glider),
+                printable(&first.path.to_string_lossy()),
+                printable(&first.glider)
+            );
+            Err(InputError::new(Place::file(&other.path), problem).help("give the files of one glider"))
+        }
+    }
+}
+
+/// Sorts by time where all times are known; a record that is there twice is taken once.
+fn in_order(sources: &mut Vec<Source>, warnings: &mut Vec<String>) {
+    if sources.iter().any(|source| source.start_s.is_nan()) {
+        return;
+    }
+    sources.sort_by(|a, b| a.start_s.total_cmp(&b.start_s));
+    let mut last = f64::NAN;
+    sources.retain(|source| {
+        let is_new = source.start_s != last;
+        if !is_new {
+            let name = printable(&source.path.to_string_lossy());
+            warnings.push(format!(
+                "left out: {name} begins with the same time as the file before it, so it is there twice"
+            ));
+        }
+        last = source.start_s;
+        is_new
+    });
+}

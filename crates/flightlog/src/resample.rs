@@ -1,0 +1,119 @@
+//! Values of one instrument at the times of another.
+//!
+//! Straight lines between neighbouring readings, nothing beyond the first and the last, nothing across a gap. Where a
+//! reading is missing, its neighbours are the next ones that are there.
+
+/// Longest gap that is bridged, in intervals of the instrument: as [`Preparation`](super::Preparation) fills slow channels.
+const LONGEST_INTERVALS: f64 = 4.0;
+
+/// Longest gap that is bridged however fast the instrument samples \[s\].
+const LONGEST_S: f64 = 120.0;
+
+/// The readings of one instrument, in the order of time.
+pub(super) struct Readings {
+    times: Vec<f64>,
+    values: Vec<f64>,
+    longest_s: f64,
+}
+
+impl Readings {
+    /// Keeps what has a time and a value, with time increasing.
+    pub(super) fn new(times: &[f64], values: &[f64]) -> Self {
+        let (mut kept_times, mut kept): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
+        for (&time, &value) in times.iter().zip(values) {
+            let follows = kept_times.last().is_none_or(|last| time > *last);
+            if time.is_finite() && value.is_finite() && follows {
+                kept_times.push(time);
+                kept.push(value);
+            }
+        }
+        let longest_s = (LONGEST_INTERVALS * super::clean::median_step(&kept_times)).max(LONGEST_S);
+        Readings { times: kept_times, values: kept, longest_s }
+    }
+
+    /// The same for angles \[rad\]: turned on by whole turns, so that neighbours lie within half a turn.
+    pub(super) fn of_angles(times: &[f64], angles: &[f64]) -> Self {
+        let turn = std::f64::consts::TAU;
+        let mut readings = Readings::new(times, angles);
+        for i in 1..readings.values.len() {
+            let last = readings.values[i - 1];
+            readings.values[i] -= ((readings.values[i] - last) / turn).round() * turn;
+        }
+        readings
+    }
+
+    /// The value at a time; NaN beyond the readings and in gaps.
+    pub(super) fn at(&self, time: f64) -> f64 {
+        let after = self.times.partition_point(|t| *t < time);
+        if after < self.times.len() && self.times[after] == time {
+            return self.values[after];
+        }
+        if after == 0 || after == self.times.len() {
+            return f64::NAN;
+        }
+        let (before_s, after_s) = (self.times[after - 1], self.times[after]);
+        if after_s - before_s > self.longest_s {
+            return f64::NAN;
+        }
+        let share = (time - before_s) / (after_s - before_s);
+        self.values[after - 1] + share * (self.values[after] - self.values[after - 1])
+    }
+
+    /// The values at these times.
+    pub(super) fn at_all(&self, times: &[f64]) -> Vec<f64> {
+        times.iter().map(|&time| self.at(time)).collect()
+    }
+
+    /// Slope of the least-squares line through the readings within so many seconds of a time; NaN where fewer than three.
+    pub(super) fn slope(&self, time: f64, within_s: f64) -> f64 {
+        let first = self.times.partition_point(|t| *t < time - within_s);
+        let end = self.times.partition_point(|t| *t <= time + within_s);
+        let n = end.saturating_sub(first);
+        if n < 3 {
+            return f64::NAN;
+        }
+        let (times, values) = (&self.times[first..end], &self.values[first..end]);
+        let mean_t = times.iter().map(|t| t - time).sum::<f64>() / n as f64;
+        let mean_v = values.iter().sum::<f64>() / n as f64;
+        let products = times.iter().zip(values).map(|(t, v)| (t - time - mean_t) * (v - mean_v)).sum::<f64>();
+        let squares = times.iter().map(|t| (t - time - mean_t).powi(2)).sum::<f64>();
+        if squares > 0.0 { products / squares } else { f64::NAN }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn straight_lines_between_readings_and_nothing_beyond_them() {
+        let readings = Readings::new(&[0.0, 10.0, 20.0, 30.0], &[1.0, 2.0, f64::NAN, 4.0]);
+        assert_eq!(readings.at_all(&[0.0, 5.0, 20.0, 30.0]), [1.0, 1.5, 3.0, 4.0]);
+        assert!(readings.at(-1.0).is_nan() && readings.at(30.1).is_nan());
+    }
+
+    #[test]
+    fn a_gap_is_not_bridged() {
+        let times = [0.0, 10.0, 20.0, 400.0, 410.0];
+        let readings = Readings::new(&times, &[0.0; 5]);
+        assert!(readings.at(200.0).is_nan());
+        assert_eq!(readings.at(15.0), 0.0);
+    }
+
+    #[test]
+    fn angles_take_the_short_way_round() {
+        let degrees = |x: f64| x.to_radians();
+        let readings = Readings::of_angles(&[0.0, 10.0], &[degrees(350.0), degrees(20.0)]);
+        let found = readings.at(5.0).rem_euclid(std::f64::consts::TAU);
+        assert!((found - degrees(5.0)).abs() < 1e-12, "{found}");
+    }
+
+    #[test]
+    fn the_slope_is_that_of_the_line() {
+        let times: Vec<f64> = (0..20).map(|i| 1.7e9 + 5.0 * f64::from(i)).collect();
+        let values: Vec<f64> = times.iter().map(|t| 3.0 - 0.2 * (t - times[0])).collect();
+        let readings = Readings::new(&times, &values);
+        assert!((readings.slope(times[10], 12.0) + 0.2).abs() < 1e-9);
+        assert!(readings.slope(times[0] - 100.0, 12.0).is_nan());
+    }
+}

@@ -1,0 +1,192 @@
+//! Units of channels: what files call them, and how their numbers become those that are kept here.
+//!
+//! Knows channels; no file.
+
+use super::channels::{CHANNELS, Channel};
+
+/// From the number in a file to the one that is kept: `factor * x + offset`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Conversion {
+    pub(super) factor: f64,
+    pub(super) offset: f64,
+}
+
+impl Conversion {
+    pub(super) const NONE: Conversion = Conversion::by(1.0);
+
+    pub(super) const fn by(factor: f64) -> Self {
+        Conversion { factor, offset: 0.0 }
+    }
+
+    pub(super) fn of(self, value: f64) -> f64 {
+        self.factor * value + self.offset
+    }
+}
+
+const DEG: f64 = std::f64::consts::PI / 180.0;
+
+/// Spellings of a unit, its factor, its offset.
+type Unit = (&'static [&'static str], f64, f64);
+
+const TIMES: &[Unit] = &[
+    (&["s", "sec", "second", "seconds", "timestamp", "utc"], 1.0, 0.0),
+    (&["ms", "millisecond", "milliseconds"], 1e-3, 0.0),
+    (&["us", "microsecond", "microseconds"], 1e-6, 0.0),
+    (&["ns", "nanosecond", "nanoseconds"], 1e-9, 0.0),
+    (&["min", "minute", "minutes"], 60.0, 0.0),
+    (&["h", "hour", "hours"], 3600.0, 0.0),
+    (&["d", "day", "days"], 86_400.0, 0.0),
+];
+const PRESSURES: &[Unit] = &[
+    (&["dbar", "decibar", "decibars", "db"], 1.0, 0.0),
+    (&["bar"], 10.0, 0.0),
+    (&["mbar", "hpa"], 0.01, 0.0),
+    (&["pa"], 1e-4, 0.0),
+    (&["kpa"], 0.1, 0.0),
+    (&["mpa"], 100.0, 0.0),
+    (&["psi"], 0.689_475_729, 0.0),
+];
+const LENGTHS: &[Unit] = &[
+    (&["m", "meter", "meters", "metre", "metres"], 1.0, 0.0),
+    (&["cm"], 0.01, 0.0),
+    (&["mm"], 0.001, 0.0),
+    (&["in", "inch", "inches"], 0.0254, 0.0),
+    (&["ft", "feet"], 0.3048, 0.0),
+];
+const ANGLES: &[Unit] = &[
+    (
+        &["deg", "degree", "degrees", "degree_true", "degrees_true", "degree_magnetic", "degrees_magnetic", "\u{b0}"],
+        DEG,
+        0.0,
+    ),
+    (&["rad", "radian", "radians"], 1.0, 0.0),
+];
+const VOLUMES: &[Unit] = &[
+    (&["cc", "cm3", "cm^3", "cm**3", "ml"], 1.0, 0.0),
+    (&["m3", "m^3", "m**3"], 1e6, 0.0),
+    (&["l", "litre", "liter", "litres", "liters", "dm3"], 1e3, 0.0),
+];
+const DENSITIES: &[Unit] = &[
+    (&["kg/m3", "kg/m^3", "kgm-3", "kg.m-3"], 1.0, 0.0),
+    (&["g/cm3", "g/cm^3", "g/cc", "gcm-3", "g/ml", "kg/l"], 1000.0, 0.0),
+    (&["g/l"], 1.0, 0.0),
+    (&["kg/m3-1000", "sigma"], 1.0, 1000.0),
+];
+const TEMPERATURES: &[Unit] = &[
+    (
+        &["c", "degc", "deg_c", "celsius", "degree_celsius", "degrees_celsius", "degreec", "\u{b0}c", "degree_c"],
+        1.0,
+        0.0,
+    ),
+    (&["k", "kelvin"], 1.0, -273.15),
+    (&["f", "degf", "fahrenheit"], 5.0 / 9.0, -160.0 / 9.0),
+];
+const SALINITIES: &[Unit] = &[(&["psu", "pss", "1", "1e-3", "pss-78", "practical_salinity_unit", "g/kg"], 1.0, 0.0)];
+const CONDUCTIVITIES: &[Unit] = &[
+    (&["s/m", "sm-1", "s.m-1"], 1.0, 0.0),
+    (&["ms/cm", "mscm-1", "mmho/cm", "mhos/m*10"], 0.1, 0.0),
+    (&["ms/m", "msm-1"], 1e-3, 0.0),
+    (&["us/cm", "uscm-1"], 1e-4, 0.0),
+];
+const SPEEDS: &[Unit] = &[
+    (&["m/s", "ms-1", "m.s-1"], 1.0, 0.0),
+    (&["cm/s", "cms-1"], 0.01, 0.0),
+    (&["mm/s", "mms-1"], 0.001, 0.0),
+    (&["kn", "kt", "knot", "knots"], 1852.0 / 3600.0, 0.0),
+];
+const CHARGES: &[Unit] =
+    &[(&["ah", "amp-hrs", "amphours", "a.h"], 1.0, 0.0), (&["mah"], 1e-3, 0.0), (&["c_"], 1.0 / 3600.0, 0.0)];
+const VOLTAGES: &[Unit] = &[(&["v", "volt", "volts"], 1.0, 0.0), (&["mv"], 1e-3, 0.0)];
+const POSITIONS: &[Unit] = &[(
+    &["deg", "degree", "degrees", "degrees_north", "degrees_east", "degree_north", "degree_east", "lat", "lon"],
+    1.0,
+    0.0,
+)];
+
+fn units(channel: Channel) -> &'static [Unit] {
+    match channel {
+        Channel::Time => TIMES,
+        Channel::Pressure => PRESSURES,
+        Channel::Depth | Channel::BatteryPosition | Channel::PitchMass => LENGTHS,
+        Channel::Pitch | Channel::Roll | Channel::Heading | Channel::Rudder => ANGLES,
+        Channel::Ballast => VOLUMES,
+        Channel::Density => DENSITIES,
+        Channel::Temperature => TEMPERATURES,
+        Channel::Salinity => SALINITIES,
+        Channel::Conductivity => CONDUCTIVITIES,
+        Channel::Speed => SPEEDS,
+        Channel::Charge => CHARGES,
+        Channel::Voltage => VOLTAGES,
+        Channel::Latitude | Channel::Longitude => POSITIONS,
+        Channel::Dive | Channel::MotorMoving => &[],
+    }
+}
+
+/// Whether the channel is an angle of the vehicle.
+pub(super) fn is_angle(channel: Channel) -> bool {
+    matches!(channel, Channel::Pitch | Channel::Roll | Channel::Heading | Channel::Rudder)
+}
+
+/// What a unit, as a file or a user writes it, means for a channel; nothing where it is not known.
+pub(super) fn conversion(channel: Channel, unit: &str) -> Option<Conversion> {
+    // `seconds since 1970-01-01`; blanks between the parts of a unit say nothing.
+    let unit = unit.trim().to_lowercase();
+    let unit = unit.split(" since ").next().unwrap_or("");
+    let plain: String = unit.chars().filter(|c| !c.is_whitespace()).collect();
+    units(channel)
+        .iter()
+        .find(|(names, ..)| names.iter().any(|name| *name == plain || *name == unit))
+        .map(|&(_, factor, offset)| Conversion { factor, offset })
+}
+
+/// The units of a channel, the first spelling of each.
+pub(super) fn known(channel: Channel) -> String {
+    let names: Vec<&str> = units(channel).iter().map(|(names, ..)| names[0]).collect();
+    names.join(", ")
+}
+
+/// The channel that a user or a table names, by its own name or by another of the contract's, and what that name says of
+/// the unit: `pitch_deg` is the pitch, in degrees.
+pub(super) fn named(name: &str) -> Option<(Channel, Conversion)> {
+    CHANNELS.iter().find_map(|info| {
+        if info.name == name {
+            return Some((info.channel, Conversion::NONE));
+        }
+        let alias = info.aliases.iter().find(|(alias, _)| *alias == name)?;
+        Some((info.channel, Conversion::by(alias.1)))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_as_files_write_them_are_known() {
+        let near = |channel, unit: &str, x: f64, expected: f64| {
+            let found = conversion(channel, unit).unwrap_or_else(|| panic!("{unit}")).of(x);
+            assert!((found - expected).abs() < 1e-9 * expected.abs().max(1.0), "{unit}: {found}, {expected}");
+        };
+        near(Channel::Time, "seconds since 1970-1-1 00:00:00", 5.0, 5.0);
+        near(Channel::Time, "nanoseconds since 1970-01-01", 5e9, 5.0);
+        near(Channel::Pitch, "degrees", 180.0, std::f64::consts::PI);
+        near(Channel::Conductivity, "mS cm-1", 35.0, 3.5);
+        near(Channel::Density, "g/cm3", 1.025, 1025.0);
+        near(Channel::Density, "kg m-3", 1025.0, 1025.0);
+        near(Channel::Temperature, "Kelvin", 283.15, 10.0);
+        near(Channel::BatteryPosition, "in", 1.0, 0.0254);
+        near(Channel::Speed, "cm/s", 25.0, 0.25);
+        assert_eq!(conversion(Channel::Pitch, "fortnights"), None);
+    }
+
+    #[test]
+    fn every_name_of_the_contract_names_its_channel_and_unit() {
+        for info in CHANNELS {
+            assert_eq!(named(info.name), Some((info.channel, Conversion::NONE)));
+            for (alias, factor) in info.aliases {
+                assert_eq!(named(alias), Some((info.channel, Conversion::by(*factor))));
+            }
+        }
+        assert_eq!(named("pitch"), None);
+    }
+}
