@@ -105,7 +105,7 @@ impl Reading {
         let mut files = LogFiles::open(logs, &columns)?;
         while let Some(piece) = files.next_piece(PIECE_ROWS)? {
             match piece {
-                Piece::Series(piece) => gathering.push(piece),
+                Piece::Series(piece) => gathering.push(*piece),
                 Piece::Glides(mut glides) => {
                     if let Some(density) = self.density {
                         glides

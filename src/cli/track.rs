@@ -194,7 +194,7 @@ fn read(a: &Arguments, vehicle: &Vehicle) -> Result<(FlightLog, Vec<String>), Cl
         match piece {
             Piece::Series(piece) => {
                 log.append(&piece);
-                gathering.push(piece);
+                gathering.push(*piece);
             }
             Piece::Glides(_) => {
                 let error = InputError::new(Place::file(&a.logs[0]), "a table of glides has no track");

@@ -20,7 +20,7 @@ use glidepolar_input::{InputError, Place, printable};
 /// The next part of a log.
 pub enum Piece {
     /// Samples of a time series.
-    Series(FlightLog),
+    Series(Box<FlightLog>),
     /// A table with one row per leg.
     Glides(Vec<Observation>),
 }
@@ -115,7 +115,7 @@ impl LogFiles {
                 if let Some(piece) = pieces.next_piece(rows)? {
                     self.has_read |= !piece.is_empty();
                     self.has_speed |= piece.has(Channel::Speed);
-                    return Ok(Some(Piece::Series(piece)));
+                    return Ok(Some(Piece::Series(Box::new(piece))));
                 }
                 self.open = None;
             }

@@ -243,7 +243,8 @@ fn water(
         }
     }
     let has = |channel: Channel| log.has(channel);
-    if !has(Channel::Density) && !(has(Channel::Temperature) && has(Channel::Salinity)) {
+    let has_water = has(Channel::Density) || (has(Channel::Temperature) && has(Channel::Salinity));
+    if !has_water {
         notes.push("no record of the CTD, so no density of its own: it is used only with --density".to_owned());
     }
     Ok(())

@@ -126,8 +126,8 @@ fn pressure_on_the_ctds_clock_only_makes_that_the_clock_of_the_log() {
         .bytes();
     let log = OneFile::new("p1710003.nc", &bytes).series().unwrap();
     assert_eq!(log.column(Channel::Time), ctd);
-    for row in 0..60 {
-        let t = ctd[row] - start_s;
+    for (row, time) in ctd.iter().enumerate() {
+        let t = time - start_s;
         assert!((log.at(Channel::Ballast, row) - (-150.0 + t)).abs() < 1e-6);
         let found = log.at(Channel::Heading, row).to_degrees();
         assert!((found - (359.0 + 0.01 * t) % 360.0).abs() < 1e-6, "{found} at {t}: the short way round");
