@@ -1,6 +1,6 @@
 //! Flight logs: CSV and NetCDF, up to samples that a fit can use, and the fit.
 
-use glidepolar::log::{Columns, Opened, Preparation, Settings, open};
+use glidepolar::log::{Channel, Columns, LogFiles, Opened, Preparation, Settings, open};
 use glidepolar_virtual_sea::{Options, generate};
 
 use crate::Target;
@@ -51,6 +51,13 @@ fn netcdf(data: &[u8]) {
 fn read(name: &str, data: &[u8]) {
     let folder = Folder::new();
     let path = folder.write(name, data);
+    let mut columns = Columns::default();
+    if name.ends_with(".nc") {
+        columns.choose(Channel::Speed, "ad2cp");
+        if let Ok(mut files) = LogFiles::open(std::slice::from_ref(&path), &columns) {
+            while let Ok(Some(_)) = files.next_piece(PIECE_ROWS) {}
+        }
+    }
     let Ok(Opened::Series(mut series)) = open(&path, &Columns::default()) else { return };
     let mut preparation = Preparation::new(Settings { density_kg_m3: Some(1025.0), ..Settings::default() });
     let mut observations = Vec::new();
@@ -102,7 +109,26 @@ fn netcdf_logs() -> Vec<Vec<u8>> {
         .with_moves(&[(190.0, 200.0), (300.0, 305.0)])
         .attribute("dive_number", 7)
         .bytes();
-    let mut logs = vec![og1, seaglider];
+    let (ctd, pings) = ([("ctd_data_point", 30)], [("ad2cp_data_data_point", 2)]);
+    let thirty = |value: &dyn Fn(f64) -> f64| (0..30).map(|i| value(f64::from(i))).collect::<Vec<_>>();
+    let cells = [("ad2cp_data_data_point", 2), ("ad2cp_cell_data_point", 4)];
+    let clocks = classic::File::new(ROWS)
+        .text("platform_id", "SG001")
+        .variable("time", "seconds since 1970-01-01", &time)
+        .variable("pressure", "dbar", &pressure)
+        .variable("eng_pitchAng", "degrees", &pitch)
+        .variable("eng_vbdCC", "cc", &ballast)
+        .variable_on(&ctd, "ctd_time", "seconds since 1970-01-01", &thirty(&|i| 5.0 + 13.0 * i))
+        .variable_on(&ctd, "temperature", "degC", &thirty(&|i| 12.0 - 0.1 * i))
+        .variable_on(&ctd, "salinity", "1", &thirty(&|_| 35.0))
+        .variable_on(&pings, "ad2cp_time", "seconds since 1970-01-01", &[60.0, 120.0])
+        .variable_on(&pings, "ad2cp_heading", "degrees", &[90.0, 91.0])
+        .variable_on(&cells, "ad2cp_velX", "m/s", &[-0.3; 8])
+        .variable_on(&cells, "ad2cp_velY", "m/s", &[0.0; 8])
+        .variable_on(&cells, "ad2cp_velZ", "m/s", &[0.3; 8])
+        .variable_on(&[], "log_C_VBD", "", &[3000.0])
+        .bytes();
+    let mut logs = vec![og1, seaglider, clocks];
     logs.extend(real_logs());
     logs
 }
