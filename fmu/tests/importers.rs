@@ -157,3 +157,47 @@ fn a_step_without_end_is_given_up_soon() {
         assert!(messages.iter().any(|(_, text)| text.contains("it came to")), "{messages:?}");
     }
 }
+
+/// Carried to the seabed, whatever the current does, it stays where it came to rest.
+#[test]
+fn a_hull_on_the_seabed_is_neither_carried_nor_creeps() {
+    for current in [0.0, 0.5, -0.5] {
+        let starts = [("seabed_depth_m", 60.0), ("current_x_m_s", current), ("current_z_m_s", 0.0)];
+        let glider = Glider3::started(Options::default(), &starts);
+        glider.run(0.0, 1200.0, 600.0);
+        let rested = glider.get("x_m");
+        glider.run(1200.0, 9200.0, 1000.0);
+        let moved = glider.get("x_m") - rested;
+        assert!(moved.abs() < 0.01, "with {current} m/s it moved {moved} m in 8000 s");
+        assert!(glider.is("on_seabed"));
+        // Made light, it rises again.
+        glider.set(&[("ballast_command_m3", 3e-4), ("moving_mass_command_m", -0.03)]);
+        glider.run(9200.0, 9500.0, 100.0);
+        assert!(glider.get("depth_m") < 40.0, "{}", glider.get("depth_m"));
+    }
+}
+
+/// However much air it carries, a hull floats: what is above the water displaces nothing.
+#[test]
+fn no_buoyancy_lifts_a_glider_out_of_the_sea() {
+    for (name, value) in [("ballast_offset_kg", -10.0), ("trapped_air_cc", 5000.0), ("hull_mass_kg", 10.0)] {
+        let glider = Glider3::started(Options::default(), &[(name, value)]);
+        let mut highest = f64::INFINITY;
+        for i in 0..850 {
+            glider.run(f64::from(i) * 10.0, f64::from(i + 1) * 10.0, 10.0);
+            highest = highest.min(glider.get("depth_m"));
+        }
+        // A leap from the speed of the ascent is ballistic; then it floats.
+        assert!(highest > -20.0, "{name} = {value}: {highest} m");
+        let depth = glider.get("depth_m");
+        assert!(depth < 0.0 && depth > -0.25, "{name} = {value}: floats at {depth} m");
+        assert!(glider.get("speed_m_s") < 5e-3, "{name} = {value}: {} m/s", glider.get("speed_m_s"));
+    }
+    // What no hull can carry is refused, and what weighs nothing does not fly away with OK.
+    let glider = Glider3::co_simulation(Options::default());
+    // SAFETY: a live instance.
+    let status = unsafe { fmi3SetFloat64(glider.instance, &vr("trapped_air_cc"), 1, &60_000.0, 1) };
+    assert_eq!(status, ERROR);
+    let glider = Glider3::started(Options::default(), &[("leak_kg_per_hour", -10.0)]);
+    assert_eq!(glider.step(0.0, 1e5).status, DISCARD);
+}

@@ -50,10 +50,15 @@ impl<T: Number> Parameters<T> {
     /// Net mass, positive when the glider is heavy \[kg\]; the net weight W - B is this times gravity.
     pub fn net_mass_kg(&self, ballast_m3: T, water: &Surroundings<T>) -> T {
         let mass = self.mass_kg() + self.ballast_offset_kg + self.leak_kg_per_hour * water.time_s / HOUR_S;
+        mass - self.displaced_kg(ballast_m3, water)
+    }
+
+    /// Mass of the water that hull, ballast and trapped air displace \[kg\].
+    pub fn displaced_kg(&self, ballast_m3: T, water: &Surroundings<T>) -> T {
         let trapped_air_m3 =
             self.trapped_air_cc * 1e-6 * ATMOSPHERE_PA / (water.pressure_Pa.at_least(0.0) + ATMOSPHERE_PA);
         let volume = self.hull_volume_m3(water) + self.ballast_scale * ballast_m3 + trapped_air_m3;
-        mass - self.true_density_kg_m3(water.density_kg_m3) * volume
+        self.true_density_kg_m3(water.density_kg_m3) * volume
     }
 
     /// Ballast mass that stands for a ballast volume, by the reference density \[kg\].

@@ -9,7 +9,7 @@
 //!                       |  ps3 v1 - ps1 v3 - (r1 PP1 + r3 PP3) Om - g (S1 cos th + S3 sin th) + M - r3 u1 + r1 u3
 //! r1' = PP1/mbar - v1 - r3 Om,   r3' = PP3/mbar - v3 + r1 Om,   PP' = u,   mb' = u4
 //! ```
-//! `W` net weight less what the surface or the seabed carries, `S1`, `S3` the first moments of all masses off the
+//! `W` net weight less what the surface or the seabed carries (their friction and damping: [`super::contact`]), `S1`, `S3` the first moments of all masses off the
 //! centre, `M` the hydrodynamic moment without the Munk couple, which `ps3 v1 - ps1 v3` holds. With every offset zero
 //! these are the papers' equations, their printing errors mended.
 //!
@@ -18,8 +18,8 @@
 //! the moving mass joins `G`, and the system stays symmetric.
 
 use super::buoyancy::Surroundings;
+use super::contact::{Contact, Place};
 use super::forces::{Flow, Hydrodynamics};
-use super::limits;
 use super::parameters::Parameters;
 use super::state::{Actuation, Inputs, Modes, State, Stop};
 use glidepolar_number::Number;
@@ -60,6 +60,10 @@ pub struct Outputs<T> {
     pub pitch_read_rad: T,
     /// Gauge pressure as the glider's own instrument reads it, its lag left out \[dbar\].
     pub pressure_read_dbar: T,
+    /// Share of its displacement that the hull has lost above the water.
+    pub emerged_fraction: T,
+    /// Upward force of the seabed \[N\].
+    pub seabed_N: T,
 }
 
 /// Rates of change of the state.
@@ -122,6 +126,8 @@ pub fn outputs<T: Number>(parameters: &Parameters<T>, time_s: T, state: &State<T
         pitching_moment_N_m: hydrodynamics.moment_N_m,
         pitch_read_rad: (state.pitch_rad - parameters.pitch_offset_rad) / parameters.pitch_scale,
         pressure_read_dbar: motion.pressure_Pa / parameters.pressure_scale * 1e-4,
+        emerged_fraction: motion.contact.emerged_fraction,
+        seabed_N: motion.contact.seabed_N,
     }
 }
 
@@ -187,9 +193,10 @@ struct Motion<'a, T> {
     sin_pitch: T,
     cos_pitch: T,
     depth_rate_m_s: T,
+    ground_speed_m_s: T,
     pressure_Pa: T,
     net_mass_kg: T,
-    support_N: T,
+    contact: Contact<T>,
     hydrodynamics: Hydrodynamics<T>,
 }
 
@@ -197,7 +204,10 @@ impl<'a, T: Number> Motion<'a, T> {
     fn new(parameters: &'a Parameters<T>, time_s: T, state: &'a State<T>, inputs: &'a Inputs<T>) -> Self {
         let (sin_pitch, cos_pitch) = state.pitch_rad.sin_cos();
         let sink = state.v3_m_s * cos_pitch - state.v1_m_s * sin_pitch;
-        let depth_rate_m_s = sink + inputs.current_z_m_s + parameters.vertical_current_m_s;
+        let place = Place::new(parameters, state.depth_m, inputs.seabed_depth_m);
+        let share = place.current_share();
+        let depth_rate_m_s = sink + inputs.current_z_m_s * share + parameters.vertical_current_m_s * share;
+        let ground_speed_m_s = state.v1_m_s * cos_pitch + state.v3_m_s * sin_pitch + inputs.current_x_m_s * share;
 
         let density_kg_m3 = parameters.true_density_kg_m3(inputs.water_density_kg_m3);
         let pressure_Pa = density_kg_m3 * parameters.gravity_m_s2 * state.depth_m.at_least(0.0);
@@ -217,6 +227,8 @@ impl<'a, T: Number> Motion<'a, T> {
             roll_rad: inputs.roll_rad,
             rudder_rad: inputs.rudder_rad,
         };
+        let ballast_m3 = parameters.ballast_m3(state.ballast_mass_kg);
+        let displaced_kg = parameters.displaced_kg(ballast_m3, &water);
         Motion {
             parameters,
             state,
@@ -224,15 +236,10 @@ impl<'a, T: Number> Motion<'a, T> {
             sin_pitch,
             cos_pitch,
             depth_rate_m_s,
+            ground_speed_m_s,
             pressure_Pa,
-            net_mass_kg: parameters.net_mass_kg(parameters.ballast_m3(state.ballast_mass_kg), &water),
-            support_N: limits::support_N(
-                parameters,
-                density_kg_m3,
-                state.depth_m,
-                inputs.seabed_depth_m,
-                depth_rate_m_s,
-            ),
+            net_mass_kg: parameters.net_mass_kg(ballast_m3, &water),
+            contact: place.contact(parameters, displaced_kg, depth_rate_m_s, ground_speed_m_s),
             hydrodynamics: parameters.hydrodynamics(&flow),
         }
     }
@@ -279,7 +286,7 @@ impl<'a, T: Number> Motion<'a, T> {
         let ballast_rate = self.ballast_mass_rate_kg_s(actuation, modes);
 
         State {
-            x_m: v1 * self.cos_pitch + v3 * self.sin_pitch + i.current_x_m_s,
+            x_m: self.ground_speed_m_s,
             depth_m: self.depth_rate_m_s,
             pitch_rad: rate,
             pitch_rate_rad_s: pitch_acceleration,
@@ -316,7 +323,8 @@ impl<'a, T: Number> Motion<'a, T> {
         let (sin, cos) = (self.sin_pitch, self.cos_pitch);
         let (v1, v3, rate) = (s.v1_m_s, s.v3_m_s, s.pitch_rate_rad_s);
         let (lift, drag) = self.lift_and_drag_per_speed();
-        let weight = self.net_mass_kg * p.gravity_m_s2 - self.support_N;
+        let weight = self.net_mass_kg * p.gravity_m_s2 - self.contact.support_N;
+        let friction_N = -self.contact.friction_N_s_m * self.ground_speed_m_s;
         let moment_1 = p.moving_mass_kg * s.moving_mass_1_m
             + p.offset_mass_kg * p.offset_mass_forward_m
             + s.ballast_mass_kg * p.ballast_forward_m;
@@ -324,13 +332,14 @@ impl<'a, T: Number> Motion<'a, T> {
             + p.offset_mass_kg * p.offset_mass_below_m
             + s.ballast_mass_kg * p.ballast_below_m;
         [
-            -(ps3 + s.momentum_3_kg_m_s) * rate - weight * sin + lift * v3 - drag * v1,
-            (ps1 + s.momentum_1_kg_m_s) * rate + weight * cos - lift * v1 - drag * v3,
+            -(ps3 + s.momentum_3_kg_m_s) * rate - weight * sin + lift * v3 - drag * v1 + friction_N * cos,
+            (ps1 + s.momentum_1_kg_m_s) * rate + weight * cos - lift * v1 - drag * v3 + friction_N * sin,
             ps3 * v1
                 - ps1 * v3
                 - (s.moving_mass_1_m * s.momentum_1_kg_m_s + s.moving_mass_3_m * s.momentum_3_kg_m_s) * rate
                 - p.gravity_m_s2 * (moment_1 * cos + moment_3 * sin)
-                + h.moment_without_munk_N_m,
+                + h.moment_without_munk_N_m
+                - self.contact.pitch_damping_N_m_s * rate,
         ]
     }
 

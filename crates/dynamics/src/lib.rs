@@ -13,6 +13,7 @@
 #![allow(non_snake_case, reason = "units stand in names as they are written: N, Pa, C, J")]
 
 pub mod buoyancy;
+pub mod contact;
 pub mod equations;
 pub mod forces;
 pub mod glide;

@@ -1,7 +1,7 @@
 //! Where the glider's freedom ends: the surface, the seabed, the ends of ballast tank and moving mass.
 //!
-//! Surface and seabed are springs that follow from the hull itself, continuous in the state, so that an integrator that
-//! ignores events still gets them right. The ends of ballast and moving mass are modes: they change at events only.
+//! What surface and seabed do to the hull is in [`super::contact`]; meeting them is an event. The ends of ballast and moving
+//! mass are modes: they change at events only.
 
 use super::equations::{derivative, holding_force_1_N};
 use super::parameters::Parameters;
@@ -14,12 +14,6 @@ pub const N_EVENTS: usize = 6;
 /// What each event indicator stands for, in order.
 pub const EVENT_NAMES: [&str; N_EVENTS] =
     ["surface", "seabed", "ballast at its minimum", "ballast at its maximum", "moving mass aft", "moving mass forward"];
-
-/// Share of the critical damping with which the hull comes to rest at the surface or on the seabed.
-const DAMPING_RATIO: f64 = 0.7;
-
-/// Depth of contact at which the damping is fully there \[m\]; it grows from nothing, so that no force jumps.
-const DAMPING_DEPTH_M: f64 = 0.02;
 
 /// A force this far inside a stop does not count as leaving it \[N\] or \[kg/s\].
 const RELEASE: f64 = 1e-9;
@@ -34,34 +28,6 @@ const LEAST_RANGE: f64 = 1e-6;
 /// So far off its stop a mass that is held there is still at it \[m\]: an integrator's error moves it, a limit that is set
 /// anew moves the stop by more.
 const HELD_WITHIN_M: f64 = 1e-6;
-
-/// Upward force of surface (negative: lost buoyancy) and seabed on the hull \[N\].
-///
-/// A hull that rises out of the water loses its displacement over its own diameter; the seabed yields with the same
-/// stiffness. Zero wherever the hull touches neither.
-pub fn support_N<T: Number>(
-    parameters: &Parameters<T>,
-    density_kg_m3: T,
-    depth_m: T,
-    seabed_depth_m: T,
-    depth_rate_m_s: T,
-) -> T {
-    let (depth, seabed) = (depth_m.value(), seabed_depth_m.value());
-    // Not a number, too, must go on through the equations and not end as a glider afloat.
-    if depth >= 0.0 && depth <= seabed {
-        return T::constant(0.0);
-    }
-    let diameter = (parameters.frontal_area_m2 * (4.0 / std::f64::consts::PI)).sqrt();
-    let displaced = parameters.displaced_mass_kg / parameters.reference_density_kg_m3 * density_kg_m3;
-    let stiffness = displaced * parameters.gravity_m_s2 / diameter;
-    let damping = (stiffness * (displaced + parameters.added_mass_3_kg)).sqrt() * (2.0 * DAMPING_RATIO);
-    let contact = if depth < 0.0 { depth_m } else { depth_m - seabed_depth_m };
-    let wetted = (contact.abs() / DAMPING_DEPTH_M).at_most(1.0);
-    let spring = stiffness * if depth < 0.0 { contact.held_within(-diameter, T::constant(0.0)) } else { contact };
-    let force = spring + damping * wetted * depth_rate_m_s;
-    // The seabed pushes, it never pulls; the surface never pushes a hull up.
-    if depth < 0.0 { force.at_most(0.0) } else { force.at_least(0.0) }
-}
 
 /// The limits of ballast or moving mass that stand the wrong way round, by name and value, the lower one first.
 pub fn reversed(parameters: &Parameters<f64>) -> Option<[(&'static str, f64); 2]> {

@@ -12,8 +12,8 @@
 //! same in uniform water. The moving mass follows its servos: its acceleration in the hull is known before the hull's.
 
 use glidepolar_dynamics::Surroundings;
+use glidepolar_dynamics::contact::Place;
 use glidepolar_dynamics::equations::{servo_acceleration, servo_speed};
-use glidepolar_dynamics::limits::support_N;
 use glidepolar_number::Number;
 
 use super::forces::{Hydrodynamics, Motion};
@@ -177,7 +177,14 @@ impl<'a, T: Number> Instant<'a, T> {
             depth_rate_m_s,
             pressure_Pa,
             net_mass_kg: p.net_mass_kg(p.ballast_m3(state.ballast_mass_kg), &water),
-            support_N: support_N(p, density_kg_m3, state.depth_m, inputs.seabed_depth_m, depth_rate_m_s),
+            support_N: Place::new(p, state.depth_m, inputs.seabed_depth_m)
+                .contact(
+                    p,
+                    p.displaced_kg(p.ballast_m3(state.ballast_mass_kg), &water),
+                    depth_rate_m_s,
+                    T::constant(0.0),
+                )
+                .support_N,
             hydrodynamics: body.hydrodynamics(&motion),
         }
     }

@@ -192,6 +192,7 @@ impl Instance {
     /// The simulation begins, in `next`.
     pub fn exit_initialization(&mut self, next: Phase) -> Outcome {
         self.check_limits()?;
+        self.check_weight()?;
         let glider = self.started();
         if !glider.derivative().as_array().into_iter().all(f64::is_finite) {
             return Err(Refusal::error(
@@ -215,6 +216,18 @@ impl Instance {
                 "{high} = {largest:?} lies below {low} = {least:?}; set them the other way round"
             ))),
         }
+    }
+
+    /// Refuses a glider that weighs nothing in air.
+    fn check_weight(&self) -> Outcome {
+        let p = &self.core.glider.values.parameters;
+        let weight_kg = p.mass_kg() + p.ballast_offset_kg;
+        if weight_kg > 0.0 {
+            return Ok(());
+        }
+        Err(Refusal::error(format!(
+            "hull, moving mass, ballast and offset weigh {weight_kg} kg together; expected more than nothing"
+        )))
     }
 
     /// Goes to another phase.

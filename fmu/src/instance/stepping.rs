@@ -12,7 +12,7 @@ use super::access::{check_value, not_finite, of_kind};
 use super::refusal::{Outcome, Refusal};
 use super::{Core, Instance};
 use crate::model::glider::Rules;
-use crate::model::table::reference_of;
+use crate::model::table::{reference_of, variable_of};
 use crate::model::tangent::Tangent;
 use crate::model::{Causality, Kind, Slot, variable};
 
@@ -247,6 +247,7 @@ impl Instance {
             }
             Err(error) => return Err(Refusal::discard(error.to_string())),
         };
+        check_in_the_sea(time, &state)?;
         core.glider.values.time_s = time;
         core.glider.values.state = state;
         core.glider.values.inputs = inputs;
@@ -342,6 +343,17 @@ impl Instance {
         }
         Ok(())
     }
+}
+
+/// Refuses to go on with a glider that has left the sea: one without weight floats away, and no number of it means anything.
+fn check_in_the_sea(time_s: f64, state: &State<f64>) -> Outcome {
+    let depth = variable_of(Slot::State(1));
+    check_value(depth, state.depth_m).map_err(|refusal| {
+        Refusal::discard(format!(
+            "at {time_s} s {}; look for masses, offsets or leaks without physical meaning",
+            refusal.message
+        ))
+    })
 }
 
 fn check_order(order: i32, max: usize) -> Outcome<usize> {

@@ -259,7 +259,7 @@ const INPUTS: [Row; N_INPUTS] = [
 /// whether its start follows from other variables.
 const STATES: [(Row, Causality, Initial); N_STATES] = [
     ((14, "x_m", "m", -1e9, 1e9, 0.0, "Horizontal position"), Causality::Output, Initial::Exact),
-    ((15, "depth_m", "m", -1e4, 2e4, 0.0, "Depth of the centre of buoyancy"), Causality::Output, Initial::Exact),
+    ((15, "depth_m", "m", -100.0, 2e4, 0.0, "Depth of the centre of buoyancy"), Causality::Output, Initial::Exact),
     ((16, "pitch_rad", "rad", -1e3, 1e3, 0.0, "Pitch, nose-up positive"), Causality::Output, Initial::Exact),
     ((17, "pitch_rate_rad_s", "rad/s", -1e3, 1e3, 0.0, "Pitch rate"), Causality::Output, Initial::Exact),
     (
