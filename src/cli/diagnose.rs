@@ -11,7 +11,7 @@ use crate::diagnose::sea::{Lift, SeaDiagnosis, SeaError, SeaProblem, Settings, d
 use crate::diagnose::{Check, Checked, Diagnosis, Point, Problem, Verdict};
 use crate::dynamics::parameter_index;
 use crate::estimate::Estimate;
-use crate::identify::outside::built_up_lift_slope;
+use crate::identify::external_values::built_up_lift_slope;
 use crate::input::printable;
 use crate::output::{Replace, check, write_whole};
 use crate::report::InputFile;

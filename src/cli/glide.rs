@@ -100,9 +100,6 @@ fn usual_net_mass_kg(parameters: &Parameters<f64>, water: &Surroundings<f64>) ->
     0.5 * parameters.net_mass_kg(parameters.ballast_min_m3, water)
 }
 
-/// Beyond the angles at which hulls are towed the laws of lift and drag say nothing: a polar ends here \[deg\].
-pub(super) const WIDEST_ANGLE_OF_ATTACK_DEG: f64 = 20.0;
-
 /// Every whole degree of pitch at which this net mass glides within the laws of lift and drag.
 fn polar(
     parameters: &Parameters<f64>,
@@ -113,7 +110,8 @@ fn polar(
     let glide = |degrees: i32| {
         at_pitch(parameters, water, Attitude { pitch_rad: nose * f64::from(degrees).to_radians(), net_mass_kg })
     };
-    let within = |g: &SteadyGlide<f64>| g.angle_of_attack_rad.to_degrees().abs() <= WIDEST_ANGLE_OF_ATTACK_DEG;
+    let within =
+        |g: &SteadyGlide<f64>| g.angle_of_attack_rad.to_degrees().abs() <= glide_page::WIDEST_ANGLE_OF_ATTACK_DEG;
     let glides: Vec<_> = (1..=70).filter_map(|degrees| glide(degrees).ok()).filter(within).collect();
     if glides.is_empty() { glide(45).map(|glide| vec![glide]) } else { Ok(glides) }
 }

@@ -1,11 +1,13 @@
 //! The glide polar as a page: what `glidepolar glide --out` writes.
 
-use super::glide::WIDEST_ANGLE_OF_ATTACK_DEG;
 use crate::dynamics::forces::Flow;
 use crate::dynamics::{Parameters, Surroundings};
 use crate::glide::{Attitude, SteadyGlide, at_pitch, shallowest};
 use crate::report::{Axis, Block, Cell, Figure, Layer, Panel, Report, Section, Table, significant};
 use crate::vehicle::Vehicle;
+
+/// Beyond the angles at which hulls are towed the laws of lift and drag say nothing: a polar ends here \[deg\].
+pub(super) const WIDEST_ANGLE_OF_ATTACK_DEG: f64 = 20.0;
 
 type Glide = SteadyGlide<f64>;
 

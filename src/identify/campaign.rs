@@ -5,16 +5,18 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::consider_parameters::{carry, doubts_of};
+use super::considered::{Carried, Doubt};
 use super::data::{Dive, by_dive};
-use super::held::{Carried, Doubt, carry, doubts_of};
+use super::external_values::{Pin, doubts, from_outside};
 use super::holdout::hold_out;
 use super::identifiability::{ProfilePoint, is_identified, profile};
 use super::inflections::{Inflections, UNSTEADY_ONLY, Unsteady, inflections};
 use super::joint::{Fit, IdentifyError, Question, fit};
-use super::outside::{Pin, doubts, from_outside};
+use super::names::{long_name, short_name};
 use super::pitch_balance::{PitchBalance, pitch_balance};
 use super::residuals::{Score, ScoreSums, residuals};
-use super::reweighed::{Reweighed, reweighed};
+use super::specification_test::{Reweighed, reweighed};
 use super::trim::Trim;
 use super::uncertainty::condition_number;
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
@@ -95,19 +97,6 @@ pub struct LegsApart {
 
 /// Largest c that is published of a glider, on its frontal area \[1/rad2\]: 29, of a Slocum (docs/theory/identification.md).
 const LARGEST_C: f64 = 30.0;
-
-/// Short names of the rows that people know under them.
-pub const SHORT_NAMES: &[(&str, &str)] = &[("a", "a_per_rad"), ("c", "c_per_rad2"), ("d", "d_per_rad")];
-
-/// The short name of a row, or its own.
-pub fn short_name(row: &str) -> &str {
-    SHORT_NAMES.iter().find(|(_, long)| *long == row).map_or(row, |(short, _)| short)
-}
-
-/// The row of a short or long name.
-pub fn long_name(name: &str) -> &str {
-    SHORT_NAMES.iter().find(|(short, _)| *short == name).map_or(name, |(_, long)| long)
-}
 
 /// Identifies what the log can tell of the vehicle.
 ///

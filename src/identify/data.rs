@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use super::bins::{Bin, bins};
-use super::inside::{Inside, Parts};
+use super::within_bin::{Inside, Parts};
 use crate::dynamics::Parameters;
 use crate::log::Observation;
 

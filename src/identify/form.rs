@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::campaign::{Identification, LegsApart, long_name, short_name};
+use super::campaign::{Identification, LegsApart};
+use super::external_values::Pin;
 use super::identifiability::{ProfilePoint, is_identified};
 use super::inflections::Comparison;
 use super::joint::Fit;
-use super::outside::Pin;
+use super::names::{long_name, short_name};
 use super::pitch_balance::{PitchBalance, PitchBalanceSummary};
 use super::trim::Trim;
 use super::uncertainty::{condition_number, correlation};

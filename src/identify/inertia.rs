@@ -12,26 +12,10 @@
 //!
 //! Knows one leg at a time; what is steady, and what a fit does with it, others decide.
 
-use super::model::{predict, surroundings, true_pitch_rad};
+use super::model::{Inertia, predict, surroundings, true_pitch_rad};
 use crate::dynamics::Parameters;
 use crate::glide::Glider;
 use crate::log::Observation;
-
-/// What the inertia of one sample adds to its balance.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Inertia {
-    /// Change of the net mass \[kg\].
-    pub net_mass_kg: f64,
-    /// Change of the pitch at which angle of attack and speed are those of a steady glide \[rad\].
-    pub pitch_rad: f64,
-    /// Rate of change of the downward velocity \[m/s2\].
-    pub sink_rate_m_s2: f64,
-}
-
-impl Inertia {
-    /// That of a glide which is steady.
-    pub const NONE: Inertia = Inertia { net_mass_kg: 0.0, pitch_rad: 0.0, sink_rate_m_s2: 0.0 };
-}
 
 /// A step longer than this, and than one and a half usual ones, is a gap \[s\]: what lies beyond it, as where the pump ran, is
 /// another glide.

@@ -13,10 +13,10 @@ use nalgebra::{DMatrix, DVector};
 use nalgebra_lm as lm;
 
 use super::blocks::Blocks;
+use super::considered::Carried;
 use super::data::Dive;
 use super::evaluate::{MOST_FREE, Tally, Weights};
 use super::gram::Gram;
-use super::held::Carried;
 use super::uncertainty::jackknife;
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
 

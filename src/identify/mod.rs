@@ -4,7 +4,7 @@
 //! - [`joint`]: any parameters from all dives at once, exact slopes, standard errors by dives.
 //! - [`inertia()`]: what the inertia of a nearly steady glide adds to its balance; [`Parts`]: what happens inside a bin.
 //! - [`unsteady`]: the same on dives flown through time, turns and all.
-//! - [`held`]: the errors of what was held, carried to what was fitted.
+//! - [`consider_parameters`]: the errors of what was held, carried to what was fitted.
 //! - [`pitch_balance`]: d and the height of the centre of gravity from battery, ballast and pitch.
 //! - [`evaluate()`], [`Gram`]: residuals over all dives in bounded memory.
 //!
@@ -13,44 +13,46 @@
 mod bins;
 mod blocks;
 pub mod campaign;
+pub mod consider_parameters;
+pub mod considered;
 mod data;
 mod evaluate;
+pub mod external_values;
 mod form;
 mod gram;
-pub mod held;
 pub mod holdout;
 pub mod identifiability;
 mod inertia;
 pub mod inflections;
-mod inside;
 pub mod joint;
 pub mod model;
-pub mod outside;
+pub mod names;
 pub mod paper;
 pub mod paper_form;
 pub mod pitch_balance;
 pub mod polar_points;
 mod residuals;
-mod reweighed;
+mod specification_test;
 mod trim;
 pub mod uncertainty;
 pub mod unsteady;
+mod within_bin;
 
 pub use bins::{Bin, bins};
 pub use campaign::{Given, Identification, Request, identify};
+pub use considered::{Carried, Doubt};
 pub use data::{Dive, by_dive, ranges};
 pub use evaluate::{MOST_FREE, Scatter, Tally, Weights, evaluate};
+pub use external_values::Pin;
 pub use form::{CorrelationTable, FitQuality, Report};
 pub use gram::Gram;
-pub use held::{Carried, Doubt};
-pub use inertia::{Inertia, inertia, usual_step_s};
+pub use inertia::{inertia, usual_step_s};
 pub use inflections::Unsteady;
-pub use inside::{Inside, Parts};
 pub use joint::{Fit, IdentifyError, Question, fit};
-pub use model::{Prediction, predict};
-pub use outside::Pin;
+pub use model::{Inertia, Prediction, predict};
 pub use residuals::{Residual, Score, ScoreSums, residuals};
 pub use trim::Trim;
+pub use within_bin::{Inside, Parts};
 
 #[cfg(test)]
 mod tests;

@@ -6,11 +6,26 @@
 //! sink     = V sin(alpha - pitch) + vertical current       sink read = sink / pressure_scale - lag d(sink read)/dt
 //! ```
 
-use super::inertia::Inertia;
 use crate::Number;
 use crate::dynamics::{Parameters, Surroundings};
 use crate::glide::{Attitude, Deflection, Glider};
 use crate::log::{DBAR_PA, Observation};
+
+/// What the inertia of one sample adds to its balance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Inertia {
+    /// Change of the net mass \[kg\].
+    pub net_mass_kg: f64,
+    /// Change of the pitch at which angle of attack and speed are those of a steady glide \[rad\].
+    pub pitch_rad: f64,
+    /// Rate of change of the downward velocity \[m/s2\].
+    pub sink_rate_m_s2: f64,
+}
+
+impl Inertia {
+    /// That of a glide which is steady.
+    pub const NONE: Inertia = Inertia { net_mass_kg: 0.0, pitch_rad: 0.0, sink_rate_m_s2: 0.0 };
+}
 
 /// What the instruments should have read.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::external_values::Pin;
 use super::form::{CorrelationTable, FitQuality};
-use super::outside::Pin;
 use super::paper::{Campaign, Coefficients, campaign, mean_glides};
 use super::residuals::{ScoreSums, residuals};
 use super::trim::Trim;

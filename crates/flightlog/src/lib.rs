@@ -37,6 +37,7 @@ mod prepare;
 mod resample;
 mod seaglider;
 mod segment;
+mod settings;
 mod units;
 mod vertical_velocity;
 
@@ -54,8 +55,9 @@ pub use glide_table::read_glide_table;
 pub use lost_speed::take_out_lost_speeds;
 pub use observation::{DBAR_PA, Observation};
 pub use open::{LogPieces, Opened, open};
-pub use prepare::{Preparation, Prepared, Settings};
+pub use prepare::{Preparation, Prepared};
 pub use segment::{Leg, legs};
+pub use settings::Settings;
 pub use vertical_velocity::{Velocity, filter_window, vertical_velocity};
 
 #[cfg(test)]

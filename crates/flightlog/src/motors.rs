@@ -8,7 +8,7 @@
 
 use super::channels::{Channel, FlightLog};
 use super::clean::median;
-use super::prepare::Settings;
+use super::settings::Settings;
 
 /// Rate of the ballast volume from which on its pump is taken to run \[cc/s\].
 const BALLAST_MOVES_CC_S: f64 = 0.5;

@@ -1,12 +1,14 @@
 //! Layers drawn into one panel: points with their bars, lines, bands, strips. Knows pixels and no layout.
 
 use super::canvas::{Canvas, Pen};
-use super::draw::CLOUD;
 use super::figure::{Layer, Shape};
 use super::legend::{BAND, Styles, stroke};
 use super::palette::Marker;
 use super::thin::{Frame, Pixel, markers, polylines};
 use super::ticks::Scale;
+
+/// From so many points on, a layer is a cloud rather than single measurements.
+pub(super) const CLOUD: usize = 300;
 
 const MOST_MARKERS: usize = 4000;
 

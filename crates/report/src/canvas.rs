@@ -11,6 +11,8 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 /// Backend units in a pixel.
 pub(super) const UNITS: f64 = 10.0;
 
+pub(super) const LABEL_SIZE: f64 = 13.0;
+
 /// A stroke.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pen {

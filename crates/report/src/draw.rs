@@ -1,7 +1,7 @@
 //! From a figure's data to its picture: layout first, then panel by panel.
 
-use super::brush::Brush;
-use super::canvas::{Align, Canvas, Lettering, Pen, UNITS};
+use super::brush::{Brush, CLOUD};
+use super::canvas::{Align, Canvas, LABEL_SIZE, Lettering, Pen, UNITS};
 use super::figure::{Axis, Figure, Layer, Panel, Shape};
 use super::labels::{axis_label, y_label};
 use super::legend::{Legend, Styles};
@@ -13,10 +13,7 @@ use std::collections::BTreeSet;
 
 const WIDTH: f64 = 600.0;
 const TICK_SIZE: f64 = 12.0;
-pub(super) const LABEL_SIZE: f64 = 13.0;
 const TICK: f64 = 5.0;
-/// From so many points on, a layer is a cloud rather than single measurements.
-pub(super) const CLOUD: usize = 300;
 
 impl Figure {
     /// The figure as an SVG document: text as text, deterministic, no reference to anything outside.

@@ -1,6 +1,6 @@
 //! What stands along the axes: quantity, symbol and unit as a journal writes them.
 
-use super::draw::LABEL_SIZE;
+use super::canvas::LABEL_SIZE;
 use super::figure::Axis;
 use super::text::{clean, symbol, width, without_markup};
 use super::ticks::{Scale, superscript};

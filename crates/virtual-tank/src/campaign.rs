@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use super::balance::Balance;
-use super::effects;
+
 use super::folder::NewFolder;
 use super::hull::{Hull, draw_hulls};
 use super::motion::Kind;
@@ -16,6 +16,7 @@ use super::outline::PHOENIX;
 use super::paperwork::{self, run_id};
 use super::programme::{PlannedRun, Wishes, plan};
 use super::random::{Purpose, Stream};
+use super::request;
 use super::simulate::Tank;
 use super::truth::{BalanceTruth, HullTruth, RunTruth, SCHEMA, Trend, Truth};
 use super::{Error, Options, Progress, io_error};
@@ -49,7 +50,7 @@ pub fn write_campaign_watched(
         return Err(Error::Noise { found: options.noise });
     }
     let chosen = choose_hulls(&options.hulls)?;
-    let (hidden, stated) = effects::hide(&options.effects, options.seed)?;
+    let (hidden, stated) = request::hide(&options.effects, options.seed)?;
     let levels = NoiseLevels::good_tank(options.noise);
     let hulls = draw_hulls(&mut Stream::new(options.seed, Purpose::Hulls));
     let runs_of = |passes| {

@@ -20,6 +20,7 @@ mod outline;
 mod paperwork;
 mod programme;
 mod random;
+mod request;
 mod simulate;
 mod truth;
 mod water;

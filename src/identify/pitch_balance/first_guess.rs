@@ -4,8 +4,8 @@ use crate::dynamics::{Parameters, parameter_index};
 use crate::glide::Glider;
 use crate::identify::data::Dive;
 use crate::identify::gram::Gram;
-use crate::identify::inertia::Inertia;
 use crate::identify::joint::Question;
+use crate::identify::model::Inertia;
 use crate::identify::model::{predict, true_pitch_rad};
 use crate::identify::uncertainty::solve_symmetric;
 

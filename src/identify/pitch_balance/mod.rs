@@ -20,13 +20,14 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::blocks::Blocks;
+use super::consider_parameters::carry;
+use super::considered::Doubt;
 use super::data::Dive;
 use super::evaluate::{Scatter, Weights};
+use super::external_values::{Pin, from_outside};
 use super::gram::Gram;
-use super::held::{Doubt, carry};
 use super::identifiability::thinned;
 use super::joint::{Fit, IdentifyError, Question, refine};
-use super::outside::{Pin, from_outside};
 use super::uncertainty::condition_number;
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
 use crate::log::Observation;

@@ -1,30 +1,14 @@
 //! A whole passage flown: velocities and depth at every sample, as instruments and filter show them. Knows no residuals.
 
-use num_dual::Dual64;
-
+use super::flyer::Flyer;
 use super::moment::{Moment, sink};
 use super::step::advance;
 use super::{AFLOAT_DBAR, Passage, is_start};
 use crate::Number;
 use crate::dynamics::Parameters;
-use crate::glide::{Attitude, Deflection, Glider};
+use crate::glide::{Attitude, Deflection};
 use crate::identify::model::{sink_read_m_s, surroundings, true_pitch_rad};
 use crate::log::Observation;
-
-/// The parameters in every kind of number that the flight needs.
-pub(super) struct Flyer<T> {
-    pub(super) lifted: Parameters<T>,
-    pub(super) plain: Parameters<f64>,
-    pub(super) with_slopes: Parameters<Dual64>,
-    glider: Glider<T>,
-}
-
-impl<T: Number> Flyer<T> {
-    pub(super) fn new(lifted: Parameters<T>) -> Self {
-        let plain = lifted.map(T::value);
-        Flyer { lifted, plain, with_slopes: plain.map(Dual64::from), glider: Glider::new(lifted) }
-    }
-}
 
 /// A passage as flown: velocities along axes 1 and 3 at each sample, and the way down since the passage began.
 pub(super) struct Flight<T> {

@@ -15,6 +15,7 @@
 //! latter, samples count once the start is forgotten.
 
 mod flight;
+mod flyer;
 mod moment;
 mod step;
 
@@ -27,7 +28,8 @@ use super::gram::Gram;
 use super::residuals::Residual;
 use crate::dynamics::Parameters;
 use crate::log::{Observation, filter_window};
-use flight::{Flyer, fly};
+use flight::fly;
+use flyer::Flyer;
 
 /// Pressure above which the glider is taken to float at rest \[dbar\].
 const AFLOAT_DBAR: f64 = 0.5;

@@ -3,7 +3,7 @@
 
 use num_dual::Dual64;
 
-use super::flight::Flyer;
+use super::flyer::Flyer;
 use super::moment::{Moment, rates, sink};
 use crate::Number;
 

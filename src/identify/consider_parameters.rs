@@ -11,37 +11,11 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::blocks::Blocks;
+use super::considered::{Carried, Doubt};
 use super::evaluate::MOST_FREE;
 use super::gram::Gram;
 use super::joint::Fit;
 use super::uncertainty::inverse_symmetric;
-
-/// One standard error of something that is held: by how much it moves which rows of
-/// [`PARAMETERS`](crate::dynamics::PARAMETERS). Different ones are independent.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Doubt {
-    /// Short name of what is held.
-    pub name: String,
-    /// Rows and by how much they move.
-    pub along: Vec<(usize, f64)>,
-}
-
-/// What one of them does to a fit.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Carried {
-    /// What is held.
-    pub doubt: Doubt,
-    /// Moves of the free parameters, in the order of [`Fit::free`].
-    pub moves: Vec<f64>,
-}
-
-impl Carried {
-    /// The doubt with all that follows from it: what is held and what was fitted beside it move together.
-    pub(super) fn whole(&self, free: &[usize]) -> Doubt {
-        let follows = free.iter().copied().zip(self.moves.iter().copied());
-        Doubt { name: self.doubt.name.clone(), along: self.doubt.along.iter().copied().chain(follows).collect() }
-    }
-}
 
 /// A move by less than this share of a parameter's own standard error is rounding.
 const NOT_FELT: f64 = 1e-6;

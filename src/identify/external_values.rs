@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::campaign::{long_name, short_name};
-use super::held::Doubt;
+use super::considered::Doubt;
+use super::names::{long_name, short_name};
 use crate::assemble::{Figure, wing_lift_slope_per_rad};
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
 use crate::vehicle::Vehicle;

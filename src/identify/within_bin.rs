@@ -10,8 +10,8 @@
 use std::ops::Range;
 
 use super::bins::{Bin, mean};
-use super::inertia::{Inertia, inertia};
-use super::model::{Prediction, predict};
+use super::inertia::inertia;
+use super::model::{Inertia, Prediction, predict};
 use crate::Number;
 use crate::dynamics::Parameters;
 use crate::glide::Glider;
