@@ -7,9 +7,9 @@ use clap::Args;
 use super::identify::{TrimChoice, with_error};
 use super::reading::{Reading, noted, refused};
 use super::{CliError, Output, diagnose_page, vehicle_input, warn};
-use crate::diagnose::sea::{Lift, SeaDiagnosis, SeaError, SeaProblem, Settings, diagnose_log};
-use crate::diagnose::{Check, Checked, Diagnosis, Point, Problem, Verdict};
-use crate::dynamics::parameter_index;
+use crate::diagnose::sea::{LEAST_RELEVANT, Lift, SeaDiagnosis, SeaError, SeaProblem, Settings, diagnose_log};
+use crate::diagnose::{Check, Checked, Diagnosis, Left, Point, Problem, Relevance, Verdict};
+use crate::dynamics::{Parameters, parameter_index};
 use crate::estimate::Estimate;
 use crate::identify::external_values::built_up_lift_slope;
 use crate::input::printable;
@@ -40,6 +40,10 @@ pub struct Arguments {
     /// Hold the lift slope at the vehicle's value, or at A [1/rad, on the frontal area], known with the standard error SE
     #[arg(long, value_name = "A[+-SE]", num_args = 0..=1, require_equals = true)]
     pin_lift: Option<Option<String>>,
+    /// Size above which a misfit is worth acting on, as vertical_velocity=0.002 or speed_through_water=0.005 [m/s]; default:
+    /// the largest of a tenth of the measurement's own scatter and 0.001 m/s (0.003 m/s in speed)
+    #[arg(long, value_name = "QUANTITY=VALUE")]
+    relevant: Vec<String>,
     /// Write the vehicle with the named mechanisms in it to FILE
     #[arg(long, value_name = "OUT.toml")]
     extended: Option<PathBuf>,
@@ -69,7 +73,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         (None, Some(_)) => Lift::Held,
         (None, None) => Lift::Fitted,
     };
-    let settings = Settings { lift, ..Settings::default() };
+    let quantities = LEAST_RELEVANT.map(|(name, _)| name);
+    let relevance = Relevance::parse(&arguments.relevant, &quantities, "vertical_velocity=0.002")
+        .map_err(|error| CliError::Usage(format!("--relevant: {error}")))?;
+    let settings = Settings { lift, relevance, ..Settings::default() };
     let parameters = vehicle.glide_parameters();
     let mut found = diagnose_log(&parameters, trim, &log.observations, settings).map_err(|error| match error {
         SeaError::Inconsistent(checks) => refused(checks, &log.notes),
@@ -86,7 +93,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if let Some(path) = &arguments.extended {
         // What the trim took for the mass belongs to the extended vehicle as well, or it would fly at another weight.
         let trimmed_kg = found.baseline.hull_mass_kg - parameters.hull_mass_kg;
-        extend(&mut vehicle, &found, trimmed_kg)?;
+        extend(&mut vehicle, &found, &parameters, trimmed_kg)?;
         check(path, vehicle.to_toml().as_bytes(), replace)?;
         found.told.diagnosis.extended = Some(path.display().to_string());
     }
@@ -130,14 +137,20 @@ fn hold_lift(vehicle: &mut Vehicle, lift_per_rad: f64) -> Result<(), CliError> {
 }
 
 /// Writes the polar that was fitted and the mechanisms that were named into a vehicle.
-fn extend(vehicle: &mut Vehicle, found: &SeaDiagnosis, trimmed_kg: f64) -> Result<(), CliError> {
+fn extend(
+    vehicle: &mut Vehicle,
+    found: &SeaDiagnosis,
+    parameters: &Parameters<f64>,
+    trimmed_kg: f64,
+) -> Result<(), CliError> {
     let polar: &Point = &found.told.after.point;
     for ((name, _), value) in found.problem.baseline().iter().zip(&polar.baseline) {
-        vehicle.set(&format!("hydro.{name}"), *value)?;
-        // One polar was fitted to both legs; one that was measured apart before would speak against it.
-        for leg in ["descent", "ascent"].map(|leg| format!("hydro.{leg}.{name}")) {
-            if vehicle.get(&leg).is_some() {
-                vehicle.set(&leg, *value)?;
+        // One polar is fitted, that of descents; where the legs were measured apart each keeps its ratio.
+        let before = parameter_index(name).map_or(0.0, |index| *parameters.clone().at(index));
+        let ratio = if before == 0.0 { f64::NAN } else { value / before };
+        for key in ["hydro.", "hydro.descent.", "hydro.ascent."].map(|table| format!("{table}{name}")) {
+            if let Some(known) = vehicle.get(&key) {
+                vehicle.set(&key, if ratio.is_finite() { known * ratio } else { *value })?;
             }
         }
     }
@@ -145,7 +158,9 @@ fn extend(vehicle: &mut Vehicle, found: &SeaDiagnosis, trimmed_kg: f64) -> Resul
         let mass = vehicle.get("mass.mass_kg").unwrap_or(0.0) + trimmed_kg;
         vehicle.set("mass.mass_kg", mass)?;
     }
-    for (name, estimate) in found.told.diagnosis.causes.iter().flat_map(|cause| &cause.parameters) {
+    let trim_name = "ballast_offset_kg".to_owned();
+    let trim = found.told.diagnosis.trim.as_ref().map(|trim| (&trim_name, trim));
+    for (name, estimate) in found.told.diagnosis.causes.iter().flat_map(|cause| &cause.parameters).chain(trim) {
         if parameter_index(name).is_some() {
             vehicle.set(&format!("mechanisms.{name}"), estimate.value)?;
             if estimate.se > 0.0 {
@@ -169,9 +184,10 @@ fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
     println!("WRONG");
     for wrong in &found.wrong {
         println!(
-            "  {} depends on {}: rms {:.2} mm/s, the measurement explains {:.2} mm/s ({})",
+            "  {} depends on {} by {:.2} mm/s rms: misfit {:.2} mm/s, the measurement explains {:.2} mm/s ({})",
             words(&wrong.quantity),
             wrong.regime,
+            wrong.size * 1e3,
             wrong.rms * 1e3,
             wrong.expected_rms * 1e3,
             crate::report::probability(wrong.p_value)
@@ -210,6 +226,12 @@ fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
     if let Some(unexplained) = &found.unexplained {
         println!("  unexplained: what is left depends on {}", unexplained.depends_on.join(", "));
     }
+    if let Some(trim) = &found.trim {
+        println!("  trim against the neutral baseline: {}", size("ballast_offset_kg", trim));
+    }
+    for left in &found.left {
+        println!("  left: {}", left_over(left));
+    }
     if let Some(path) = &found.extended {
         println!("EXTENSION: {path}");
     }
@@ -225,6 +247,20 @@ fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
             gain.ci95[1]
         );
     }
+}
+
+/// What is left of a quantity, relevant or not.
+pub(super) fn left_over(left: &Left) -> String {
+    let Left { size, relevant_above, p_value, .. } = left;
+    let judged = if size > relevant_above { "relevant" } else { "not relevant" };
+    format!(
+        "{} depends on {} by {:.2} mm/s rms at most ({}), {judged} with a limit of {:.2} mm/s",
+        words(&left.quantity),
+        left.depends_on,
+        size * 1e3,
+        crate::report::probability(*p_value),
+        relevant_above * 1e3
+    )
 }
 
 /// By how much an error became less, or more.

@@ -1,6 +1,6 @@
 //! A diagnosis as a page: for each of the four answers one figure and one sentence.
 
-use super::diagnose::{checked, less, size, unit, verdict, words};
+use super::diagnose::{checked, left_over, less, size, unit, verdict, words};
 use crate::diagnose::sea::SeaDiagnosis;
 use crate::diagnose::{Checked, Diagnosis};
 use crate::report::{Axis, Cell, Figure, Layer, Panel, Report, Section, Table, probability, with_interval};
@@ -108,8 +108,14 @@ fn cause(found: &Diagnosis) -> String {
             left.depends_on.join(", ")
         ));
     }
-    if sentences.is_empty() {
-        sentences.push("No mechanism is called for.".to_owned());
+    if let Some(trim) = &found.trim {
+        sentences.push(format!("Trim against the neutral baseline: {}.", size("ballast_offset_kg", trim)));
+    }
+    for left in &found.left {
+        sentences.push(format!("Left: {}.", left_over(left)));
+    }
+    if found.causes.is_empty() && found.unexplained.is_none() {
+        sentences.insert(0, "No mechanism is called for.".to_owned());
     }
     format!("Verdict: {}. {}", verdict(found.verdict), sentences.join(" "))
 }

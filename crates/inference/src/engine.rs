@@ -48,7 +48,10 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
             break;
         }
     }
-    let curve = curve.or(refuted).or_else(|| Lap::new(candidates, &present).unnamed_curve(&present.included));
+    let curve = curve.or(refuted).or_else(|| {
+        let limits = present.limits(problem);
+        Lap::new(candidates, &present).unnamed_curve(&present.included, &limits)
+    });
     report(problem, &baseline, &present, curve)
 }
 
@@ -56,8 +59,16 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
 pub fn baseline(problem: &impl Problem) -> (Stage, Vec<Wrong>) {
     let mut baseline = Fitted::new(problem, problem.start(), Vec::new());
     baseline.settle(problem);
-    let wrong = wrong(problem.candidates(), &baseline);
+    let wrong = wrong(problem, &baseline);
     (baseline.stage(baseline.held_out()), wrong)
+}
+
+/// Whether the curve in a choice is there beside its mechanisms, and large enough to act on.
+fn is_wrong(choice: &Choice, lap: &Lap<'_>, problem: &impl Problem) -> bool {
+    let limits = lap.fitted.limits(problem);
+    let (curves, others): (Vec<usize>, Vec<usize>) =
+        choice.members.iter().partition(|member| lap.runners[**member].is_curve);
+    curves.iter().all(|curve| lap.is_wrong(&others, *curve, &limits))
 }
 
 /// Mechanisms alone, or what is left of them beside a curve that none of them can replace.
@@ -71,7 +82,8 @@ fn decide(
         Some(other)
             if other.criterion
                 < mechanisms.criterion.min(0.0) - MARGIN.max(problem.part_unexplained() * -mechanisms.criterion)
-                && lap.foretells(&other.members, &mechanisms.members) =>
+                && lap.foretells(&other.members, &mechanisms.members)
+                && is_wrong(&other, lap, problem) =>
         {
             // Beside something unknown a name needs evidence that the unknown cannot take over, and more of it than the
             // unknown has itself: what is unknown may bring along a bit of many a mechanism.

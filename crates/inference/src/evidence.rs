@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::relevance::SHARE_OF_SCATTER;
 use super::smooth::Kind;
 use crate::noise::Series;
 
@@ -174,6 +175,13 @@ pub trait Problem {
     /// Share of what named mechanisms explain that may stay unexplained beside them without costing them their names.
     fn part_unexplained(&self) -> f64 {
         0.0
+    }
+
+    /// The size in the quantity's unit above which a misfit of it is worth acting on; `scatter` is the rms of what the
+    /// measurement alone leaves. See [`super::relevance`].
+    fn relevance(&self, quantity: &Quantity, scatter: f64) -> f64 {
+        let _ = quantity;
+        SHARE_OF_SCATTER * scatter
     }
 
     /// Residuals and sensitivities at a point. Rows, blocks and covariates are the same at every point.

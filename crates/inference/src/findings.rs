@@ -56,7 +56,26 @@ pub struct Wrong {
     pub rms: f64,
     /// What the measurement alone would leave.
     pub expected_rms: f64,
+    /// Root mean square of the fitted misfit, the share of the noise removed.
+    pub size: f64,
+    /// What it must exceed to be worth acting on.
+    pub relevant_above: f64,
     /// Probability of such a misfit by chance, corrected for the number of tests.
+    pub p_value: f64,
+}
+
+/// The largest dependence of a quantity that remains beside the named causes, whether it is worth acting on or not.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Left {
+    /// The quantity.
+    pub quantity: String,
+    /// The covariate on which what is left depends most clearly.
+    pub depends_on: String,
+    /// Root mean square of that dependence, the share of the noise removed.
+    pub size: f64,
+    /// What it must exceed to be worth acting on.
+    pub relevant_above: f64,
+    /// Probability of such a dependence by chance, corrected for the number of tests.
     pub p_value: f64,
 }
 
@@ -147,8 +166,12 @@ pub struct Diagnosis {
     /// Sets of two and more that these data cannot tell from the named one; those that differ from it by one mechanism stand
     /// beside that one.
     pub alternatives: Vec<Vec<Alternative>>,
+    /// Ballast offset against a baseline that was assumed to be neutral, not weighed: how the glider was trimmed.
+    pub trim: Option<Estimate>,
     /// The others.
     pub rejected: Vec<Rejected>,
+    /// For each quantity the clearest dependence that is left beside the causes, with its size and whether that is relevant.
+    pub left: Vec<Left>,
     /// What is left without a name.
     pub unexplained: Option<Unexplained>,
     /// What the extension gains on one quantity.

@@ -243,6 +243,13 @@ impl Fitted {
         }
     }
 
+    /// The size above which a misfit of each quantity is worth acting on.
+    pub(super) fn limits(&self, problem: &impl Problem) -> Vec<f64> {
+        let quantities = self.evidence.quantities.iter().enumerate();
+        let of = |(i, quantity)| problem.relevance(quantity, expected_rms(&self.evidence, &self.noises, i));
+        quantities.map(of).collect()
+    }
+
     /// What is left of each row when its block was held out.
     pub(super) fn held_out(&self) -> DVector<f64> {
         holdout::residuals(&self.evidence, &self.noises, &self.columns(), &self.evidence.residual)

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::evidence::{Candidate, Evidence, Point, Problem};
 use super::fitted::{Fitted, side_by_side};
 use super::holdout;
-use super::score::Score;
+use super::score::{SIGNIFICANT, Score, chance};
 use super::search::{MARGIN, Race, Runner};
 use super::smooth;
 
@@ -100,8 +100,8 @@ impl<'a> Lap<'a> {
     }
 
     /// The covariate of the curve that explains what these members leave, if one clearly does.
-    pub(super) fn unnamed_curve(&self, members: &[usize]) -> Option<String> {
-        let curve = self.best_curve(members)?;
+    pub(super) fn unnamed_curve(&self, members: &[usize], limits: &[f64]) -> Option<String> {
+        let curve = self.best_curve(members).filter(|curve| self.is_wrong(members, *curve, limits))?;
         let with: Vec<usize> = members.iter().copied().chain([curve]).collect();
         if self.foretells(&with, members) { self.curve_name(curve).map(str::to_owned) } else { None }
     }
@@ -138,6 +138,66 @@ impl<'a> Lap<'a> {
         let members = self.columns.select_columns(&chosen);
         let columns = side_by_side(evidence.residual.len(), &[&evidence.baseline, &members]);
         holdout::residuals(&evidence, &self.fitted.noises, &columns, &evidence.residual)
+    }
+
+    /// Probability that chance alone explains what the tested members add to the others: the larger of that by the model of
+    /// the noise and that by the scatter between legs or runs.
+    pub(super) fn chance(&self, others: &[usize], tested: &[usize]) -> f64 {
+        let race = self.race();
+        let with: Vec<usize> = others.iter().chain(tested).copied().collect();
+        let columns = race.columns(tested);
+        let by_model = chance(race.gain(&with) - race.gain(others), columns.len());
+        // The second test costs more; where the first one is content it has no say.
+        if by_model > 0.5 {
+            by_model
+        } else {
+            by_model.max(self.score.chance_by_clusters(&race.columns(others), &columns))
+        }
+    }
+
+    /// The rms of what the tested members change in the predictions of each quantity beside the others, once everything is
+    /// fitted again, the share of the noise removed.
+    ///
+    /// For nested fits the change of the predictions has the covariance of the one less that of the other.
+    pub(super) fn sizes(&self, others: &[usize], tested: &[usize]) -> Vec<f64> {
+        let race = self.race();
+        let with: Vec<usize> = others.iter().chain(tested).copied().collect();
+        let (all, few) = (race.columns(&with), race.columns(others));
+        let mut outside = self.columns.select_columns(&all);
+        for (j, column) in all.iter().enumerate() {
+            let absorbed = &self.evidence.baseline * self.score.absorbed(*column);
+            let mut here = outside.column_mut(j);
+            here -= absorbed;
+        }
+        let (wide, narrow) = (self.score.fit(&all), self.score.fit(&few));
+        let mut step = wide.step.clone();
+        let mut covariance = wide.covariance.clone();
+        for i in 0..few.len() {
+            step[i] -= narrow.step[i];
+            (0..few.len()).for_each(|j| covariance[(i, j)] -= narrow.covariance[(i, j)]);
+        }
+        let change = &outside * step;
+        let of = |quantity: &super::evidence::Quantity| {
+            let rows = quantity.rows.clone();
+            let n = rows.len().max(1) as f64;
+            let part = outside.rows(rows.start, rows.len());
+            let noise = part.tr_mul(&part).component_mul(&covariance).sum();
+            let square = change.rows(rows.start, rows.len()).norm_squared() - noise;
+            (square / n).max(0.0).sqrt()
+        };
+        self.evidence.quantities.iter().map(of).collect()
+    }
+
+    /// Whether the tested members change the predictions of any quantity by more than its limit of relevance.
+    pub(super) fn is_relevant(&self, others: &[usize], tested: &[usize], limits: &[f64]) -> bool {
+        self.sizes(others, tested).iter().zip(limits).any(|(size, limit)| size > limit)
+    }
+
+    /// Whether something that no name explains is there beside the others: a curve that chance does not bring, that is
+    /// large enough to act on and that predicts.
+    pub(super) fn is_wrong(&self, others: &[usize], curve: usize, limits: &[f64]) -> bool {
+        let tests = self.curves.len().max(1) as f64;
+        self.is_relevant(others, &[curve], limits) && tests * self.chance(others, &[curve]) <= SIGNIFICANT
     }
 
     pub(super) fn curve_name(&self, runner: usize) -> Option<&str> {

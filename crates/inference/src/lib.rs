@@ -4,6 +4,8 @@
 //! - [`crate::noise`]: what is left when the model is right, so that correlated residuals count for as little as they tell.
 //! - [`score`], [`search`]: what each set of mechanisms explains, and which set is worth its cost.
 //! - [`smooth`]: curves without a name that run in the same race; where one wins, no mechanism is named.
+//! - `clusters`: a test by the scatter between legs or runs, beside that by the model of noise.
+//! - [`relevance`]: which misfit is large enough to act on.
 //! - [`holdout`]: the gain on data that no fit saw.
 //! - [`engine`]: the four answers in their order, with what it is made of: a fit, what is thinned out of it, one lap of the
 //!   search, versions of one mechanism, what is told.
@@ -11,6 +13,7 @@
 #![allow(non_snake_case, reason = "units stand in names as they are written: N, Pa, C, J")]
 
 mod alternatives;
+mod clusters;
 pub mod engine;
 pub mod estimate;
 pub mod evidence;
@@ -21,6 +24,7 @@ mod lap;
 pub mod noise;
 pub mod outcome;
 pub mod regimes;
+pub mod relevance;
 pub mod score;
 pub mod search;
 pub mod smooth;
@@ -30,8 +34,9 @@ mod versions;
 
 pub use engine::{diagnose, diagnose_in_full};
 pub use evidence::{Candidate, Covariate, Evidence, Headline, Point, Problem, Quantity, Version};
-pub use findings::{Alternative, Cause, Check, Checked, Diagnosis, Gain, Rejected, Unexplained, Verdict, Wrong};
+pub use findings::{Alternative, Cause, Check, Checked, Diagnosis, Gain, Left, Rejected, Unexplained, Verdict, Wrong};
 pub use outcome::{Outcome, Stage, gains};
+pub use relevance::Relevance;
 
 #[cfg(test)]
 mod tests;

@@ -6,6 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
+use super::clusters::{chance_by_clusters, clusters};
 use super::evidence::Evidence;
 use crate::noise::{self, Noise, orthonormal};
 
@@ -21,6 +22,13 @@ pub struct Score {
     sizes: Vec<f64>,
     /// Share of each column that the baseline cannot imitate.
     seen: Vec<f64>,
+    /// Whitened columns: baseline, candidates, residual, with the rows of the prior below.
+    whitened: DMatrix<f64>,
+    n_baseline: usize,
+    /// Steps of the baseline's parameters that imitate a unit of each column best.
+    absorbed: DMatrix<f64>,
+    /// The cluster of each row.
+    clusters: Vec<usize>,
     /// Independent numbers to which the rows amount.
     pub effective_rows: f64,
 }
@@ -85,6 +93,7 @@ impl Score {
         all.column_mut(nb + nc).copy_from(&evidence.residual);
         let all = whiten_with_prior(evidence, noises, &all, nb + nc);
 
+        let absorbed = absorbed(&all, nb, nc);
         let q = orthonormal(all.columns(0, nb).into_owned());
         let mut rest = all.columns(nb, nc + 1).into_owned();
         let sizes: Vec<f64> = (0..nc).map(|j| rest.column(j).norm().max(f64::MIN_POSITIVE)).collect();
@@ -108,8 +117,27 @@ impl Score {
             moments: candidates.transpose() * rest.column(nc),
             sizes,
             seen,
+            whitened: all,
+            n_baseline: nb,
+            absorbed,
+            clusters: clusters(&evidence.block, &evidence.time_s, longest_correlation_s(noises)),
             effective_rows: effective_rows(evidence, noises),
         }
+    }
+
+    /// Probability that chance alone brings an effect of the `tested` columns beside those of the `others`, by the scatter
+    /// between clusters.
+    pub fn chance_by_clusters(&self, others: &[usize], tested: &[usize]) -> f64 {
+        let target = self.whitened.ncols() - 1;
+        let columns = (0..self.n_baseline)
+            .chain(others.iter().chain(tested).map(|column| self.n_baseline + column))
+            .chain([target]);
+        chance_by_clusters(&self.whitened.select_columns(&columns.collect::<Vec<_>>()), &self.clusters, tested.len())
+    }
+
+    /// Steps of the baseline's parameters that imitate a unit of this column best.
+    pub fn absorbed(&self, column: usize) -> DVector<f64> {
+        self.absorbed.column(column).into_owned()
     }
 
     /// Whether a column shows at all beside the baseline.
@@ -125,6 +153,9 @@ impl Score {
     /// The fit of these columns together; directions that the data do not see take no part.
     pub fn fit(&self, set: &[usize]) -> Fit {
         let k = set.len();
+        if k == 0 {
+            return Fit { gain: 0.0, step: DVector::zeros(0), covariance: DMatrix::zeros(0, 0) };
+        }
         let gram = DMatrix::from_fn(k, k, |i, j| self.gram[(set[i], set[j])]);
         let moments = DVector::from_fn(k, |i, _| self.moments[set[i]]);
         let eigen = gram.symmetric_eigen();
@@ -145,6 +176,23 @@ impl Score {
     }
 }
 
+/// Steps of the first `nb` columns by which they imitate each of the next `nc` best, by least squares.
+fn absorbed(all: &DMatrix<f64>, nb: usize, nc: usize) -> DMatrix<f64> {
+    let mut design = all.columns(0, nb).into_owned();
+    let sizes: Vec<f64> = (0..nb).map(|j| design.column(j).norm().max(f64::MIN_POSITIVE)).collect();
+    sizes.iter().enumerate().for_each(|(j, size)| design.column_mut(j).unscale_mut(*size));
+    let inverse = design.tr_mul(&design).pseudo_inverse(1e-10).unwrap_or_else(|_| DMatrix::zeros(nb, nb));
+    let mut steps = inverse * design.tr_mul(&all.columns(nb, nc));
+    sizes.iter().enumerate().for_each(|(j, size)| steps.row_mut(j).unscale_mut(*size));
+    steps
+}
+
+/// Longest correlation time of what is slow in these noises \[s\].
+fn longest_correlation_s(noises: &[Noise]) -> f64 {
+    let slow = noises.iter().flat_map(|noise| &noise.slow).filter(|slow| slow.variance > 0.0);
+    slow.map(|slow| slow.correlation_time_s).fold(0.0, f64::max)
+}
+
 /// To how many independent rows these rows amount: what the mean of them all is worth.
 fn effective_rows(evidence: &Evidence, noises: &[Noise]) -> f64 {
     let n = evidence.residual.len();
@@ -159,6 +207,9 @@ fn effective_rows(evidence: &Evidence, noises: &[Noise]) -> f64 {
     }
     effective.clamp(2.0, n as f64)
 }
+
+/// Probability below which a misfit is called one.
+pub(crate) const SIGNIFICANT: f64 = 0.01;
 
 /// Probability that chance alone explains this much.
 pub(crate) fn chance(gain: f64, df: usize) -> f64 {

@@ -8,7 +8,6 @@ use super::fitted::Fitted;
 use super::holdout;
 use super::lap::Lap;
 use super::regimes;
-use super::score::chance;
 use super::search::MARGIN;
 
 /// Change of a mechanism's size from regime to regime, relative to it, from which on it is another mechanism; less may
@@ -34,6 +33,7 @@ impl Fitted {
             refuted = refuted.or(self.drop_what_needs_other_sizes(problem, baseline));
             self.drop_what_cannot_be(problem, baseline);
             self.drop_what_spoils(problem, baseline);
+            self.drop_what_is_irrelevant(problem, baseline);
             if self.included.len() == before {
                 return refuted;
             }
@@ -68,12 +68,10 @@ impl Fitted {
         let n_names = names(candidates).len() as f64;
         while !self.included.is_empty() {
             let lap = Lap::new(candidates, self);
-            let race = lap.race();
-            let all = race.gain(&self.included);
             let p_value = |place: usize| {
                 let mut fewer = self.included.clone();
-                let df = lap.runners[fewer.remove(place)].columns.len();
-                n_names * chance(all - race.gain(&fewer), df)
+                let tested = fewer.remove(place);
+                n_names * lap.chance(&fewer, &[tested])
             };
             let worst = (0..self.included.len())
                 .map(|place| (p_value(place), place))
@@ -148,6 +146,26 @@ impl Fitted {
                 .filter(|(spoilt_percent, _)| *spoilt_percent > LEAST_SPOILT_PERCENT);
             match worst {
                 Some((_, other)) => *self = other,
+                None => return,
+            }
+        }
+    }
+
+    /// What changes no quantity by enough to act on goes, the smallest first.
+    pub(super) fn drop_what_is_irrelevant(&mut self, problem: &impl Problem, baseline: &Fitted) {
+        while !self.included.is_empty() {
+            let lap = Lap::new(problem.candidates(), self);
+            let limits = self.limits(problem);
+            // The largest effect of one member in units of the limit of its quantity.
+            let worth = |place: usize| {
+                let mut fewer = self.included.clone();
+                let member = fewer.remove(place);
+                let sizes = lap.sizes(&fewer, &[member]);
+                sizes.iter().zip(&limits).map(|(size, limit)| size / limit).fold(0.0, f64::max)
+            };
+            let least = (0..self.included.len()).map(|place| (worth(place), place)).min_by(|a, b| a.0.total_cmp(&b.0));
+            match least.filter(|(worth, _)| *worth <= 1.0) {
+                Some((_, place)) => *self = self.without(problem, baseline, place),
                 None => return,
             }
         }

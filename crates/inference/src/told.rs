@@ -3,13 +3,13 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::alternatives::alternatives;
-use super::evidence::{Candidate, Headline, Problem, names};
-use super::findings::{Cause, Diagnosis, Rejected, Unexplained, Verdict, Wrong};
+use super::evidence::{Candidate, Headline, Problem, Quantity, names};
+use super::findings::{Cause, Diagnosis, Left, Rejected, Unexplained, Verdict, Wrong};
 use super::fitted::{Fitted, expected_rms};
 use super::holdout;
 use super::lap::Lap;
 use super::outcome::{Outcome, gains};
-use super::score::chance;
+use super::score::{SIGNIFICANT, chance};
 use super::search::{MARGIN, Race};
 use super::versions;
 use crate::estimate::Estimate;
@@ -19,9 +19,6 @@ const HARDLY_SHOWN: f64 = 0.1;
 
 /// Most covariates that are told of what nothing explains.
 const MOST_TOLD: usize = 3;
-
-/// Probability below which a misfit is called one.
-const SIGNIFICANT: f64 = 0.01;
 
 pub(super) fn report(problem: &impl Problem, baseline: &Fitted, extended: &Fitted, curve: Option<String>) -> Outcome {
     let candidates = problem.candidates();
@@ -40,7 +37,7 @@ pub(super) fn report(problem: &impl Problem, baseline: &Fitted, extended: &Fitte
     named.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let causes: Vec<Cause> = named.iter().map(|named| named.cause.clone()).collect();
 
-    let wrong = wrong(candidates, baseline);
+    let wrong = wrong(problem, baseline);
     let mut depends_on: Vec<String> = curve.into_iter().collect();
     if depends_on.is_empty() && causes.is_empty() {
         // Nothing deserved a name, a curve neither: what is wrong is unexplained all the same.
@@ -62,6 +59,8 @@ pub(super) fn report(problem: &impl Problem, baseline: &Fitted, extended: &Fitte
         warnings: Vec::new(),
         wrong,
         alternatives: alternatives(problem, extended, &lap),
+        trim: None,
+        left: left(problem, extended, &lap),
         rejected: rejected(candidates, extended, &lap, &race, &causes),
         causes,
         unexplained,
@@ -236,23 +235,30 @@ pub(super) fn rejected(
 }
 
 /// Where the baseline alone misses the data: along which covariate, in which quantity.
-pub(super) fn wrong(candidates: &[Candidate], baseline: &Fitted) -> Vec<Wrong> {
-    let lap = Lap::new(candidates, baseline);
+pub(super) fn wrong(problem: &impl Problem, baseline: &Fitted) -> Vec<Wrong> {
+    let lap = Lap::new(problem.candidates(), baseline);
+    let limits = baseline.limits(problem);
     let evidence = &baseline.evidence;
     let tests = lap.curves.len().max(1) as f64;
     let mut found: Vec<Wrong> = Vec::new();
     for curve in &lap.curves {
         // What quantities share is told of them one by one.
         let Some(quantity_index) = curve.quantity else { continue };
-        let columns = &lap.runners[curve.runner].columns;
-        let p_value = (tests * chance(lap.score.fit(columns).gain, columns.len())).min(1.0);
+        let size = lap.sizes(&[], &[curve.runner])[quantity_index];
+        if size <= limits[quantity_index] {
+            continue;
+        }
+        let p_value = (tests * lap.chance(&[], &[curve.runner])).min(1.0);
         if p_value > SIGNIFICANT {
             continue;
         }
         let quantity = &evidence.quantities[quantity_index];
         match found.iter_mut().find(|known| known.regime == curve.covariate && known.quantity == quantity.name) {
-            Some(known) => known.p_value = known.p_value.min(p_value),
+            Some(known) if known.p_value <= p_value => {}
+            Some(known) => (known.p_value, known.size) = (p_value, size),
             None => found.push(Wrong {
+                size,
+                relevant_above: limits[quantity_index],
                 quantity: quantity.name.to_owned(),
                 regime: curve.covariate.to_owned(),
                 rms: holdout::rms(&evidence.residual, quantity.rows.clone()),
@@ -263,4 +269,24 @@ pub(super) fn wrong(candidates: &[Candidate], baseline: &Fitted) -> Vec<Wrong> {
     }
     found.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
     found
+}
+
+/// For each quantity the clearest dependence that is left beside what is included, relevant or not.
+fn left(problem: &impl Problem, extended: &Fitted, lap: &Lap<'_>) -> Vec<Left> {
+    let limits = extended.limits(problem);
+    let tests = lap.curves.len().max(1) as f64;
+    let of = |(index, quantity): (usize, &Quantity)| {
+        let curves = lap.curves.iter().filter(|curve| curve.quantity == Some(index));
+        let (p_value, curve) = curves
+            .map(|curve| (lap.chance(&extended.included, &[curve.runner]), curve))
+            .min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(Left {
+            quantity: quantity.name.to_owned(),
+            depends_on: curve.covariate.to_owned(),
+            size: lap.sizes(&extended.included, &[curve.runner])[index],
+            relevant_above: limits[index],
+            p_value: (tests * p_value).min(1.0),
+        })
+    };
+    extended.evidence.quantities.iter().enumerate().filter_map(of).collect()
 }

@@ -28,6 +28,7 @@ pub mod random;
 pub mod sensors;
 pub mod truth;
 pub mod vehicle;
+pub mod worlds;
 
 use catalogue::Request;
 use effects::Hidden;

@@ -7,6 +7,7 @@
 //!
 //! Knows the engine, the steady glide and observations; no files.
 
+mod attitude;
 mod candidates;
 pub mod consistency;
 mod covariates;
@@ -20,25 +21,28 @@ use crate::log::Observation;
 
 use super::evidence::{Candidate, Evidence, Point, Problem, Quantity};
 use super::findings::{Check, Checked};
+use super::relevance::Relevance;
 use jumps::Jump;
 use model::{Directions, Vehicle};
 use nalgebra::{DMatrix, DVector};
 pub use whole::{SeaDiagnosis, diagnose_log};
 
 /// What is fitted to which data.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// Whether measured speed is used where there is any.
     pub use_speed: bool,
     /// What is done about the lift slope.
     pub lift: Lift,
+    /// Which misfit is worth acting on.
+    pub relevance: Relevance,
     /// Most bins; the bins are as long as that needs.
     pub max_bins: usize,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings { use_speed: true, lift: Lift::Fitted, max_bins: 900 }
+        Settings { use_speed: true, lift: Lift::Fitted, relevance: Relevance::default(), max_bins: 900 }
     }
 }
 
@@ -72,6 +76,17 @@ const PART_UNEXPLAINED: f64 = 0.1;
 /// How many times its usual size a mechanism may have: what needs more than three standard deviations of what is believed
 /// resembles it only.
 const MOST_USUAL: f64 = 3.0;
+
+/// Probability by chance, corrected for the number of mechanisms, above which none is named: of logs with nothing hidden
+/// one in a hundred may get a name.
+const MOST_CHANCE: f64 = 0.01;
+
+/// The quantities with the least misfit that is worth acting on \[m/s\]: 1 mm/s in vertical velocity is a tenth of the slow
+/// vertical motion of the water itself, 3 mm/s in speed a hundredth of a glider's speed, as good as speed is measured.
+pub const LEAST_RELEVANT: [(&str, f64); 2] = [(VERTICAL_VELOCITY, 1e-3), (SPEED, 3e-3)];
+
+const VERTICAL_VELOCITY: &str = "vertical_velocity";
+const SPEED: &str = "speed_through_water";
 
 /// Samples that a bin must hold at least.
 const MIN_SAMPLES: usize = 3;
@@ -110,6 +125,7 @@ pub struct SeaProblem {
     with_speed: Vec<usize>,
     parameters: Parameters<f64>,
     lift: Lift,
+    relevance: Relevance,
     baseline: Vec<(&'static str, &'static str)>,
     baseline_index: Vec<usize>,
     candidates: Vec<Candidate>,
@@ -128,20 +144,18 @@ impl SeaProblem {
         parameters: &Parameters<f64>,
         settings: Settings,
     ) -> Result<SeaProblem, SeaError> {
-        // One polar for both legs: that they differ is for the data to show, as a mechanism.
-        let parameters = &Parameters {
-            ascent_a_ratio: 1.0,
-            ascent_b_ratio: 1.0,
-            ascent_c_ratio: 1.0,
-            ascent_d_ratio: 1.0,
-            ..*parameters
-        };
-        let usable: Vec<Observation> = observations.iter().copied().filter(is_usable).collect();
+        // What the vehicle says of the ratio of its legs stays as it is: one polar is fitted, and each leg has its share of it.
+        let mut usable: Vec<Observation> = observations.iter().copied().filter(is_usable).collect();
+        let (pitch_variance, read_variance) = attitude::smooth(&mut usable);
         let mut bins = bins(&usable, settings.max_bins, MIN_SAMPLES);
         let is_steady = model::steady(parameters, &bins);
         let mut keep = is_steady.into_iter();
         bins.retain(|bin| keep.next().unwrap_or(false) && model::flies(parameters, bin));
-        bins.iter_mut().for_each(|bin| model::add_weighing_error(parameters, bin));
+        for bin in &mut bins {
+            let smoothed = &pitch_variance[bin.first..bin.first + bin.samples];
+            model::add_pitch_error(bin, attitude::variance_of_mean(smoothed, read_variance).sqrt());
+            model::add_weighing_error(parameters, bin);
+        }
         if bins.len() < MIN_BINS {
             return Err(SeaError::TooFew { found: bins.len() });
         }
@@ -164,6 +178,7 @@ impl SeaProblem {
             with_speed,
             parameters: *parameters,
             lift: settings.lift,
+            relevance: settings.relevance,
             baseline,
             baseline_index,
             candidates: Vec::new(),
@@ -315,6 +330,15 @@ impl Problem for SeaProblem {
         PART_UNEXPLAINED
     }
 
+    fn most_chance(&self) -> f64 {
+        MOST_CHANCE
+    }
+
+    fn relevance(&self, quantity: &Quantity, scatter: f64) -> f64 {
+        let floor = LEAST_RELEVANT.iter().find(|(name, _)| *name == quantity.name).map_or(0.0, |(_, floor)| *floor);
+        self.relevance.limit(quantity.name, scatter, floor)
+    }
+
     fn most_usual(&self) -> f64 {
         MOST_USUAL
     }
@@ -351,9 +375,9 @@ impl Problem for SeaProblem {
                 DMatrix::from_fn(n, 1, |row, _| if after(row) { slopes[(row, *direction)] } else { 0.0 })
             })
             .collect();
-        let mut quantities = vec![Quantity { name: "vertical_velocity", unit: "m/s", rows: 0..n_w }];
+        let mut quantities = vec![Quantity { name: VERTICAL_VELOCITY, unit: "m/s", rows: 0..n_w }];
         if n_u > 0 {
-            quantities.push(Quantity { name: "speed_through_water", unit: "m/s", rows: n_w..n });
+            quantities.push(Quantity { name: SPEED, unit: "m/s", rows: n_w..n });
         }
         Evidence {
             quantities,

@@ -158,6 +158,15 @@ pub fn add_weighing_error(parameters: &Parameters<f64>, bin: &mut Bin) {
     bin.speed_sd_m_s = bin.speed_sd_m_s.hypot(per_kg * WEIGHING_ERROR_KG / sin);
 }
 
+/// Adds to the errors of a bin what the error of its mean pitch makes of them. By the balance along the path the speed goes
+/// with the root of `sin xi` at a given net mass, so `dU/U = cot xi dxi / 2` and `dw/w = 3/2 cot xi dxi`.
+pub fn add_pitch_error(bin: &mut Bin, error_rad: f64) {
+    let (sin, cos) = path_rad(bin).sin_cos();
+    let sink = bin.mean.sink_m_s.abs();
+    bin.sink_sd_m_s = bin.sink_sd_m_s.hypot(1.5 * sink * cos / sin * error_rad);
+    bin.speed_sd_m_s = bin.speed_sd_m_s.hypot(0.5 * sink * cos / (sin * sin) * error_rad);
+}
+
 fn path_rad(bin: &Bin) -> f64 {
     bin.mean.pitch_rad.abs() + USUAL_ANGLE_OF_ATTACK_RAD
 }

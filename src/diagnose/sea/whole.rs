@@ -44,7 +44,7 @@ pub fn diagnose_log(
     }
     let as_read = |observations: &[Observation]| {
         let baseline = trim.baseline(vehicle, observations);
-        SeaProblem::new(observations, &baseline, settings).map(|problem| (problem, baseline))
+        SeaProblem::new(observations, &baseline, settings.clone()).map(|problem| (problem, baseline))
     };
     let (problem, baseline, mut told) = match error {
         None => {
@@ -70,6 +70,9 @@ pub fn diagnose_log(
     };
     if error.is_none() {
         name_what_density_hides(&mut told, &problem, &checks);
+    }
+    if trim == Trim::Neutral {
+        tell_trim(&mut told, &baseline);
     }
     told.diagnosis.rejected.extend(unweighed(&checks, &told, problem.has_speed()));
     told.diagnosis.consistency = checks;
@@ -139,6 +142,32 @@ fn density_cause(told: &Outcome, evidence: &Evidence, error: DensityError, carri
         indistinguishable_from: Vec::new(),
     }
 }
+
+/// To this density of the water gliders are ballasted \[kg/m3\]: what more the water has on the day is a trim.
+const BALLASTING_KG_M3: f64 = 1.0;
+
+/// Says of a ballast offset against a baseline that was assumed to be neutral that it is the trim; within the tolerance of
+/// ballasting it is no fault of the glider's.
+fn tell_trim(told: &mut Outcome, baseline: &Parameters<f64>) {
+    const NAME: &str = "ballast_offset";
+    let diagnosis = &mut told.diagnosis;
+    let Some(place) = diagnosis.causes.iter().position(|cause| cause.cause == NAME) else { return };
+    let Some(offset) = diagnosis.causes[place].parameters.get("ballast_offset_kg").cloned() else { return };
+    let usual_kg = BALLASTING_KG_M3 * baseline.mass_kg() / SEA_WATER_KG_M3;
+    if offset.value.abs() <= usual_kg {
+        diagnosis.causes.remove(place);
+        diagnosis.verdict = match (diagnosis.causes.is_empty(), diagnosis.unexplained.is_some()) {
+            (true, false) => Verdict::None,
+            (true, true) => Verdict::Unexplained,
+            (false, true) => Verdict::PartlyExplained,
+            (false, false) => Verdict::Explained,
+        };
+    }
+    diagnosis.trim = Some(offset);
+}
+
+/// Density of sea water near the surface, where the volume of a glider is wanted \[kg/m3\].
+const SEA_WATER_KG_M3: f64 = 1025.0;
 
 /// Without temperature and salinity a density at p = 0 is a hull that yields less than it does by the compressibility of
 /// the water: where that is the size that was found, the two cannot be told apart.

@@ -53,6 +53,8 @@ pub fn signs(hulls: &[HullResults]) -> Option<Diagnosis> {
         ),
         rms: slope.abs(),
         expected_rms: 0.0,
+        size: slope.abs(),
+        relevant_above: 0.0,
         p_value: 0.0,
     };
     Some(Diagnosis {
@@ -63,6 +65,8 @@ pub fn signs(hulls: &[HullResults]) -> Option<Diagnosis> {
         wrong: vec![wrong],
         causes: vec![cause],
         alternatives: Vec::new(),
+        left: Vec::new(),
+        trim: None,
         rejected: Vec::new(),
         unexplained: None,
         gain: nothing.clone(),
@@ -138,6 +142,8 @@ pub fn add(diagnosis: &mut Diagnosis, cause: Cause) {
         regime: "one day against the others".to_owned(),
         rms: cause.holdout_rms_before,
         expected_rms: cause.holdout_rms_after,
+        size: cause.holdout_rms_before,
+        relevant_above: 0.0,
         p_value: cause.p_value,
     });
     diagnosis.verdict = if diagnosis.unexplained.is_some() { Verdict::PartlyExplained } else { Verdict::Explained };

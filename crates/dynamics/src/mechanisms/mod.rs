@@ -129,7 +129,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "drag_growth",
         Motion,
         ["drag_growth_per_day"],
-        1.0,
+        1.0 from 0.0,
         "Fouling: drag grows in proportion to time",
         "Seaglider basestation",
         "grows through the log"
@@ -183,7 +183,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "leak",
         Motion,
         ["leak_kg_per_hour"],
-        0.02,
+        0.02 from 0.0,
         "Water taken in at a steady rate",
         "conservation of mass",
         "grows through the log, opposite on the two legs"

@@ -1,0 +1,404 @@
+//! A glider as a point mass on its path through water that moves.
+//!
+//! With pitch `theta` as controlled, path `xi = alpha - theta` (down positive), net mass `m0` and pressed area `q A`:
+//!
+//! ```text
+//! across:  q A a alpha = m0 g cos xi          (with heave: alpha follows it in (m + m3) / (rho V A a / 2))
+//! along:   (m + m1) dV/dt = m0 g sin xi - q A (b + c alpha^2) - (m + m1) cos xi du/dt
+//! depth:   dz/dt = V sin xi + w
+//! ```
+//!
+//! `u` is the water's horizontal velocity along the heading, met where the glider is: parallel flow does not accelerate
+//! by itself, so all of `du/dt` is what the glider lags behind. `w` is the water's vertical velocity, which lasts much
+//! longer than the glider takes to follow it.
+
+use super::weight_n;
+use crate::ocean::{GRAVITY_M_S2, density_eos80};
+use crate::random::{Stream, between, chance, normal, sign};
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+/// Step of the integration, s.
+pub const STEP_S: f64 = 0.5;
+
+/// How much of the motion is unsteady.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Motion {
+    /// Forces balance at every moment.
+    QuasiSteady,
+    /// Speed takes its time.
+    Surge,
+    /// Speed and angle of attack do.
+    SurgeAndHeave,
+}
+
+/// The water.
+#[derive(Debug, Clone)]
+pub struct Sea {
+    surface_c: f64,
+    fall_k: f64,
+    surface_psu: f64,
+    rise_psu: f64,
+    thermocline_m: f64,
+    /// Half the thickness of the thermocline, m.
+    pub thickness_m: f64,
+    /// Standard deviation of the slow vertical velocity, m/s, and its correlation time, s.
+    pub wander_m_s: f64,
+    /// See `wander_m_s`.
+    pub wander_s: f64,
+    /// Rms vertical velocity of the internal waves, m/s.
+    pub waves_m_s: f64,
+    waves: Vec<(f64, f64, f64)>,
+    depth_m: f64,
+    /// Shear of the horizontal current.
+    pub shear: Option<Shear>,
+}
+
+/// A layer across which the current changes.
+#[derive(Debug, Clone, Copy)]
+pub struct Shear {
+    /// Half of the change, m/s.
+    pub half_jump_m_s: f64,
+    /// Half the thickness of the layer, m.
+    pub thickness_m: f64,
+    at_m: f64,
+    direction_rad: f64,
+}
+
+impl Sea {
+    /// Draws the water above `bottom_m`.
+    pub fn draw(random: &mut Stream, bottom_m: f64) -> Sea {
+        let mixed = chance(random, 0.15);
+        let waves_m_s = if chance(random, 0.6) { between(random, 0.001, 0.006) } else { 0.0 };
+        let waves = (0..5)
+            .map(|_| {
+                (600.0 * 30f64.powf(between(random, 0.0, 1.0)), between(random, 0.0, TAU), between(random, 0.5, 2.0))
+            })
+            .collect();
+        let thermocline_m = bottom_m.min(200.0) * between(random, 0.15, 0.6);
+        let shear = chance(random, 0.4).then(|| Shear {
+            half_jump_m_s: 0.5 * between(random, 0.02, 0.25) * sign(random),
+            thickness_m: bottom_m.min(300.0) * between(random, 0.08, 0.3),
+            at_m: bottom_m.min(300.0) * between(random, 0.2, 0.7),
+            direction_rad: between(random, 0.0, TAU),
+        });
+        Sea {
+            surface_c: between(random, 8.0, 24.0),
+            fall_k: if mixed { 0.0 } else { between(random, 1.0, 12.0) },
+            surface_psu: between(random, 30.0, 36.0),
+            rise_psu: if mixed { 0.0 } else { between(random, 0.0, 1.5) },
+            thermocline_m,
+            // From some metres to all of the upper column.
+            thickness_m: 2.0 * (0.5 * thermocline_m).max(2.0).powf(between(random, 0.0, 1.0)),
+            wander_m_s: between(random, 0.001, 0.007),
+            wander_s: 120.0 * 20f64.powf(between(random, 0.0, 1.0)),
+            waves_m_s,
+            waves,
+            depth_m: bottom_m,
+            shear,
+        }
+    }
+
+    /// Temperature, salinity, density at a depth of water that was moved there from `heave_m` above.
+    fn water(&self, depth_m: f64, heave_m: f64) -> (f64, f64, f64) {
+        let deep = 0.5 * (1.0 + ((depth_m - heave_m - self.thermocline_m) / self.thickness_m).tanh());
+        let (c, psu) = (self.surface_c - self.fall_k * deep, self.surface_psu + self.rise_psu * deep);
+        (c, psu, density_eos80(psu, c, self.pressure_dbar(depth_m)))
+    }
+
+    fn pressure_dbar(&self, depth_m: f64) -> f64 {
+        // The column's mean density to within a tenth of a per cent; nothing depends on it but the column's own depth.
+        depth_m * 1026.5 * GRAVITY_M_S2 * 1e-4
+    }
+
+    /// Vertical velocity (down positive) and displacement of the internal waves.
+    fn heave(&self, depth_m: f64, time_s: f64) -> (f64, f64) {
+        let mut moved = (0.0, 0.0);
+        for (period_s, phase, mode) in &self.waves {
+            let size = self.waves_m_s * (2.0 / self.waves.len() as f64).sqrt();
+            // Nothing at the surface; the first to the second mode over one and a half times the dive.
+            let shape = 1.4 * (mode * std::f64::consts::PI * depth_m / (1.5 * self.depth_m)).sin();
+            let angle = TAU * time_s / period_s + phase;
+            moved.0 += size * shape * angle.cos();
+            moved.1 += size * shape * period_s / TAU * angle.sin();
+        }
+        moved
+    }
+
+    /// Change with depth of the current along a heading, 1/s.
+    fn shear_1_s(&self, depth_m: f64, heading_rad: f64) -> f64 {
+        self.shear.map_or(0.0, |shear| {
+            let cosh = ((depth_m - shear.at_m) / shear.thickness_m).cosh();
+            shear.half_jump_m_s / (shear.thickness_m * cosh * cosh) * (heading_rad - shear.direction_rad).cos()
+        })
+    }
+}
+
+/// Lift slope, drag at no angle of attack, its growth with the squared angle; on the frontal area.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Polar {
+    a: f64,
+    b: f64,
+    c: f64,
+}
+
+/// The glider.
+#[derive(Debug, Clone)]
+pub struct Glider {
+    area_m2: f64,
+    mass_kg: f64,
+    volume_m3: f64,
+    added_kg: [f64; 2],
+    /// Polar of descents.
+    pub descent: Polar,
+    /// Polar of ascents.
+    pub ascent: Polar,
+    compressibility_per_pa: f64,
+    expansion_per_k: f64,
+    engine_cc: f64,
+    rate_cc_s: f64,
+}
+
+impl Glider {
+    /// Draws a glider and ballasts it for the water in the middle of the dive.
+    pub fn draw(random: &mut Stream, sea: &Sea) -> Glider {
+        let fat = chance(random, 0.4);
+        let mut of = |thin: (f64, f64), fat_one: (f64, f64)| {
+            let (low, high) = if fat { fat_one } else { thin };
+            between(random, low, high)
+        };
+        let area_m2 = of((0.033, 0.040), (0.065, 0.075));
+        let descent =
+            Polar { a: of((5.0, 21.0), (7.0, 12.0)), b: of((0.2, 0.5), (0.15, 0.3)), c: of((3.0, 12.0), (2.0, 6.0)) };
+        let engine_cc = of((220.0, 450.0), (300.0, 420.0));
+        let rate_cc_s = of((5.0, 25.0), (2.0, 8.0));
+        let mass_kg = between(random, 50.0, 65.0);
+        let mut ratio = |share: f64| 1.0 + share * between(random, -1.0, 1.0);
+        let apart = Polar { a: descent.a * ratio(0.2), b: descent.b * ratio(0.3), c: descent.c * ratio(0.2) };
+        let ascent = if chance(random, 0.3) { apart } else { descent };
+        let (compressibility_per_pa, expansion_per_k) = (between(random, 3e-10, 6e-10), between(random, 3e-5, 9e-5));
+        let middle_m = 0.4 * sea.depth_m;
+        let (c, _, density) = sea.water(middle_m, 0.0);
+        let stretched = 1.0 - compressibility_per_pa * sea.pressure_dbar(middle_m) * 1e4 + expansion_per_k * (c - 15.0);
+        let trim_kg = between(random, -0.02, 0.02);
+        let added_kg = [mass_kg * between(random, 0.04, 0.1), mass_kg * between(random, 0.9, 1.2)];
+        Glider {
+            area_m2,
+            mass_kg,
+            volume_m3: (mass_kg + trim_kg) / density / stretched,
+            added_kg,
+            descent,
+            ascent,
+            compressibility_per_pa,
+            expansion_per_k,
+            engine_cc,
+            rate_cc_s,
+        }
+    }
+
+    fn net_kg(&self, ballast_cc: f64, pressure_dbar: f64, temperature_c: f64, density: f64) -> f64 {
+        let hull =
+            1.0 - self.compressibility_per_pa * pressure_dbar * 1e4 + self.expansion_per_k * (temperature_c - 15.0);
+        self.mass_kg - density * (self.volume_m3 * hull + ballast_cc * 1e-6)
+    }
+
+    /// The vehicle file: all as it is, but for the coefficients, which are off by one factor for both legs.
+    pub fn file(&self, random: &mut Stream) -> String {
+        let mut off = |share: f64| 1.0 + if chance(random, 0.6) { share * between(random, -1.0, 1.0) } else { 0.0 };
+        let (a, b, c) = (off(0.2), off(0.2), off(0.2));
+        let mut out = "name = \"a glider of its own world\"\nsource = \"virtual\"\n".to_owned();
+        let mut table = |title: &str, rows: &[(&str, f64)]| {
+            let _ = writeln!(out, "\n[{title}]");
+            rows.iter().for_each(|(key, value)| {
+                let _ = writeln!(out, "{key} = {value:?}");
+            });
+        };
+        table("geometry", &[("frontal_area_m2", self.area_m2), ("length_m", 1.8)]);
+        table(
+            "mass",
+            &[
+                ("mass_kg", self.mass_kg),
+                ("displaced_volume_m3", self.volume_m3),
+                ("reference_density_kg_m3", 1025.0),
+                ("moving_mass_kg", 9.0),
+                ("moving_mass_height_m", 0.05),
+            ],
+        );
+        table("added_mass", &[("m1_kg", self.added_kg[0]), ("m3_kg", self.added_kg[1]), ("pitch_inertia_kg_m2", 12.0)]);
+        let polar = |polar: Polar| {
+            [("a_per_rad", polar.a * a), ("b", polar.b * b), ("c_per_rad2", polar.c * c), ("d_per_rad", -0.8)]
+        };
+        table("hydro", &polar(self.descent));
+        if self.ascent != self.descent {
+            table("hydro.ascent", &polar(self.ascent)[..3]);
+        }
+        table(
+            "hull",
+            &[
+                ("compressibility_per_Pa", self.compressibility_per_pa),
+                ("thermal_expansion_per_K", self.expansion_per_k),
+                ("reference_temperature_C", 15.0),
+            ],
+        );
+        table("ballast", &[("min_cc", -self.engine_cc), ("max_cc", self.engine_cc), ("rate_cc_s", self.rate_cc_s)]);
+        table("moving_mass", &[("min_m", -0.08), ("max_m", 0.08), ("rate_m_s", 0.002)]);
+        out
+    }
+}
+
+/// How it is flown.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// Depth of the dives, m.
+    pub bottom_m: f64,
+    /// Pitch and ballast of each leg, descents first.
+    pub legs: Vec<(f64, f64)>,
+    headings_rad: Vec<f64>,
+    /// Amplitude of the pitch's hunting, rad, and its period, s.
+    pub hunting_rad: f64,
+    /// See `hunting_rad`.
+    pub hunting_s: f64,
+    wander_rad: f64,
+    list_rad: f64,
+}
+
+impl Plan {
+    /// Draws a plan of some eight to sixteen hours.
+    pub fn draw(random: &mut Stream, glider: &Glider, bottom_m: f64) -> Plan {
+        let dives = ((between(random, 7.0, 14.0) * 3600.0 / (2.0 * bottom_m / 0.17)) as usize).clamp(4, 60);
+        // Either one glide for all, or each leg its own.
+        let varied = chance(random, 0.6);
+        let mut glide = || (between(random, 12.0, 40.0).to_radians(), between(random, 0.5, 0.95) * glider.engine_cc);
+        let same = [glide(), glide()];
+        let mut legs = Vec::new();
+        for leg in 0..2 * dives {
+            let drawn = glide();
+            let (pitch_rad, ballast_cc) = if varied { drawn } else { same[leg % 2] };
+            let up = if leg % 2 == 0 { -1.0 } else { 1.0 };
+            // A shallow glide of a weak engine is none.
+            legs.push((up * pitch_rad.max(0.25), up * ballast_cc));
+        }
+        let mut heading_rad = between(random, 0.0, TAU);
+        let turns = chance(random, 0.6);
+        let headings_rad = (0..dives)
+            .map(|_| {
+                heading_rad += if turns && chance(random, 0.5) { between(random, 0.5, 3.0) } else { 0.0 };
+                heading_rad.rem_euclid(TAU)
+            })
+            .collect();
+        Plan {
+            bottom_m,
+            legs,
+            headings_rad,
+            hunting_rad: if chance(random, 0.6) { between(random, 0.1, 1.2).to_radians() } else { 0.0 },
+            hunting_s: between(random, 120.0, 1500.0),
+            wander_rad: between(random, 0.05, 0.4).to_radians(),
+            list_rad: between(random, -0.04, 0.04),
+        }
+    }
+}
+
+/// What is true at one moment.
+#[derive(Debug, Clone, Copy)]
+pub struct Instant {
+    /// Time, s.
+    pub time_s: f64,
+    /// Number of the dive, from 1.
+    pub dive: u32,
+    /// Pressure, dbar.
+    pub pressure_dbar: f64,
+    /// Temperature, degrees Celsius.
+    pub temperature_c: f64,
+    /// Practical salinity.
+    pub salinity_psu: f64,
+    /// Pitch, rad.
+    pub pitch_rad: f64,
+    /// Roll, rad.
+    pub roll_rad: f64,
+    /// Heading, rad.
+    pub heading_rad: f64,
+    /// Ballast volume, cc.
+    pub ballast_cc: f64,
+    /// Speed through the water, m/s.
+    pub speed_m_s: f64,
+}
+
+/// Flies the plan and shows every step to `observe`.
+pub fn fly(
+    sea: &Sea,
+    glider: &Glider,
+    motion: Motion,
+    plan: &Plan,
+    random: &mut Stream,
+    mut observe: impl FnMut(&Instant),
+) {
+    let (mut time_s, mut depth_m, mut speed, mut alpha) = (0.0, 1.0, 0.1, 0.0);
+    let (mut ballast_cc, mut held_rad) = (plan.legs[0].1, plan.legs[0].0);
+    let mut wander = sea.wander_m_s * normal(random);
+    let mut pitch_wander = normal(random);
+    for (leg, &(pitch_rad, wanted_cc)) in plan.legs.iter().enumerate() {
+        let up = leg % 2 == 1;
+        let heading_rad = plan.headings_rad[leg / 2];
+        // A leg that gets nowhere is given up: the next one is flown from where it is.
+        let gives_up_s = time_s + 4.0 * plan.bottom_m / 0.1;
+        while time_s < gives_up_s && if up { depth_m > 3.0 } else { depth_m < plan.bottom_m } {
+            let ease = 1.0 - (-STEP_S / 20.0f64).exp();
+            held_rad += ease * (pitch_rad - held_rad);
+            ballast_cc += (wanted_cc - ballast_cc).clamp(-glider.rate_cc_s * STEP_S, glider.rate_cc_s * STEP_S);
+            pitch_wander = keep(pitch_wander, 1.0, 400.0, random);
+            wander = keep(wander, sea.wander_m_s, sea.wander_s, random);
+            let pitch =
+                held_rad + plan.hunting_rad * (TAU * time_s / plan.hunting_s).sin() + plan.wander_rad * pitch_wander;
+            let (wave_m_s, heave_m) = sea.heave(depth_m, time_s);
+            let (temperature_c, salinity_psu, density) = sea.water(depth_m, heave_m);
+            let pressure_dbar = sea.pressure_dbar(depth_m);
+            let net_n = weight_n(glider.net_kg(ballast_cc, pressure_dbar, temperature_c, density));
+            let polar = if pitch > 0.0 { glider.ascent } else { glider.descent };
+            let half = 0.5 * density * glider.area_m2;
+            let [surge_kg, heave_kg] = glider.added_kg.map(|added| glider.mass_kg + added);
+            // The angle of attack that carries the net weight at this speed.
+            let mut balanced = alpha;
+            for _ in 0..8 {
+                balanced = (net_n * (balanced - pitch).cos() / (half * speed * speed * polar.a)).clamp(-0.4, 0.4);
+            }
+            alpha = match motion {
+                Motion::SurgeAndHeave => {
+                    let follow_s = heave_kg / (half * speed * polar.a);
+                    alpha + (1.0 - (-STEP_S / follow_s).exp()) * (balanced - alpha)
+                }
+                _ => 0.7 * alpha + 0.3 * balanced,
+            };
+            let xi = alpha - pitch;
+            let along_n = net_n * xi.sin();
+            let drag = half * (polar.b + polar.c * alpha * alpha);
+            if motion == Motion::QuasiSteady {
+                // Some relaxation towards the balance, which a second reaches.
+                speed += 0.5 * ((along_n.max(1e-3) / drag).sqrt() - speed);
+            } else {
+                let water = sea.shear_1_s(depth_m, heading_rad) * speed * xi.sin() * xi.cos();
+                speed += STEP_S * ((along_n - drag * speed * speed) / surge_kg - water);
+            }
+            speed = speed.max(0.03);
+            depth_m = (depth_m + STEP_S * (speed * xi.sin() + wave_m_s + wander)).max(0.0);
+            observe(&Instant {
+                time_s,
+                dive: leg as u32 / 2 + 1,
+                pressure_dbar,
+                temperature_c,
+                salinity_psu,
+                pitch_rad: pitch,
+                roll_rad: plan.list_rad,
+                heading_rad,
+                ballast_cc,
+                speed_m_s: speed,
+            });
+            time_s += STEP_S;
+        }
+    }
+}
+
+/// One step of a first-order autoregressive process.
+fn keep(value: f64, sd: f64, time_s: f64, random: &mut Stream) -> f64 {
+    let kept = (-STEP_S / time_s).exp();
+    kept * value + (1.0 - kept * kept).sqrt() * sd * normal(random)
+}

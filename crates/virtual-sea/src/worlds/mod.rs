@@ -1,0 +1,235 @@
+//! Worlds: logs of gliders with nothing hidden, each in a world of its own.
+//!
+//! A diagnosis that is calm in one virtual sea may raise alarms in another one. Here everything is drawn from the seed that
+//! a stranger's log may differ in: the kind of motion, the water's motion, the column, the glider, how it is flown, what the
+//! instruments read and how often. The equations are other ones than those of [`crate::motion`]: a point mass on its path.
+//!
+//! Nothing is hidden: masses, volumes and instruments are as the vehicle file says. Its coefficients may be off, by one
+//! factor for both legs, since a fit of the polar is no diagnosis.
+
+mod colour;
+mod flight;
+
+use std::fmt::Write as _;
+
+use crate::log::Log;
+use crate::ocean::{GRAVITY_M_S2, density_eos80};
+use crate::random::{Part, Stream, between, chance, stream};
+pub use colour::{Colour, Noise};
+pub use flight::{Glider, Motion, Plan, Polar, Sea, Shear};
+
+/// A log with its vehicle file and what was drawn.
+#[derive(Debug, Clone)]
+pub struct World {
+    /// What the glider recorded.
+    pub log: Log,
+    /// The vehicle as its owner describes it.
+    pub vehicle_toml: String,
+    /// What was drawn, in a line.
+    pub drawn: String,
+}
+
+/// How the instruments read.
+#[derive(Debug, Clone)]
+struct Instruments {
+    interval_s: f64,
+    /// Spread of the time between rows, relative to its mean.
+    irregular: f64,
+    gaps_per_hour: f64,
+    clock_jitter_s: f64,
+    starts_s: f64,
+    pressure: Reading,
+    pitch: Reading,
+    roll: Reading,
+    ballast: Reading,
+    temperature: Reading,
+    salinity: Reading,
+    speed: Option<Speed>,
+}
+
+/// How one quantity is read.
+#[derive(Debug, Clone)]
+struct Reading {
+    noise: Noise,
+    step: f64,
+}
+
+/// How speed is read: every so many rows.
+#[derive(Debug, Clone)]
+struct Speed {
+    reading: Reading,
+    every: usize,
+}
+
+/// Generates the world of a seed; `speed` is whether the log has a measured speed.
+pub fn generate(seed: u64, speed: bool) -> World {
+    let random = &mut stream(seed, Part::Ocean);
+    let bottom_m = match (5.0 * between(random, 0.0, 1.0)) as u32 {
+        0 => between(random, 20.0, 60.0),
+        1 => between(random, 60.0, 200.0),
+        2 | 3 => between(random, 200.0, 500.0),
+        _ => between(random, 500.0, 1000.0),
+    };
+    let sea = Sea::draw(random, bottom_m);
+    let random = &mut stream(seed, Part::Vehicle);
+    let glider = Glider::draw(random, &sea);
+    let motion = match (3.0 * between(random, 0.0, 1.0)) as u32 {
+        0 => Motion::QuasiSteady,
+        1 => Motion::Surge,
+        _ => Motion::SurgeAndHeave,
+    };
+    let random = &mut stream(seed, Part::Mission);
+    let plan = Plan::draw(random, &glider, bottom_m);
+    let random = &mut stream(seed, Part::Sensors);
+    let mut instruments = Instruments::draw(random, bottom_m, speed);
+    let described = describe(&sea, &glider, motion, &plan, &instruments);
+
+    let mut log = Log { speed_through_water_m_s: speed.then(Vec::new), ..Log::default() };
+    let mut next_row_s = 0.0;
+    let mut rows = 0;
+    let random_flight = &mut stream(seed, Part::Path);
+    flight::fly(&sea, &glider, motion, &plan, random_flight, |now| {
+        instruments.advance(random, flight::STEP_S);
+        if now.time_s >= next_row_s {
+            next_row_s = now.time_s + instruments.until_next_s(random);
+            instruments.write(random, now, rows, &mut log);
+            rows += 1;
+        }
+    });
+    World { log, vehicle_toml: glider.file(&mut stream(seed, Part::Effect(0))), drawn: described }
+}
+
+impl Instruments {
+    fn draw(random: &mut Stream, bottom_m: f64, speed: bool) -> Self {
+        let degree = std::f64::consts::PI / 180.0;
+        // Shallow dives are over before a slow recorder has seen them.
+        let slowest_s: f64 = if bottom_m < 60.0 {
+            5.0
+        } else if bottom_m < 200.0 {
+            15.0
+        } else {
+            60.0
+        };
+        let interval_s = (between(random, 0.0, 1.0) * slowest_s.ln()).exp();
+        let irregular = if chance(random, 0.4) { between(random, 0.1, 0.9) } else { 0.0 };
+        let mut reading = |sd: (f64, f64), steps: &[f64], longest_s: f64| {
+            // Of one order of magnitude as likely as of another one.
+            let sd = sd.0 * (sd.1 / sd.0).powf(between(random, 0.0, 1.0));
+            let colour = Colour::draw(random, longest_s);
+            let noise = Noise::new(random, colour, sd);
+            Reading { noise, step: steps[(between(random, 0.0, 1.0) * steps.len() as f64) as usize] }
+        };
+        let pressure = reading((0.002, 0.03), &[0.0, 0.01, 0.03], 0.0);
+        let pitch = reading((0.01 * degree, 0.3 * degree), &[0.0, 0.0, 0.001, 0.1 * degree, 0.3 * degree], 60.0);
+        let roll = reading((0.05 * degree, 1.2 * degree), &[0.0, 0.1 * degree], 60.0);
+        let ballast = reading((0.01, 0.5), &[0.0, 0.1, 1.0], 0.0);
+        let temperature = reading((0.0005, 0.005), &[0.0, 0.001], 0.0);
+        let salinity = reading((0.0005, 0.005), &[0.0, 0.001], 0.0);
+        let of_speed = reading((0.003, 0.04), &[0.0, 0.001, 0.01], 300.0);
+        let every = if chance(random, 0.3) { between(random, 3.0, 20.0) as usize } else { 1 };
+        Instruments {
+            interval_s,
+            irregular,
+            gaps_per_hour: if chance(random, 0.5) { between(random, 0.0, 2.0) } else { 0.0 },
+            clock_jitter_s: if chance(random, 0.3) { 0.1 * interval_s } else { 0.0 },
+            starts_s: if chance(random, 0.5) { 1.6e9 } else { 0.0 },
+            pressure,
+            pitch,
+            roll,
+            ballast,
+            temperature,
+            salinity,
+            speed: speed.then_some(Speed { reading: of_speed, every }),
+        }
+    }
+
+    fn advance(&mut self, random: &mut Stream, step_s: f64) {
+        let Instruments { pressure, pitch, roll, ballast, temperature, salinity, .. } = self;
+        for reading in [pressure, pitch, roll, ballast, temperature, salinity] {
+            reading.noise.advance(random, step_s);
+        }
+        if let Some(speed) = &mut self.speed {
+            speed.reading.noise.advance(random, step_s);
+        }
+    }
+
+    fn until_next_s(&mut self, random: &mut Stream) -> f64 {
+        let gap = chance(random, self.gaps_per_hour * self.interval_s / 3600.0);
+        let spread = self.irregular * between(random, -1.0, 1.0);
+        self.interval_s * (1.0 + spread) + if gap { between(random, 60.0, 400.0) } else { 0.0 }
+    }
+
+    fn write(&mut self, random: &mut Stream, now: &flight::Instant, row: usize, log: &mut Log) {
+        let mut read = |reading: &mut Reading, value: f64| reading.read(random, value);
+        let pressure_dbar = read(&mut self.pressure, now.pressure_dbar);
+        let temperature_c = read(&mut self.temperature, now.temperature_c);
+        let salinity_psu = read(&mut self.salinity, now.salinity_psu);
+        log.pressure_dbar.push(pressure_dbar);
+        log.temperature_c.push(temperature_c);
+        log.salinity_psu.push(salinity_psu);
+        log.density_kg_m3.push(density_eos80(salinity_psu, temperature_c, pressure_dbar));
+        log.pitch_rad.push(read(&mut self.pitch, now.pitch_rad));
+        log.roll_rad.push(read(&mut self.roll, now.roll_rad));
+        log.vbd_cc.push(read(&mut self.ballast, now.ballast_cc));
+        if let (Some(speed), Some(column)) = (&mut self.speed, &mut log.speed_through_water_m_s) {
+            let value = read(&mut speed.reading, now.speed_m_s).abs();
+            column.push(if row.is_multiple_of(speed.every) { value } else { f64::NAN });
+        }
+        let jitter_s = self.clock_jitter_s * between(random, -1.0, 1.0);
+        log.time_s.push(((self.starts_s + now.time_s + jitter_s) * 100.0).round() / 100.0);
+        log.heading_rad.push(now.heading_rad);
+        log.fin_rad.push(f64::NAN);
+        log.battpos_m.push(f64::NAN);
+        log.dive.push(now.dive);
+    }
+}
+
+impl Reading {
+    fn read(&mut self, random: &mut Stream, value: f64) -> f64 {
+        let noisy = value + self.noise.value(random);
+        if self.step > 0.0 { (noisy / self.step).round() * self.step } else { noisy }
+    }
+}
+
+fn describe(sea: &Sea, glider: &Glider, motion: Motion, plan: &Plan, instruments: &Instruments) -> String {
+    let mut text = format!("{motion:?}; ");
+    let _ = write!(
+        text,
+        "{:.0} m, {} legs, hunting {:.2} deg in {:.0} s; ",
+        plan.bottom_m,
+        plan.legs.len(),
+        plan.hunting_rad.to_degrees(),
+        plan.hunting_s
+    );
+    let _ = write!(
+        text,
+        "water {:.1} mm/s in {:.0} s, waves {:.1} mm/s, shear {:.2} m/s in {:.0} m, thermocline {:.0} m; ",
+        sea.wander_m_s * 1e3,
+        sea.wander_s,
+        sea.waves_m_s * 1e3,
+        sea.shear.as_ref().map_or(0.0, |shear| 2.0 * shear.half_jump_m_s),
+        sea.shear.as_ref().map_or(0.0, |shear| shear.thickness_m),
+        sea.thickness_m
+    );
+    let _ = write!(
+        text,
+        "legs' polars {}; row {:.1} s +-{:.0} %, pitch {:.3} deg {:?}, pressure {:.4} dbar {:?}",
+        if glider.ascent == glider.descent { "alike" } else { "apart" },
+        instruments.interval_s,
+        instruments.irregular * 100.0,
+        instruments.pitch.noise.sd.to_degrees(),
+        instruments.pitch.noise.colour,
+        instruments.pressure.noise.sd,
+        instruments.pressure.noise.colour
+    );
+    if let Some(speed) = &instruments.speed {
+        let Noise { sd, colour, .. } = &speed.reading.noise;
+        let _ = write!(text, ", speed {:.1} mm/s {colour:?} every {}", sd * 1e3, speed.every);
+    }
+    text
+}
+
+/// Weight of a mass, N.
+fn weight_n(mass_kg: f64) -> f64 {
+    mass_kg * GRAVITY_M_S2
+}

@@ -1,0 +1,293 @@
+//! The pitch behind the pitch that is read, as far as its neighbours know it: regression calibration.
+//!
+//! The model flies the pitch that is read. Its error enters the predicted velocities, and a curve in the same pitch: with
+//! `E[error | pitch read]` not zero, noise alone makes structure (errors in variables; Fuller 1987, Carroll et al. 2006).
+//! The best linear prediction of the true pitch from all readings has an error that is uncorrelated with it (Berkson), which
+//! makes no structure. It is the smoother of
+//!
+//! ```text
+//! d theta = rate dt + sqrt(q0) dW0        d rate = sqrt(q1) dW1        read_i = theta(t_i) + sqrt(r) e_i
+//! ```
+//!
+//! on each stretch of a leg, with r, q0, q1 of greatest likelihood over the whole log: a pitch that is controlled from
+//! sample to sample stays as it was read, one that hunts slowly under noise is smoothed over minutes.
+//!
+//! Knows the readings of one instrument; no vehicle.
+
+use crate::log::Observation;
+
+/// A step longer than this, and than this many usual ones, begins a new stretch \[s\]: what the control did in it is unknown.
+const GAP_S: f64 = 60.0;
+const GAP_STEPS: f64 = 3.0;
+
+/// Noise of a reading that no instrument is better than, by its variance \[rad2\]: a thousandth of a degree.
+const LEAST_VARIANCE: f64 = 3e-10;
+
+/// Ratios of the processes' variances to the reading's that are tried first, in units of the usual step.
+const FIRST_RATIOS: [f64; 6] = [0.0, 1e-4, 1e-2, 1.0, 1e2, 1e4];
+
+/// Fewest readings from which three variances are estimated.
+const LEAST_READINGS: usize = 50;
+
+/// Puts the smoothed pitch in the place of the one read; returns the variance of its error in each sample \[rad2\], and that of
+/// a reading.
+pub fn smooth(observations: &mut [Observation]) -> (Vec<f64>, f64) {
+    let stretches = stretches(observations);
+    let step_s = usual_step_s(observations, &stretches);
+    let read: Vec<f64> = observations.iter().map(|o| o.pitch_rad).collect();
+    let time_s: Vec<f64> = observations.iter().map(|o| o.time_s).collect();
+    let series: Vec<(&[f64], &[f64])> =
+        stretches.iter().map(|range| (&time_s[range.clone()], &read[range.clone()])).collect();
+    if observations.len() < LEAST_READINGS || step_s <= 0.0 {
+        return (vec![0.0; observations.len()], 0.0);
+    }
+    let (ratios, variance) = most_likely(&series, step_s);
+    let variance = variance.max(LEAST_VARIANCE);
+    let mut errors = vec![0.0; observations.len()];
+    for (range, (time_s, read)) in stretches.iter().zip(&series) {
+        for (i, (pitch_rad, error)) in range.clone().zip(smoothed(time_s, read, ratios)) {
+            observations[i].pitch_rad = pitch_rad;
+            errors[i] = error * variance;
+        }
+    }
+    (errors, variance)
+}
+
+/// Variance of the error of a bin's mean pitch. The smoother's errors last as long as it looks around: their mean is no
+/// better than they are; nor is it worse than the mean of the readings.
+pub fn variance_of_mean(smoothed: &[f64], read_variance: f64) -> f64 {
+    let n = smoothed.len().max(1) as f64;
+    (smoothed.iter().sum::<f64>() / n).min(read_variance / n)
+}
+
+fn stretches(observations: &[Observation]) -> Vec<std::ops::Range<usize>> {
+    let steps = observations.windows(2).filter(|pair| pair[0].leg == pair[1].leg);
+    let mut steps: Vec<f64> = steps.map(|pair| pair[1].time_s - pair[0].time_s).collect();
+    let gap_s = if steps.is_empty() { GAP_S } else { GAP_S.max(GAP_STEPS * crate::log::median(&mut steps)) };
+    let mut found = Vec::new();
+    let mut start = 0;
+    for end in 1..=observations.len() {
+        let ends = observations.get(end).is_none_or(|next| {
+            let here = &observations[end - 1];
+            next.leg != here.leg || next.time_s - here.time_s > gap_s || next.time_s <= here.time_s
+        });
+        if ends {
+            found.push(start..end);
+            start = end;
+        }
+    }
+    found
+}
+
+fn usual_step_s(observations: &[Observation], stretches: &[std::ops::Range<usize>]) -> f64 {
+    let mut steps: Vec<f64> = stretches
+        .iter()
+        .flat_map(|range| observations[range.clone()].windows(2).map(|pair| pair[1].time_s - pair[0].time_s))
+        .collect();
+    if steps.is_empty() { 0.0 } else { crate::log::median(&mut steps) }
+}
+
+/// Variances per second, in units of that of a reading.
+type Ratios = [f64; 2];
+
+/// The ratios of greatest likelihood, and the variance of a reading.
+fn most_likely(series: &[(&[f64], &[f64])], step_s: f64) -> (Ratios, f64) {
+    // In units of what each process does in a usual step.
+    let per_s = |ratios: [f64; 2]| [ratios[0] / step_s, ratios[1] / step_s.powi(3)];
+    let at = |ratios: [f64; 2]| likelihood(series, per_s(ratios));
+    let mut best = ([0.0, 0.0], f64::NEG_INFINITY, 0.0);
+    let attempt = |ratios: [f64; 2], best: &mut ([f64; 2], f64, f64)| {
+        let (likelihood, variance) = at(ratios);
+        if likelihood > best.1 {
+            *best = (ratios, likelihood, variance);
+        }
+    };
+    for q0 in FIRST_RATIOS {
+        for q1 in FIRST_RATIOS {
+            attempt([q0, q1], &mut best);
+        }
+    }
+    for factor in [10.0, 3.0, 1.5] {
+        for _ in 0..3 {
+            let before = best.1;
+            for i in 0..2 {
+                for factor in [factor, 1.0 / factor] {
+                    let mut ratios = best.0;
+                    ratios[i] *= factor;
+                    if ratios[i] > 0.0 {
+                        attempt(ratios, &mut best);
+                    }
+                }
+            }
+            if best.1 <= before {
+                break;
+            }
+        }
+    }
+    (per_s(best.0), best.2)
+}
+
+/// A state of the filter: pitch and its rate, with their covariance in units of a reading's variance.
+#[derive(Clone, Copy)]
+struct State {
+    mean: [f64; 2],
+    cov: [f64; 3],
+}
+
+/// What is known before a stretch, in the same unit: as good as nothing.
+const UNKNOWN: f64 = 1e8;
+
+impl State {
+    fn begin(step_s: f64, first: f64) -> State {
+        State { mean: [first, 0.0], cov: [UNKNOWN, 0.0, UNKNOWN / (step_s * step_s)] }
+    }
+
+    fn predicted(&self, step_s: f64, [q0, q1]: Ratios) -> State {
+        let [a, b, d] = self.cov;
+        let h = step_s;
+        State {
+            mean: [self.mean[0] + h * self.mean[1], self.mean[1]],
+            cov: [
+                a + 2.0 * h * b + h * h * d + q0 * h + q1 * h.powi(3) / 3.0,
+                b + h * d + q1 * h * h / 2.0,
+                d + q1 * h,
+            ],
+        }
+    }
+
+    /// The state after a reading, with its innovation and the innovation's variance.
+    fn updated(&self, read: f64) -> (State, f64, f64) {
+        let [a, b, d] = self.cov;
+        let (innovation, variance) = (read - self.mean[0], a + 1.0);
+        let (k0, k1) = (a / variance, b / variance);
+        let after = State {
+            mean: [self.mean[0] + k0 * innovation, self.mean[1] + k1 * innovation],
+            cov: [a / variance, b / variance, d - k1 * b],
+        };
+        (after, innovation, variance)
+    }
+}
+
+/// Logarithm of the likelihood with the reading's variance at its best, and that variance.
+fn likelihood(series: &[(&[f64], &[f64])], ratios: Ratios) -> (f64, f64) {
+    let (mut n, mut squares, mut log_determinant) = (0.0, 0.0, 0.0);
+    for (time_s, read) in series.iter().filter(|(time_s, _)| time_s.len() > 2) {
+        let mut state = State::begin(time_s[1] - time_s[0], read[0]);
+        for i in 0..time_s.len() {
+            if i > 0 {
+                state = state.predicted(time_s[i] - time_s[i - 1], ratios);
+            }
+            let (after, innovation, variance) = state.updated(read[i]);
+            state = after;
+            // Two readings say where the stretch begins.
+            if i >= 2 {
+                n += 1.0;
+                squares += innovation * innovation / variance;
+                log_determinant += variance.ln();
+            }
+        }
+    }
+    if n < 1.0 {
+        return (f64::NEG_INFINITY, 0.0);
+    }
+    let variance = (squares / n).max(1e-20);
+    (-0.5 * (n * variance.ln() + log_determinant), variance)
+}
+
+/// Smoothed values of a stretch (Rauch, Tung and Striebel 1965) with the variances of their errors, in units of a reading's.
+fn smoothed(time_s: &[f64], read: &[f64], ratios: Ratios) -> Vec<(f64, f64)> {
+    if read.len() < 3 {
+        return read.iter().map(|read| (*read, 1.0)).collect();
+    }
+    let mut predicted = Vec::with_capacity(read.len());
+    let mut filtered: Vec<State> = Vec::with_capacity(read.len());
+    let mut state = State::begin(time_s[1] - time_s[0], read[0]);
+    for i in 0..read.len() {
+        if i > 0 {
+            state = state.predicted(time_s[i] - time_s[i - 1], ratios);
+        }
+        predicted.push(state);
+        state = state.updated(read[i]).0;
+        filtered.push(state);
+    }
+    let mut later = filtered[read.len() - 1];
+    let mut found = vec![(later.mean[0], later.cov[0])];
+    for i in (0..read.len() - 1).rev() {
+        let (here, next) = (filtered[i], predicted[i + 1]);
+        let h = time_s[i + 1] - time_s[i];
+        let ([a, b, d], [na, nb, nd]) = (here.cov, next.cov);
+        // Gain C = P F' N^-1.
+        let determinant = na * nd - nb * nb;
+        if determinant <= 0.0 {
+            later = here;
+        } else {
+            let (p00, p01, p10, p11) = (a + h * b, b, b + h * d, d);
+            let c00 = (p00 * nd - p01 * nb) / determinant;
+            let c01 = (p01 * na - p00 * nb) / determinant;
+            let c10 = (p10 * nd - p11 * nb) / determinant;
+            let c11 = (p11 * na - p10 * nb) / determinant;
+            let (m0, m1) = (later.mean[0] - next.mean[0], later.mean[1] - next.mean[1]);
+            let (e0, e1, e2) = (later.cov[0] - na, later.cov[1] - nb, later.cov[2] - nd);
+            let mean = [here.mean[0] + c00 * m0 + c01 * m1, here.mean[1] + c10 * m0 + c11 * m1];
+            let cov = [
+                a + c00 * c00 * e0 + 2.0 * c00 * c01 * e1 + c01 * c01 * e2,
+                b + c00 * c10 * e0 + (c00 * c11 + c01 * c10) * e1 + c01 * c11 * e2,
+                d + c10 * c10 * e0 + 2.0 * c10 * c11 * e1 + c11 * c11 * e2,
+            ];
+            later = State { mean, cov };
+        }
+        found.push((later.mean[0], later.cov[0].max(0.0)));
+    }
+    found.reverse();
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng, rngs::StdRng};
+    use rand_distr::StandardNormal;
+
+    /// Eight legs of two hundred readings, eight seconds apart, of a pitch that hunts.
+    fn readings(amplitude: f64, period_s: f64, noise: f64) -> (Vec<f64>, Vec<(f64, f64)>) {
+        let mut rng = StdRng::seed_from_u64(5);
+        let of = |i: usize| amplitude * (std::f64::consts::TAU * 8.0 * i as f64 / period_s).sin() - 0.4;
+        (0..1600).map(|i| (of(i), (8.0 * i as f64, of(i) + noise * rng.sample::<f64, _>(StandardNormal)))).unzip()
+    }
+
+    fn rms(errors: impl Iterator<Item = f64>) -> f64 {
+        let (n, sum) = errors.fold((0.0, 0.0), |(n, sum), e| (n + 1.0, sum + e * e));
+        (sum / n as f64).sqrt()
+    }
+
+    fn through(amplitude: f64, period_s: f64, noise: f64) -> (f64, f64, f64) {
+        let (truth, read) = readings(amplitude, period_s, noise);
+        let (time_s, read): (Vec<f64>, Vec<f64>) = read.into_iter().unzip();
+        let series: Vec<(&[f64], &[f64])> = time_s.chunks(200).zip(read.chunks(200)).collect();
+        let (ratios, variance) = most_likely(&series, 8.0);
+        let found: Vec<(f64, f64)> = series.iter().flat_map(|(time_s, read)| smoothed(time_s, read, ratios)).collect();
+        let error = rms(found.iter().zip(&truth).map(|((found, _), truth)| found - truth));
+        // Covariance of the error with the smoothed value, relative to the variance of the value within the legs.
+        let mean = found.iter().map(|(found, _)| found).sum::<f64>() / 1600.0;
+        let (mut with, mut of) = (0.0, 0.0);
+        for ((found, _), truth) in found.iter().zip(&truth) {
+            with += (found - truth) * (found - mean);
+            of += (found - mean).powi(2);
+        }
+        assert!((with / of).abs() < 0.05, "the error goes with the value by {}", with / of);
+        (error, variance.sqrt(), rms(found.iter().map(|(_, v)| (v * variance).sqrt())))
+    }
+
+    #[test]
+    fn a_slow_pitch_under_noise_is_smoothed_and_its_error_known() {
+        let (error, noise, stated) = through(0.012, 1080.0, 0.004);
+        assert!((noise / 0.004 - 1.0).abs() < 0.1, "{noise}");
+        assert!(error < 0.0014 && (stated / error - 1.0).abs() < 0.4, "{error} {stated}");
+    }
+
+    #[test]
+    fn a_pitch_that_is_read_well_stays_as_read() {
+        let (error, ..) = through(0.02, 120.0, 1e-4);
+        assert!(error < 1.2e-4, "{error}");
+    }
+}

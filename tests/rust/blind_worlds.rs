@@ -1,0 +1,109 @@
+//! The diagnosis on logs with nothing hidden, each from a world of its own: motion, water, glider, mission and instruments
+//! are drawn from the seed. The right answer is `none`. A few seeds run always; `cargo test -p glidepolar-tests --release
+//! --test blind_worlds -- --ignored --nocapture` prints the table over `BLIND_SEEDS` seeds (300) from `BLIND_FIRST` (0) on,
+//! every other one with a measured speed, and fails below the floors.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use glidepolar::diagnose::Diagnosis;
+use glidepolar::diagnose::sea::{Settings, diagnose_log};
+use glidepolar::identify::Trim;
+use glidepolar::log::{Columns, Opened, Preparation, open};
+use glidepolar::vehicle::Vehicle;
+use glidepolar_virtual_sea::worlds::generate;
+
+/// Share of logs with nothing hidden in which a mechanism may be named, and that in which something may be unexplained.
+const NAMED: f64 = 0.01;
+const UNEXPLAINED: f64 = 0.04;
+
+/// What `glidepolar diagnose log.csv --vehicle vehicle.toml` answers on the world of a seed, and what was drawn; no
+/// diagnosis where the log holds too little steady glide.
+fn blind(seed: u64) -> (Option<Diagnosis>, String) {
+    let world = generate(seed, seed.is_multiple_of(2));
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    std::fs::write(path("log.csv"), world.log.to_csv()).expect("the log");
+    std::fs::write(path("vehicle.toml"), &world.vehicle_toml).expect("the vehicle");
+    (ask(&path("log.csv"), &path("vehicle.toml")), world.drawn)
+}
+
+fn ask(log: &Path, vehicle: &Path) -> Option<Diagnosis> {
+    let vehicle = Vehicle::load(&vehicle.to_string_lossy()).expect("a vehicle");
+    let Opened::Series(mut series) = open(log, &Columns::default()).expect("a log") else { panic!("a time series") };
+    let mut observations = Vec::new();
+    let mut preparation = Preparation::new(glidepolar::log::Settings::default());
+    while let Some(piece) = series.next_piece(100_000).expect("a piece") {
+        preparation.push(piece, &mut observations);
+    }
+    preparation.finish(&mut observations);
+    let found = diagnose_log(&vehicle.glide_parameters(), Trim::Vehicle, &observations, Settings::default());
+    found.ok().map(|found| found.told.diagnosis)
+}
+
+/// The first name, or the verdict where there is none.
+fn verdict(found: Option<&Diagnosis>) -> String {
+    match found.map(|found| (found.causes.first(), &found.unexplained)) {
+        None => "too little glide".to_owned(),
+        Some((Some(cause), _)) => cause.cause.clone(),
+        Some((None, Some(_))) => "unexplained".to_owned(),
+        Some((None, None)) => "none".to_owned(),
+    }
+}
+
+#[test]
+fn nothing_hidden_is_none_in_worlds_of_their_own() {
+    let alarms: Vec<String> = (9000..9006)
+        .filter_map(|seed| {
+            let (found, drawn) = blind(seed);
+            let verdict = verdict(found.as_ref());
+            (verdict != "none").then(|| format!("seed {seed}: {verdict}; {drawn}"))
+        })
+        .collect();
+    assert!(alarms.is_empty(), "{}", alarms.join("\n"));
+}
+
+#[test]
+#[ignore = "300 logs, a quarter of an hour"]
+fn the_table_of_false_alarms() {
+    let number = |name, default| std::env::var(name).ok().and_then(|n| n.parse().ok()).unwrap_or(default);
+    let (first, seeds): (u64, u64) = (number("BLIND_FIRST", 0), number("BLIND_SEEDS", 300));
+    let next = std::sync::atomic::AtomicU64::new(first);
+    let table = std::sync::Mutex::new(BTreeMap::<(bool, String), u32>::new());
+    std::thread::scope(|scope| {
+        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
+            scope.spawn(|| {
+                loop {
+                    let seed = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+                    if seed >= first + seeds {
+                        break;
+                    }
+                    let (found, drawn) = blind(seed);
+                    let verdict = verdict(found.as_ref());
+                    if verdict != "none" {
+                        println!("seed {seed}: {verdict}; {drawn}");
+                    }
+                    *table.lock().expect("the table").entry((seed.is_multiple_of(2), verdict)).or_insert(0) += 1;
+                }
+            });
+        }
+    });
+    let table = table.into_inner().expect("the table");
+    let mut sums: BTreeMap<&str, u32> = BTreeMap::new();
+    for ((speed, verdict), n) in &table {
+        println!("{} {verdict:<24} {n}", if *speed { "measured speed" } else { "no speed      " });
+        let kind = match verdict.as_str() {
+            "none" | "unexplained" | "too little glide" => verdict.as_str(),
+            _ => "named",
+        };
+        *sums.entry(kind).or_insert(0) += n;
+    }
+    let diagnosed = f64::from(sums.values().sum::<u32>() - sums.get("too little glide").unwrap_or(&0));
+    for (kind, most) in [("named", NAMED), ("unexplained", UNEXPLAINED)] {
+        let n = f64::from(*sums.get(kind).unwrap_or(&0));
+        println!("{kind}: {n} of {diagnosed}");
+        assert!(n <= (most * diagnosed).ceil(), "{kind}: {n} of {diagnosed}, at most {most}");
+    }
+    let unused = f64::from(*sums.get("too little glide").unwrap_or(&0));
+    assert!(unused <= 0.05 * seeds as f64, "{unused} logs hold too little glide to say anything");
+}
