@@ -102,8 +102,9 @@ fn seen(all: &DMatrix<f64>, tested: usize) -> (DMatrix<f64>, usize) {
     }
     let others = k - tested;
     let q = orthonormal(all.columns(0, others).into_owned());
-    let own = all.columns(others, tested);
-    let rest = &own - &q * q.tr_mul(&own);
+    let own = all.columns(others, tested).into_owned();
+    let mut rest = own.clone();
+    rest -= &q * q.tr_mul(&own);
     let eigen = rest.tr_mul(&rest).symmetric_eigen();
     let kept: Vec<usize> = (0..tested).filter(|i| eigen.eigenvalues[*i] > UNSEEN * UNSEEN).collect();
     let directions = own * eigen.eigenvectors.select_columns(&kept);
