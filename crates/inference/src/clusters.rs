@@ -65,7 +65,11 @@ pub fn chance_by_clusters(all: &DMatrix<f64>, clusters: &[usize], tested: usize)
     let estimate = |products: &DMatrix<f64>| -> Option<DVector<f64>> {
         let gram = products.view((0, 0), (k, k)).into_owned();
         let moments = products.view((0, k), (k, 1)).into_owned().column(0).into_owned();
-        let solution = gram.pseudo_inverse(1e-10).ok()? * moments;
+        // Only where a cluster alone determines a column is there no inverse.
+        let solution = match gram.clone().cholesky() {
+            Some(root) => root.solve(&moments),
+            None => gram.pseudo_inverse(1e-10).ok()? * moments,
+        };
         Some(solution.rows(k - tested, tested).into_owned())
     };
     let n = of_cluster.len() as f64;

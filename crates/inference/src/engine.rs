@@ -48,10 +48,13 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
             break;
         }
     }
-    let curve = curve.or(refuted).or_else(|| {
-        let limits = present.limits(problem);
-        Lap::new(candidates, &present).unnamed_curve(&present.included, &limits)
-    });
+    let lap = Lap::new(candidates, &present);
+    let limits = present.limits(problem);
+    // What was refuted on the way is worth a word only where something remains that is.
+    let curve = curve
+        .or(refuted)
+        .filter(|_| lap.is_anything_wrong(&present.included, &limits))
+        .or_else(|| lap.unnamed_curve(&present.included, &limits));
     report(problem, &baseline, &present, curve)
 }
 

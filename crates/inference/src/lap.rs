@@ -200,6 +200,11 @@ impl<'a> Lap<'a> {
         self.is_relevant(others, &[curve], limits) && tests * self.chance(others, &[curve]) <= SIGNIFICANT
     }
 
+    /// Whether any curve is there beside these members and large enough to act on.
+    pub(super) fn is_anything_wrong(&self, members: &[usize], limits: &[f64]) -> bool {
+        self.curves.iter().any(|curve| self.is_wrong(members, curve.runner, limits))
+    }
+
     pub(super) fn curve_name(&self, runner: usize) -> Option<&str> {
         self.curves.iter().find(|curve| curve.runner == runner).map(|curve| curve.covariate)
     }

@@ -257,7 +257,7 @@ mod tests {
 
     fn rms(errors: impl Iterator<Item = f64>) -> f64 {
         let (n, sum) = errors.fold((0.0, 0.0), |(n, sum), e| (n + 1.0, sum + e * e));
-        (sum / n as f64).sqrt()
+        (sum / n).sqrt()
     }
 
     fn through(amplitude: f64, period_s: f64, noise: f64) -> (f64, f64, f64) {

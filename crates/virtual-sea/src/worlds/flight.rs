@@ -78,7 +78,7 @@ impl Sea {
         let thermocline_m = bottom_m.min(200.0) * between(random, 0.15, 0.6);
         let shear = chance(random, 0.4).then(|| Shear {
             half_jump_m_s: 0.5 * between(random, 0.02, 0.25) * sign(random),
-            thickness_m: bottom_m.min(300.0) * between(random, 0.08, 0.3),
+            thickness_m: (bottom_m.min(300.0) * between(random, 0.08, 0.3)).max(10.0),
             at_m: bottom_m.min(300.0) * between(random, 0.2, 0.7),
             direction_rad: between(random, 0.0, TAU),
         });
@@ -202,6 +202,16 @@ impl Glider {
         self.mass_kg - density * (self.volume_m3 * hull + ballast_cc * 1e-6)
     }
 
+    /// Shallowest pitch that is flown: an angle of attack of 0.6 of that of the best glide. Beyond that of the best glide a
+    /// slower path is a steeper one, and no pilot goes there.
+    fn shallowest_rad(&self) -> f64 {
+        let of = |polar: &Polar| {
+            let alpha = 0.6 * (polar.b / polar.c).sqrt();
+            ((polar.b + polar.c * alpha * alpha) / (polar.a * alpha)).atan() - alpha
+        };
+        of(&self.descent).max(of(&self.ascent)).max(0.2)
+    }
+
     /// The vehicle file: all as it is, but for the coefficients, which are off by one factor for both legs.
     pub fn file(&self, random: &mut Stream) -> String {
         let mut off = |share: f64| 1.0 + if chance(random, 0.6) { share * between(random, -1.0, 1.0) } else { 0.0 };
@@ -270,13 +280,13 @@ impl Plan {
         let varied = chance(random, 0.6);
         let mut glide = || (between(random, 12.0, 40.0).to_radians(), between(random, 0.5, 0.95) * glider.engine_cc);
         let same = [glide(), glide()];
+        let least_rad = glider.shallowest_rad();
         let mut legs = Vec::new();
         for leg in 0..2 * dives {
             let drawn = glide();
             let (pitch_rad, ballast_cc) = if varied { drawn } else { same[leg % 2] };
             let up = if leg % 2 == 0 { -1.0 } else { 1.0 };
-            // A shallow glide of a weak engine is none.
-            legs.push((up * pitch_rad.max(0.25), up * ballast_cc));
+            legs.push((up * pitch_rad.max(least_rad), up * ballast_cc));
         }
         let mut heading_rad = between(random, 0.0, TAU);
         let turns = chance(random, 0.6);
