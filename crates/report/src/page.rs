@@ -39,6 +39,9 @@ pub struct Section {
     pub heading: String,
     /// Whether the reader unfolds it: long lists of runs or glides. Its figures stay in the page only.
     pub folded: bool,
+    /// The file, without its ending, in which the section stands, where that is not the page itself: what is long and seldom
+    /// read. The page then links to it.
+    pub own_page: Option<String>,
     /// In reading order.
     pub blocks: Vec<Block>,
 }
@@ -97,12 +100,18 @@ impl InputFile {
 impl Section {
     /// An empty section.
     pub fn new(heading: impl Into<String>) -> Self {
-        Section { heading: heading.into(), folded: false, blocks: Vec::new() }
+        Section { heading: heading.into(), folded: false, own_page: None, blocks: Vec::new() }
     }
 
     /// Folded: the reader opens it.
     pub fn folded(self) -> Self {
         Section { folded: true, ..self }
+    }
+
+    /// In a file of its own beside the page, of this name (letters, digits and `-`; all else becomes `-`).
+    pub fn on_its_own_page(self, stem: impl AsRef<str>) -> Self {
+        let safe = |c: char| if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' };
+        Section { own_page: Some(stem.as_ref().chars().map(safe).collect()), ..self }
     }
 
     /// With one more block.
@@ -168,13 +177,39 @@ impl Report {
 
     /// The page. Every text is escaped; figures stand inline; no script, no request to anywhere.
     pub fn html(&self) -> String {
+        Self::render(self.values())
+    }
+
+    /// The files beside the page: those of sections on pages of their own, by name.
+    fn own_pages(&self) -> Vec<(String, String)> {
+        let mut taken = HashSet::new();
+        let apart = self.sections.iter().filter_map(|section| Some((section.own_page.as_ref()?, section)));
+        apart
+            .map(|(stem, section)| {
+                let section = Section { own_page: None, folded: false, ..section.clone() };
+                let page = Report {
+                    title: section.heading.clone(),
+                    subject: self.subject.clone(),
+                    program: self.program.clone(),
+                    command: self.command.clone(),
+                    warnings: Vec::new(),
+                    findings: Vec::new(),
+                    inputs: Vec::new(),
+                    sections: vec![section],
+                };
+                (format!("{}.html", free_name(stem.clone(), &mut taken)), page.html())
+            })
+            .collect()
+    }
+
+    fn render(values: Value) -> String {
         let mut pages = Environment::new();
         if let Ok(syntax) = pages.syntax().to_builder().trim_blocks(true).lstrip_blocks(true).build() {
             pages.set_syntax(syntax);
         }
         // Template and values are the program's own, so neither step fails for any user's data; tests render them all.
         let _ = pages.add_template("report.html", include_str!("page.html"));
-        let rendered = pages.get_template("report.html").and_then(|t| t.render(self.values()));
+        let rendered = pages.get_template("report.html").and_then(|t| t.render(values));
         rendered.unwrap_or_else(|e| {
             format!("<!doctype html><title>report</title><p>The report could not be made: {:?}", e.kind())
         })
@@ -183,7 +218,7 @@ impl Report {
     /// Writes `report.html`, each figure that is not folded away as `figures/NAME.svg` and `.png`, and what the folder
     /// was given before.
     pub fn write(&self, mut folder: OutputFolder) -> Result<(), OutputError> {
-        let shown = self.sections.iter().filter(|s| !s.folded).flat_map(|s| &s.blocks);
+        let shown = self.sections.iter().filter(|s| !s.folded && s.own_page.is_none()).flat_map(|s| &s.blocks);
         let mut taken = HashSet::new();
         for block in shown {
             if let Block::Figure(figure) = block {
@@ -192,13 +227,19 @@ impl Report {
                 folder.add(format!("figures/{stem}.png"), figure.png())?;
             }
         }
+        for (name, page) in self.own_pages() {
+            folder.add(name, page)?;
+        }
         folder.add("report.html", self.html())?;
         folder.write()
     }
 
     fn values(&self) -> Value {
         let mut count = Count { figures: 0, tables: 0 };
-        let sections: Vec<Value> = self.sections.iter().map(|s| section(s, &mut count)).collect();
+        let mut taken = HashSet::new();
+        let mut link =
+            |s: &Section| s.own_page.as_ref().map(|stem| format!("{}.html", free_name(stem.clone(), &mut taken)));
+        let sections: Vec<Value> = self.sections.iter().map(|s| section(s, link(s), &mut count)).collect();
         let inputs: Vec<Value> = self
             .inputs
             .iter()
@@ -236,9 +277,10 @@ struct Count {
     tables: usize,
 }
 
-fn section(section: &Section, count: &mut Count) -> Value {
-    let blocks: Vec<Value> = section.blocks.iter().map(|b| block(b, count)).collect();
-    context! { heading => visible(&section.heading), folded => section.folded, blocks }
+fn section(section: &Section, link: Option<String>, count: &mut Count) -> Value {
+    let here = if link.is_some() { &[][..] } else { &section.blocks };
+    let blocks: Vec<Value> = here.iter().map(|b| block(b, count)).collect();
+    context! { heading => visible(&section.heading), folded => section.folded, link, blocks }
 }
 
 fn block(block: &Block, count: &mut Count) -> Value {

@@ -4,6 +4,7 @@ mod console;
 mod diagnosis;
 mod figures;
 mod page;
+mod particulars;
 mod tables;
 
 use glidepolar_report::InputFile;

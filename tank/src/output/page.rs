@@ -3,15 +3,15 @@
 use glidepolar_hull::hull_tests::Estimate;
 use glidepolar_report::{Cell, InputFile, Report, Section, Table};
 
-use super::figures;
+use super::{figures, particulars};
 use crate::derivatives::{self, Comparison, Derivatives};
 use crate::fits::SweepFit;
 use crate::results::{HullResults, Results};
 use crate::sweep::NAMES;
 use crate::trend::COEFFICIENTS;
 
-/// Runs that a page draws at most, those with notices apart.
-const MOST_DRAWN: usize = 600;
+/// Runs of one hull that are drawn at most, those with notices apart: a page that a browser can still show.
+const MOST_DRAWN: usize = 200;
 
 /// Makes the page of a reduction. `inputs` are the files that describe it; the runs' own files are many and stay unlisted.
 pub fn report(results: &Results, inputs: Vec<InputFile>) -> Report {
@@ -25,34 +25,68 @@ pub fn report(results: &Results, inputs: Vec<InputFile>) -> Report {
     if let Some(section) = super::diagnosis::section(results) {
         report = report.section(section);
     }
-    report = report.section(coefficients(results));
+    report = report.section(coefficients(results)).section(particulars::uncertainty(results));
     if results.hulls.iter().any(|h| h.dynamic.is_some()) {
         report = report.section(derivatives(results));
     }
+    report = report.section(particulars::particulars(results));
     report = report.section(theory(results)).section(adequacy(results)).section(steps(results));
-    if !results.runs.is_empty() {
-        report = report.section(runs(results));
+    for hull in results.hulls.iter().filter(|hull| !hull.sweep.points.is_empty()) {
+        report = report.section(points(hull));
+    }
+    for hull in (0..results.hulls.len()).map(Some).chain([None]) {
+        report = runs(results, hull).into_iter().fold(report, Report::section);
     }
     report
 }
 
-/// Every run's history; of very many those with notices and some of the rest, so that a browser can still show the page.
-fn runs(results: &Results) -> Section {
-    let all = results.runs.len();
-    let every = all.div_ceil(MOST_DRAWN);
-    let mut section = if every == 1 {
-        Section::new("Every run, with the window that was used").folded()
-    } else {
-        Section::new("Runs, with the window that was used").folded().text(format!(
-            "Of {all} runs those with notices and one in {every} of the others are drawn; steps.csv has the windows of all steady ones."
-        ))
-    };
-    for (i, run) in results.runs.iter().enumerate() {
+/// Every reduced steady run of a hull.
+fn points(hull: &HullResults) -> Section {
+    let mut table = Table::new(
+        "Steady runs about the centre of buoyancy, with standard errors from within each run.",
+        ["Run", "yaw [deg]", "speed [m/s]", "Re / 10⁶", "CL", "CD", "CM", "in the fit"],
+    );
+    let rows = hull.fit.as_ref().map(|fit| fit.rows.as_slice()).unwrap_or_default();
+    for (i, point) in hull.sweep.points.iter().enumerate() {
+        let optional = |value: Option<f64>, digits| value.map_or(Cell::from("-"), |value| Cell::number(value, digits));
+        let coefficient = |k: usize| match point.se[k] > 0.0 {
+            true => Cell::estimate(point.coefficients[k], point.se[k]),
+            false => Cell::number(point.coefficients[k], 4),
+        };
+        table.push([
+            Cell::from(point.run_id.as_str()),
+            Cell::fixed(point.yaw_deg, 2),
+            optional(point.speed_m_s, 4),
+            optional(point.reynolds.map(|re| re / 1e6), 3),
+            coefficient(0),
+            coefficient(1),
+            coefficient(2),
+            Cell::from(if rows.contains(&i) { "yes" } else { "" }),
+        ]);
+    }
+    Section::new(format!("Steady runs of {}", hull.hull.id)).folded().table(table)
+}
+
+/// The histories of the runs of one hull, or of the strut alone, on a page of their own. Of very many runs those with
+/// notices and some of the rest are drawn.
+fn runs(results: &Results, hull: Option<usize>) -> Option<Section> {
+    let of_hull: Vec<_> = results.runs.iter().filter(|run| run.run.hull == hull).collect();
+    let name = hull.and_then(|hull| results.hulls.get(hull)).map_or("the strut alone", |hull| hull.hull.id.as_str());
+    let every = of_hull.len().div_ceil(MOST_DRAWN);
+    let section = Section::new(format!("Windows of the runs of {name}")).on_its_own_page(format!("runs-{name}"));
+    let mut section = section.text("Each run's history; the part that was used is shaded.");
+    if every > 1 {
+        section = section.text(format!(
+            "Of {} runs those with notices and one in {every} of the others are drawn; steps.csv has the windows of all steady ones.",
+            of_hull.len()
+        ));
+    }
+    for (i, run) in of_hull.iter().enumerate() {
         if i % every == 0 || !run.notices.is_empty() {
             section = section.figure(figures::run(run));
         }
     }
-    section
+    (!of_hull.is_empty()).then_some(section)
 }
 
 fn findings(results: &Results) -> Vec<String> {
