@@ -37,6 +37,8 @@ mod sweep;
 mod table;
 pub mod track;
 mod track_page;
+pub mod turn;
+mod turn_page;
 pub mod vehicles;
 
 use std::process::ExitCode;
@@ -67,6 +69,7 @@ enum Command {
     Identify(identify::Arguments),
     Diagnose(diagnose::Arguments),
     Track(track::Arguments),
+    Turn(turn::Arguments),
     Plan(plan::Arguments),
     Assemble(assemble::Arguments),
     Vehicles(vehicles::Arguments),
@@ -163,6 +166,7 @@ pub fn run(cli: Cli) -> Result<(), CliError> {
         Command::Man(arguments) => arguments.run(Cli::command()),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Track(arguments) => track::run(&arguments),
+        Command::Turn(arguments) => turn::run(&arguments),
         Command::Vehicles(arguments) => vehicles::run(&arguments),
     }
 }

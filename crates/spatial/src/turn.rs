@@ -28,6 +28,8 @@ const WIDEST_ANGLE_RAD: f64 = 0.6;
 const SHORT_OF_VERTICAL_RAD: f64 = 0.02;
 /// Slower than this nothing flies \[m/s\].
 const LEAST_SPEED_M_S: f64 = 0.01;
+/// Slower turns are straight glides: a full turn takes longer than any battery lasts \[rad/s\].
+const STRAIGHT_RAD_S: f64 = 1e-10;
 /// Two solutions closer than this, relative to the scale of each quantity, are one.
 const SAME: f64 = 1e-6;
 
@@ -111,6 +113,11 @@ impl Setting {
 }
 
 impl Turn {
+    /// Whether it does not turn at all, rounding apart.
+    pub fn is_straight(&self) -> bool {
+        self.turn_rate_rad_s.abs() < STRAIGHT_RAD_S
+    }
+
     /// The state of a glider in this turn, its masses and rudder at rest in the hull.
     pub fn state(&self, body: &Body<f64>, setting: &Setting) -> State<f64> {
         unknowns_of(self, setting.trim).state(body, setting)
