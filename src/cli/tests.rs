@@ -37,6 +37,14 @@ fn numbers_beyond_their_bounds_are_named() {
         (&["plan", "seaglider", "--battery-Wh", "2700", "--depth-m", "-5"], "--depth-m -5"),
         (&["plan", "seaglider", "--battery-Wh", "2700", "--depth-m", "500", "--density", "5"], "--density 5"),
         (&["simulate", "slocum-graver", "--stop", "-5"], "--stop -5"),
+        (&["turn", "seawing", "--roll-mass-deg", "nan"], "--roll-mass-deg NaN"),
+        (&["turn", "seawing", "--roll-mass-deg", "120"], "--roll-mass-deg 120 is beyond its limits"),
+        (&["turn", "seawing", "--rudder-deg", "5"], "--rudder-deg: this vehicle has none"),
+        (&["turn", "seawing", "--pitch-deg", "90"], "--pitch-deg 90"),
+        (&["turn", "seawing", "--net-mass-kg", "0"], "--net-mass-kg 0"),
+        (&["turn", "seawing", "--sweep", "roll-mas=1..2"], "did you mean roll-mass-deg?"),
+        (&["turn", "seawing", "--sweep", "roll-mass-deg=1"], "expected NAME=FROM..TO"),
+        (&["turn", "rogue"], "lacks what a turn needs"),
         (&["track", "none.csv", "--vehicle", "seaglider", "--density", "-5"], "--density -5"),
         (&["track", "none.csv", "--vehicle", "seaglider", "--fix-error-m", "-5"], "--fix-error-m -5"),
         (&["identify", "none.csv", "--vehicle", "seaglider", "--density", "-5"], "--density -5"),
@@ -44,6 +52,44 @@ fn numbers_beyond_their_bounds_are_named() {
         let found = refused(arguments);
         assert!(found.contains(expected), "{arguments:?}: {found}");
     }
+}
+
+#[test]
+fn turns_are_written_as_the_contract_names_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let json = folder.path().join("turn.json");
+    let page = folder.path().join("page");
+    let written = |more: &[&str]| -> serde_json::Value {
+        let common = ["glidepolar", "turn", "seawing", "--net-mass-kg", "0.3", "--quiet", "--json"];
+        let [json_text, page_text] = [&json, &page].map(|path| path.to_str().expect("a plain path"));
+        let arguments = [&common[..], &[json_text, "--out", page_text], more].concat();
+        run(Cli::try_parse_from(arguments).expect("arguments that can be read")).expect("a turn");
+        serde_json::from_slice(&std::fs::read(&json).expect("a file")).expect("JSON")
+    };
+    let one = written(&["--roll-mass-deg", "-45", "--moving-mass-m", "0.4216"]);
+    assert_eq!(one["schema"], "glidepolar.turn/1");
+    let turn = &one["turns"][0];
+    for (name, expected) in [("speed_m_s", 0.490_186), ("turn_rate_rad_s", 0.003_853_85), ("radius_m", 101.47)] {
+        let found = turn[name].as_f64().expect(name);
+        assert!((found / expected - 1.0).abs() < 1e-4, "{name}: {found}");
+    }
+    assert_eq!(turn["stable"], true);
+    assert_eq!(turn["eigenvalues"].as_array().expect("eigenvalues").len(), 8);
+    let html = std::fs::read_to_string(page.join("report.html")).expect("a page");
+    assert!(html.contains("Turn polar") && html.contains("ascents to starboard"), "the page warns of one leg");
+    assert!(page.join("figures/polar-roll-mass.svg").exists());
+
+    // A turn to port is the mirror image of one to starboard, and between them the glide is straight.
+    let sweep = written(&["--sweep", "roll-mass-deg=-45..45:3"]);
+    let rates: Vec<f64> = sweep["turns"]
+        .as_array()
+        .expect("turns")
+        .iter()
+        .map(|t| t["turn_rate_rad_s"].as_f64().expect("a rate"))
+        .collect();
+    assert_eq!(rates.len(), 3, "{sweep}");
+    assert!(rates[0] > 0.003 && (rates[0] + rates[2]).abs() < 1e-12 && rates[1].abs() < 1e-12, "{rates:?}");
+    assert!(sweep["turns"][1]["radius_m"].is_null());
 }
 
 #[test]
