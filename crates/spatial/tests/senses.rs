@@ -2,8 +2,8 @@
 
 mod support;
 
-use glidepolar_spatial::turn::{Setting, Trim, Turn, find};
 use glidepolar_spatial::Body;
+use glidepolar_spatial::turn::{Setting, Trim, Turn, find};
 use support::builtin;
 
 fn only(body: &Body<f64>, net_mass_kg: f64, pitch_deg: f64, roll_mass_deg: f64, rudder_rad: f64) -> Turn {
@@ -36,7 +36,7 @@ fn a_seaglider_turns_against_its_roll_on_descents_and_with_it_on_ascents() {
             assert!((per_roll_mass / 0.561 - 1.0).abs() < 0.03, "{per_roll_mass}");
         }
     }
-    // SG236, -.0393 and +.0278 with nearly the same net mass on both legs: the ratio of the legs is that of their weights.
+    // It is their weights that make the legs differ.
     let (dive, climb) = (only(&body, 0.15, -22.5, 40.0, 0.0), only(&body, -0.15, 22.5, 40.0, 0.0));
     assert!((dive.turn_rate_rad_s + climb.turn_rate_rad_s).abs() < 1e-9, "legs alike turn alike, each to its side");
 }
@@ -51,7 +51,11 @@ fn a_slocum_turns_to_the_side_of_its_rudder_on_both_legs() {
                 let turn = only(&body, net_mass_kg, pitch_deg, 0.0, rudder_rad);
                 let per_rudder = turn.turn_rate_rad_s / rudder_rad;
                 let at_speed = per_rudder * 0.32 / turn.speed_m_s;
-                assert!((at_speed / 0.088 - 1.0).abs() < 0.2, "{name} {net_mass_kg}: {per_rudder} at {}", turn.speed_m_s);
+                assert!(
+                    (at_speed / 0.088 - 1.0).abs() < 0.2,
+                    "{name} {net_mass_kg}: {per_rudder} at {}",
+                    turn.speed_m_s
+                );
             }
         }
     }
