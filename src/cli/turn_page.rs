@@ -111,6 +111,9 @@ fn on_leg(setting: &Setting, leg: f64) -> Setting {
     Setting { net_mass_kg: setting.net_mass_kg.abs() * leg, trim, ..*setting }
 }
 
+/// What a panel of the polar shows: label, symbol, unit, value.
+type Quantity = (&'static str, &'static str, &'static str, fn(&Turn) -> f64);
+
 /// The polar of one way to steer over its whole range, and the least radius; none where the vehicle has none.
 fn polar(body: &Body<f64>, setting: &Setting, steering: Steering) -> Option<(Figure, String)> {
     let l = &body.lateral;
@@ -150,7 +153,7 @@ fn polar(body: &Body<f64>, setting: &Setting, steering: Steering) -> Option<(Fig
         }
         (label, points)
     });
-    let quantities: [(&str, &str, &str, fn(&Turn) -> f64); 4] = [
+    let quantities: [Quantity; 4] = [
         ("Turn rate", "ω", "deg/s", |t| t.turn_rate_rad_s.to_degrees()),
         ("Radius", "R", "m", |t| if t.is_straight() || t.radius_m > 1000.0 { f64::NAN } else { t.radius_m }),
         ("Sink rate", "V_z", "m/s", |t| t.vertical_velocity_m_s),
