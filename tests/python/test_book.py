@@ -5,7 +5,7 @@ the page's remark, a backslash at its end goes on in the next line. Blocks of Py
 has what the pages speak of without making it: my-glider.toml, flight.csv, fixes.csv, motor_moves.csv, dives.csv, and the
 checkout's missions/, tank/data/ and examples/.
 
-Commands of cargo are run in the checkout itself. A line of HTML above a block says how it is run where that is not as it
+Commands of cargo are run in the checkout itself. Lines of HTML above a block say how it is run where that is not as it
 stands; what is not there is listed as skipped:
 
     <!-- in short: A => B; C => -->  run with B in the place of A and without C: a campaign of an hour, of a minute
@@ -40,7 +40,7 @@ class Block:
     line: int
     text: str
     is_python: bool
-    marker: tuple[str, str] | None
+    markers: dict[str, str]
 
     @property
     def commands(self) -> list[str]:
@@ -49,7 +49,7 @@ class Block:
     def shortened(self) -> "Block":
         """The block as its marker has it run."""
         text = self.text
-        for change in self.marker[1].split(";"):
+        for change in self.markers["in short"].split(";"):
             long, short = (part.strip() for part in f"{change} ".split(" => "))
             assert long in text, f"the marker speaks of what the commands have not: {long}"
             text = text.replace(long, short)
@@ -73,23 +73,23 @@ def program_of(line: str) -> str:
 
 
 def blocks_of(page: Path) -> list[Block]:
-    blocks, marker, lines = [], None, page.read_text(encoding="utf-8").splitlines()
+    blocks, markers, lines = [], {}, page.read_text(encoding="utf-8").splitlines()
     number = 0
     while number < len(lines):
         line, begin = lines[number], number
         if line.startswith("```"):
             end = next(i for i in range(number + 1, len(lines)) if lines[i].startswith("```"))
-            blocks.append(Block(begin + 1, "\n".join(lines[number + 1 : end]), line.startswith("```python"), marker))
-            number, marker = end + 1, None
+            blocks.append(Block(begin + 1, "\n".join(lines[number + 1 : end]), line.startswith("```python"), markers))
+            number, markers = end + 1, {}
         elif line.startswith("    ") and (number == 0 or not lines[number - 1].strip() or MARKER.search(lines[number - 1])):
             while number < len(lines) and (lines[number].startswith("    ") or not lines[number].strip()):
                 number += 1
             text = "\n".join(text.removeprefix("    ") for text in lines[begin:number])
-            blocks.append(Block(begin + 1, text, False, marker))
-            marker = None
+            blocks.append(Block(begin + 1, text, False, markers))
+            markers = {}
         else:
             found = MARKER.search(line)
-            marker = (found[1], found[2]) if found else (marker if not line.strip() else None)
+            markers = {**markers, found[1]: found[2]} if found else (markers if not line.strip() else {})
             number += 1
     return [block for block in blocks if block.is_python or block.commands]
 
@@ -216,12 +216,11 @@ def test_every_command_of_a_page_runs(page, programs, given, fmu3, fmu2, wheel, 
             (folder / log.name).symlink_to(log)
     for block in blocks_of(page):
         with subtests.test(msg=f"{page.name}:{block.line}"):
-            what, reason = block.marker or ("", "")
-            if what == "in short":
+            if "in short" in block.markers:
                 block = block.shortened()
-            if what == "with" and not (ROOT / reason).exists():
+            if (reason := block.markers.get("with")) and not (ROOT / reason).exists():
                 pytest.skip(f"{reason} is not there, `cargo xtask fetch-data` gets it: {'; '.join(block.commands)}")
-            if what == "measured":
+            if reason := block.markers.get("measured"):
                 measured = [MEASURED / name for name in reason.split()]
                 if missing := [str(file) for file in measured if not file.exists()]:
                     pytest.skip(f"no measured data: {', '.join(missing)}: {'; '.join(block.commands)}")
