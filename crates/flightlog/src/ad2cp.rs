@@ -138,6 +138,29 @@ pub(super) fn read(
     Ok(speeds)
 }
 
+/// Angles of the beams of a SeaExplorer's profiler from its axis: fore and aft, to the sides \[rad\].
+const FORE_AFT_RAD: f64 = 47.5 * std::f64::consts::PI / 180.0;
+const SIDES_RAD: f64 = 25.0 * std::f64::consts::PI / 180.0;
+
+/// The speed by four beams in one cell, each positive away from the instrument, which looks down: fore, side, aft, other
+/// side. Fore and aft beams give both parts in the plane of symmetry, the side beams one of them again. Nothing where these
+/// contradict each other, or the rate of pressure.
+pub(super) fn of_four_beams(time_s: f64, beams: [f64; 4], pitch_rad: f64, pressure: &Readings) -> Option<Ping> {
+    let [fore, side, aft, other] = beams;
+    // Where the glider goes forward, the water ahead comes nearer.
+    let forward = (aft - fore) / (2.0 * FORE_AFT_RAD.sin());
+    let up = (fore + aft) / (2.0 * FORE_AFT_RAD.cos());
+    let up_by_sides = (side + other) / (2.0 * SIDES_RAD.cos());
+    let rate = pressure.slope(time_s, RATE_WITHIN_S);
+    let rate = if rate.is_nan() { pressure.slope(time_s, 4.0 * RATE_WITHIN_S) } else { rate };
+    let climb = forward * pitch_rad.sin() + up * pitch_rad.cos();
+    let is_sound = (up - up_by_sides).abs() <= MOST_SPREAD_M_S
+        && forward > 0.0
+        && pressure.at(time_s) > 1.0
+        && (climb + rate * M_PER_DBAR).abs() <= MOST_W_ERROR_M_S;
+    is_sound.then(|| Ping { time_s, speed_m_s: forward.hypot(up) })
+}
+
 /// How many cells lie near the glider, by the blanking \[cm\] and the size of a cell \[mm\].
 fn near_cells(file: &NcFile) -> usize {
     let blanking_m = scalar(file, "ad2cp_blanking").filter(|cm| (0.0..1e4).contains(cm)).map_or(0.1, |cm| cm / 100.0);

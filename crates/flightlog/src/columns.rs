@@ -78,7 +78,6 @@ impl Columns {
     }
 
     /// Folders with lists of sensors.
-    #[allow(dead_code, reason = "for the reader of Slocum binary files")]
     pub(super) fn caches(&self) -> &[PathBuf] {
         &self.caches
     }

@@ -14,7 +14,7 @@ use super::columns::Columns;
 use super::fix::GpsFix;
 use super::observation::Observation;
 use super::open::{LogPieces, Opened};
-use super::{CsvLog, ad2cp, glide_table, netcdf, og1, open, seaglider};
+use super::{CsvLog, ad2cp, glide_table, netcdf, og1, open, seaexplorer, seaglider, slocum};
 use glidepolar_input::{InputError, Place, printable};
 
 /// The next part of a log.
@@ -29,8 +29,11 @@ pub enum Piece {
 pub struct LogFiles {
     columns: Columns,
     waiting: VecDeque<Source>,
-    /// The file that is being read.
+    /// The file or the segment that is being read.
     open: Option<LogPieces>,
+    segment: Option<slocum::Segment>,
+    /// The last time of the segments so far; NaN before the first.
+    last_s: f64,
     /// The ballast volume counts from these counts of the pump, where several dives count from different ones.
     c_vbd_counts: Option<f64>,
     calibration: Option<Calibration>,
@@ -56,9 +59,27 @@ struct Source {
 
 enum Kind {
     Seaglider(Box<Calibration>),
+    /// A file of a Slocum or of a SeaExplorer, whose computers write files of their own for each segment.
+    Part(Part),
+    /// The files of one segment.
+    Segment(Maker, Vec<PathBuf>),
     TimeSeries,
     Csv,
     Glides,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Maker {
+    Slocum,
+    SeaExplorer,
+}
+
+struct Part {
+    maker: Maker,
+    segment: String,
+    /// Of several records by one computer the fullest has the highest rank.
+    rank: u8,
+    is_science: bool,
 }
 
 impl LogFiles {
@@ -84,6 +105,7 @@ impl LogFiles {
             return Err(error.clone());
         }
         one_glider(&sources)?;
+        let mut sources = segments(sources, &mut warnings);
         in_order(&mut sources, &mut warnings);
         let calibration = sources.iter().rev().find_map(|source| match &source.kind {
             Kind::Seaglider(calibration) => Some((**calibration).clone()),
@@ -93,6 +115,8 @@ impl LogFiles {
             columns: columns.clone(),
             waiting: sources.into(),
             open: None,
+            segment: None,
+            last_s: f64::NAN,
             c_vbd_counts: calibration.as_ref().and_then(|calibration| calibration.c_vbd_counts),
             calibration,
             fixes: Vec::new(),
@@ -111,6 +135,15 @@ impl LogFiles {
     /// What cannot be read, with its place, where no other file is left to go on with.
     pub fn next_piece(&mut self, rows: usize) -> Result<Option<Piece>, InputError> {
         loop {
+            if let Some(segment) = &mut self.segment {
+                if let Some(mut piece) = segment.next_piece(&mut self.fixes, &mut self.warnings)? {
+                    self.last_s = without_overlap(&mut piece, self.last_s);
+                    self.has_read |= !piece.is_empty();
+                    self.has_speed |= piece.has(Channel::Speed);
+                    return Ok(Some(Piece::Series(Box::new(piece))));
+                }
+                self.segment = None;
+            }
             if let Some(pieces) = &mut self.open {
                 if let Some(piece) = pieces.next_piece(rows)? {
                     self.has_read |= !piece.is_empty();
@@ -173,6 +206,13 @@ impl LogFiles {
                 self.notes.extend(dive.notes.iter().map(|note| format!("{name}: {note}")));
                 self.open = Some(LogPieces::Whole(Some(Box::new(dive.log))));
             }
+            Kind::Segment(Maker::Slocum, paths) => self.segment = Some(slocum::Segment::open(paths, &self.columns)?),
+            Kind::Segment(Maker::SeaExplorer, paths) => {
+                let mut log = seaexplorer::read(paths, &self.columns, &mut self.fixes, &mut self.warnings)?;
+                self.last_s = without_overlap(&mut log, self.last_s);
+                self.open = Some(LogPieces::Whole(Some(Box::new(log))));
+            }
+            Kind::Part(_) => {}
             Kind::Glides => return glide_table::read_glide_table(path, &self.columns).map(Some),
             Kind::TimeSeries | Kind::Csv => match open(path, &self.columns)? {
                 Opened::Series(pieces) => self.open = Some(*pieces),
@@ -226,6 +266,18 @@ fn probe(path: &Path, columns: &Columns) -> Result<Source, InputError> {
         let (glider, start_s) = og1::headline(path, &file, columns)?;
         return Ok(source(Kind::TimeSeries, glider, start_s));
     }
+    if slocum::is_one(path)? {
+        let found = slocum::headline(path, columns)?;
+        let slocum::Headline { segment, rank, is_science, .. } = found;
+        let part = Part { maker: Maker::Slocum, segment, rank, is_science };
+        return Ok(source(Kind::Part(part), found.glider, found.start_s));
+    }
+    if seaexplorer::is_one(path)? {
+        let found = seaexplorer::headline(path)?;
+        let seaexplorer::Headline { segment, rank, is_payload, .. } = found;
+        let part = Part { maker: Maker::SeaExplorer, segment, rank, is_science: is_payload };
+        return Ok(source(Kind::Part(part), found.glider, found.start_s));
+    }
     super::open::refuse_foreign(path)?;
     if glide_table::is_one(path)? {
         return Ok(source(Kind::Glides, String::new(), f64::NAN));
@@ -240,10 +292,63 @@ fn probe(path: &Path, columns: &Columns) -> Result<Source, InputError> {
 /// A time above this counts from 1970, not from the start of a mission: three years.
 const FIRST_UNIX_S: f64 = 1e8;
 
+/// A segment: whose, its name, which of the sources it became, and the files of both computers with their ranks.
+type Known = (Maker, String, usize, [Option<(u8, PathBuf)>; 2]);
+
+/// Takes off the rows that the segment before has already: the files of one end some rows after those of the next begin.
+/// The last time so far comes back.
+fn without_overlap(log: &mut FlightLog, last_s: f64) -> f64 {
+    let time = log.column(Channel::Time);
+    let Some(&end_s) = time.last() else { return last_s };
+    if last_s.is_nan() || end_s <= last_s {
+        return end_s;
+    }
+    let keep: Vec<bool> = time.iter().map(|time| *time > last_s).collect();
+    log.retain(&keep);
+    end_s
+}
+
+/// Puts the files of each segment together: one of each computer, the fullest.
+fn segments(sources: Vec<Source>, warnings: &mut Vec<String>) -> Vec<Source> {
+    let mut whole: Vec<Source> = Vec::new();
+    let mut known: Vec<Known> = Vec::new();
+    for source in sources {
+        let Kind::Part(part) = &source.kind else {
+            whole.push(source);
+            continue;
+        };
+        let found = known.iter().position(|(maker, segment, ..)| *maker == part.maker && *segment == part.segment);
+        let index = found.unwrap_or_else(|| {
+            known.push((part.maker, part.segment.clone(), whole.len(), [None, None]));
+            let kind = Kind::Segment(part.maker, Vec::new());
+            whole.push(Source {
+                path: source.path.clone(),
+                kind,
+                glider: source.glider.clone(),
+                start_s: source.start_s,
+            });
+            known.len() - 1
+        });
+        let (_, _, at, files) = &mut known[index];
+        let place = &mut files[usize::from(part.is_science)];
+        let mut left_out = Some((part.rank, source.path.clone()));
+        if place.as_ref().is_none_or(|(rank, _)| *rank < part.rank) {
+            left_out = place.replace((part.rank, source.path.clone()));
+        }
+        if let Some((_, path)) = left_out {
+            let name = printable(&path.to_string_lossy());
+            warnings.push(format!("left out: {name}, since a fuller record of the same segment is among the files"));
+        }
+        whole[*at].start_s = whole[*at].start_s.min(source.start_s);
+        whole[*at].kind = Kind::Segment(part.maker, files.iter().flatten().map(|(_, path)| path.clone()).collect());
+    }
+    whole
+}
+
 fn one_glider(sources: &[Source]) -> Result<(), InputError> {
     let mut named = sources.iter().filter(|source| !source.glider.is_empty());
     let Some(first) = named.next() else { return Ok(()) };
-    match named.find(|other| !other.glider.eq_ignore_ascii_case(&first.glider)) {
+    match named.find(|other| !is_same(&other.glider, &first.glider)) {
         None => Ok(()),
         Some(other) => {
             let problem = format!(
@@ -255,6 +360,13 @@ fn one_glider(sources: &[Source]) -> Result<(), InputError> {
             Err(InputError::new(Place::file(&other.path), problem).help("give the files of one glider"))
         }
     }
+}
+
+/// Whether two names are of one glider. A Slocum whose name was lost calls itself `unit_` and its number.
+fn is_same(one: &str, other: &str) -> bool {
+    let number = |name: &str| name.chars().rev().take_while(char::is_ascii_digit).collect::<String>();
+    let is_unnamed = one.starts_with("unit_") || other.starts_with("unit_");
+    one.eq_ignore_ascii_case(other) || (is_unnamed && !number(one).is_empty() && number(one) == number(other))
 }
 
 /// Sorts by time where all times are known; a record that is there twice is taken once.

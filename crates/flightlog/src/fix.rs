@@ -20,7 +20,6 @@ impl GpsFix {
 }
 
 /// Degrees from a receiver's `DDMM.mmm`, degrees and minutes in one number; NaN where the minutes are 60 or more.
-#[allow(dead_code, reason = "for the readers of Slocum and SeaExplorer files")]
 pub(super) fn degrees(ddmm: f64) -> f64 {
     let whole = (ddmm / 100.0).trunc();
     let minutes = ddmm - 100.0 * whole;

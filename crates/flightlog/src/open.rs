@@ -60,9 +60,9 @@ pub(super) fn refuse_foreign(path: &Path) -> Result<(), InputError> {
     let mut magic = [0u8; 8];
     let mut file = std::fs::File::open(path).map_err(|error| InputError::io(path, &error))?;
     let read = file.read(&mut magic).map_err(|error| InputError::io(path, &error))?;
-    if magic == *b"dbd_labe" {
-        let error = InputError::new(Place::file(path), "is a Slocum's binary file, which is not read here");
-        return Err(error.help("convert the mission to NetCDF (pyglider) or CSV (dbdreader), with its ballast volume"));
+    if magic.starts_with(&[0x1f, 0x8b]) {
+        let error = InputError::new(Place::file(path), "is a gzip archive, and no SeaExplorer file is in it");
+        return Err(error.help("unpack it first"));
     }
     if read == 0 {
         return Err(InputError::new(Place::file(path), "the file is empty, expected a flight log"));

@@ -81,6 +81,22 @@ impl Readings {
     }
 }
 
+/// Times with their values.
+type Column = (Vec<f64>, Vec<f64>);
+
+/// The times of the rows of a log, and the pressure there: that of the CTD, and of the vehicle where the CTD was off.
+pub(super) fn pressure_rows(ctd: Option<Column>, own: Option<Column>) -> Option<Column> {
+    let (ctd, own) = match (ctd, own) {
+        (Some(ctd), Some(own)) => (ctd, own),
+        (ctd, own) => return ctd.or(own),
+    };
+    let by_ctd = Readings::new(&ctd.0, &ctd.1);
+    let in_gaps = own.0.iter().zip(&own.1).filter(|(time, _)| by_ctd.at(**time).is_nan());
+    let mut rows: Vec<(f64, f64)> = ctd.0.iter().zip(&ctd.1).chain(in_gaps).map(|(t, p)| (*t, *p)).collect();
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Some(rows.into_iter().unzip())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

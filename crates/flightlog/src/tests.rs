@@ -6,6 +6,7 @@ mod condensing;
 mod lost_speeds;
 mod preparing;
 mod seaglider_files;
+mod segments;
 
 use std::path::PathBuf;
 

@@ -3,6 +3,7 @@
 mod archive;
 mod fmu_calls;
 mod fmu_state;
+mod glider_files;
 mod log;
 mod pilot;
 mod tank;
@@ -18,6 +19,8 @@ pub const TARGETS: &[Target] = &[
     tank::REDUCTION,
     log::CSV,
     log::NETCDF,
+    glider_files::SLOCUM,
+    glider_files::SEAEXPLORER,
     log::IDENTIFY,
     pilot::TRACK,
     pilot::CALIBRATION,

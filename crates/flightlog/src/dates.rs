@@ -1,0 +1,90 @@
+//! Times written as dates: `2023-04-18T16:49:57.5Z`, `18/04/2023 16:49:57`, with or without a zone.
+
+/// Unix time of a date, in UTC unless it states a zone \[s\]; nothing of a text that is none.
+pub(super) fn unix_s(text: &str) -> Option<f64> {
+    let text = text.trim();
+    let (date, clock) = match text.find(['T', 't', ' ']) {
+        Some(at) => (&text[..at], text[at + 1..].trim()),
+        None => (text, ""),
+    };
+    let (year, month, day) = date_of(date)?;
+    let (clock, zone_s) = without_zone(clock)?;
+    let mut parts = clock.split(':');
+    let mut number = |most: f64| -> Option<f64> {
+        match parts.next() {
+            None | Some("") => Some(0.0),
+            // A decimal comma is allowed by ISO 8601.
+            Some(part) => part
+                .replace(',', ".")
+                .parse()
+                .ok()
+                .filter(|value: &f64| (0.0..=most).contains(value) && !part.starts_with('+')),
+        }
+    };
+    let (hour, minute, second) = (number(24.0)?, number(59.0)?, number(60.999_999)?);
+    if parts.next().is_some() {
+        return None;
+    }
+    let days = days_since_1970(year, month, day)?;
+    Some(days as f64 * 86_400.0 + hour * 3600.0 + minute * 60.0 + second - zone_s)
+}
+
+/// `2023-04-18`, `2023/04/18`, or with the day first `18/04/2023`, `18.04.2023`.
+fn date_of(text: &str) -> Option<(i64, i64, i64)> {
+    let parts: Vec<&str> = text.split(['-', '/', '.']).collect();
+    let [a, b, c] = parts[..] else { return None };
+    let number = |text: &str| text.bytes().all(|digit| digit.is_ascii_digit()).then(|| text.parse::<i64>().ok())?;
+    match (a.len(), c.len()) {
+        (4, 1 | 2) => Some((number(a)?, number(b)?, number(c)?)),
+        (1 | 2, 4) => Some((number(c)?, number(b)?, number(a)?)),
+        _ => None,
+    }
+}
+
+/// The clock without `Z` or `+02:00`, and the seconds by which that zone is ahead.
+fn without_zone(clock: &str) -> Option<(&str, f64)> {
+    let clock = clock.trim_end_matches(" UTC").trim_end_matches(" utc");
+    if let Some(clock) = clock.strip_suffix(['Z', 'z']) {
+        return Some((clock, 0.0));
+    }
+    let Some(at) = clock.rfind(['+', '-']) else { return Some((clock, 0.0)) };
+    let sign = if clock.as_bytes()[at] == b'+' { 1.0 } else { -1.0 };
+    let digits: String = clock[at + 1..].chars().filter(|c| *c != ':').collect();
+    let hours: f64 = digits.get(..2)?.parse().ok()?;
+    let minutes: f64 = if digits.len() > 2 { digits.get(2..4)?.parse().ok()? } else { 0.0 };
+    Some((clock[..at].trim(), sign * (hours * 3600.0 + minutes * 60.0)))
+}
+
+/// Days from 1970-01-01 to a date of the Gregorian calendar; the year begins in March, so that leap days are last.
+fn days_since_1970(year: i64, month: i64, day: i64) -> Option<i64> {
+    if !(1..=12).contains(&month) || !(1..=31).contains(&day) || !(1900..3000).contains(&year) {
+        return None;
+    }
+    let (year, month) = if month > 2 { (year, month - 3) } else { (year - 1, month + 9) };
+    let days_of_year = (153 * month + 2) / 5 + day - 1;
+    Some(365 * year + year.div_euclid(4) - year.div_euclid(100) + year.div_euclid(400) + days_of_year - 719_468)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dates_are_unix_times() {
+        // 2023-04-18T16:49:57Z by `date -u +%s`.
+        for text in [
+            "2023-04-18T16:49:57Z",
+            "2023-04-18 16:49:57",
+            "18/04/2023 16:49:57",
+            "2023-04-18T18:49:57+02:00",
+            "2023-04-18T16:49:57.000000000",
+        ] {
+            assert_eq!(unix_s(text), Some(1_681_836_597.0), "{text}");
+        }
+        assert_eq!(unix_s("1970-01-01"), Some(0.0));
+        assert_eq!(unix_s("22/07/2019 05:24:38.427").map(|t| (t * 1e3).round()), Some(1_563_773_078_427.0));
+        for text in ["", "12.5", "2023-13-01", "2023-04-18T25:00:00", "yesterday", "1.2.3", "2023-04-18T16:49:57:1"] {
+            assert_eq!(unix_s(text), None, "{text}");
+        }
+    }
+}

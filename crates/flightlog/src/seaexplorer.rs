@@ -1,0 +1,356 @@
+//! Files of SeaExplorer gliders: `gli.sub.N` of the vehicle and `pld1.sub.N` or `pld1.raw.N` of the payload, gzipped or not.
+//!
+//! Tables of text with `;` between cells and behind the last; times `DD/MM/YYYY HH:MM:SS(.mmm)`, positions `DDMM.mmm`,
+//! missing cells empty or 9999. The rows of the log are the readings of the CTD's pressure, the vehicle's depth where there
+//! are none; all else is brought to these times by straight lines.
+//!
+//! Angles are degrees, nose up and starboard down positive; `BallastPos` cc, up positive; `LinPos` mm, the battery forward
+//! positive. `NavState` 100 is a dive, 117 a climb, 110 and 118 the turns
+//! between them, 115 and 116 the surface.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use flate2::read::MultiGzDecoder;
+
+use super::ad2cp::{self, Ping};
+use super::channels::{Channel, FlightLog};
+use super::columns::Columns;
+use super::dates::unix_s;
+use super::fix::{GpsFix, degrees};
+use super::resample::{Readings, pressure_rows};
+use super::units::is_angle;
+use glidepolar_input::{InputError, Place, printable};
+
+const DEG: f64 = std::f64::consts::PI / 180.0;
+
+/// Where channels are found, the best column first, and the factor to the unit kept here.
+const COLUMNS: &[(Channel, &[(&str, f64)])] = &[
+    (Channel::Pitch, &[("Pitch", DEG)]),
+    (Channel::Ballast, &[("BallastPos", 1.0)]),
+    (Channel::Roll, &[("Roll", DEG)]),
+    (Channel::Heading, &[("Heading", DEG)]),
+    (Channel::BatteryPosition, &[("LinPos", 0.001)]),
+    (Channel::Voltage, &[("Voltage", 1.0)]),
+    (Channel::Temperature, &[("GPCTD_TEMPERATURE", 1.0), ("LEGATO_TEMPERATURE", 1.0), ("CTD_TEMPERATURE", 1.0)]),
+    // The Seabird gives S/m, the RBR mS/cm.
+    (Channel::Conductivity, &[("GPCTD_CONDUCTIVITY", 1.0), ("LEGATO_CONDUCTIVITY", 0.1), ("CTD_CONDUCTIVITY", 1.0)]),
+    (Channel::Salinity, &[("LEGATO_SALINITY", 1.0)]),
+    (Channel::Latitude, &[("Lat", 1.0), ("NAV_LATITUDE", 1.0)]),
+    (Channel::Longitude, &[("Lon", 1.0), ("NAV_LONGITUDE", 1.0)]),
+    (Channel::Density, &[]),
+    (Channel::Speed, &[]),
+];
+
+const PRESSURES: [&str; 3] = ["GPCTD_PRESSURE", "LEGATO_PRESSURE", "CTD_PRESSURE"];
+const DEPTHS: [&str; 2] = ["Depth", "NAV_DEPTH"];
+const DBAR_PER_M: f64 = 1.0055;
+
+/// States in which the vehicle turns or lies at the surface: nothing there is a glide.
+const NO_GLIDE: [f64; 4] = [110.0, 115.0, 116.0, 118.0];
+
+/// States at the surface, where positions are those of the receiver.
+const SURFACE: f64 = 116.0;
+
+/// What stands for a missing value.
+const MISSING: f64 = 9999.0;
+
+/// Largest file of one segment, unpacked \[bytes\]: what is longer is no file of a glider, or made to exhaust the memory.
+const LARGEST: u64 = 2 << 30;
+
+/// What a file is, before it is read.
+pub(super) struct Headline {
+    pub(super) glider: String,
+    pub(super) segment: String,
+    pub(super) start_s: f64,
+    /// `raw` before `sub`.
+    pub(super) rank: u8,
+    pub(super) is_payload: bool,
+}
+
+/// Whether a file begins as one of a SeaExplorer; gzipped files are looked into.
+pub(super) fn is_one(path: &Path) -> Result<bool, InputError> {
+    let mut start = Vec::new();
+    // What does not unpack is reported where it is read.
+    let _ = content(path)?.take(4096).read_to_end(&mut start);
+    let text = String::from_utf8_lossy(&start);
+    let first = text.lines().next().unwrap_or("").trim_start_matches('\u{feff}');
+    Ok(first.starts_with("PLD_REALTIMECLOCK;") || (first.starts_with("Timestamp;") && first.contains("NavState")))
+}
+
+/// Whether a file is gzipped.
+pub(super) fn is_gzip(path: &Path) -> Result<bool, InputError> {
+    let mut magic = Vec::new();
+    let file = File::open(path).map_err(|error| InputError::io(path, &error))?;
+    file.take(2).read_to_end(&mut magic).map_err(|error| InputError::io(path, &error))?;
+    Ok(magic == [0x1f, 0x8b])
+}
+
+fn content(path: &Path) -> Result<Box<dyn Read>, InputError> {
+    let is_gzip = is_gzip(path)?;
+    let file = std::io::BufReader::new(File::open(path).map_err(|error| InputError::io(path, &error))?);
+    Ok(if is_gzip { Box::new(MultiGzDecoder::new(file).take(LARGEST)) } else { Box::new(file) })
+}
+
+/// What the name and the first row of a file say: `sea035.12.gli.sub.39.gz`.
+///
+/// # Errors
+/// A file that cannot be read.
+pub(super) fn headline(path: &Path) -> Result<Headline, InputError> {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let parts: Vec<&str> = name.trim_end_matches(".gz").split('.').collect();
+    let (glider, segment, rank) = match parts[..] {
+        [glider, mission, _, stage, number] => (
+            glider.to_owned(),
+            // Numbers with and without leading zeros are the same.
+            format!("{glider}.{mission}.{}", number.trim_start_matches('0')),
+            u8::from(stage == "raw"),
+        ),
+        _ => (String::new(), name.clone(), 0),
+    };
+    let mut table = Table::open(path)?;
+    let is_payload = table.columns.first().is_some_and(|first| first == "PLD_REALTIMECLOCK");
+    let start_s = table.next_row()?.map_or(f64::NAN, |(time, _)| time);
+    Ok(Headline { glider, segment, start_s, rank, is_payload })
+}
+
+/// Reads the files of one segment: the vehicle's, the payload's, or both.
+///
+/// # Errors
+/// A file that cannot be read.
+pub(super) fn read(
+    paths: &[PathBuf],
+    columns: &Columns,
+    fixes: &mut Vec<GpsFix>,
+    warnings: &mut Vec<String>,
+) -> Result<FlightLog, InputError> {
+    let mut log = FlightLog::default();
+    let mut tables = Vec::new();
+    for path in paths {
+        let mut table = Table::open(path)?;
+        tables.push(table.whole(warnings)?);
+    }
+    let of = |name: &str| tables.iter().find_map(|table| table.of(name));
+    let first = |names: &[&str]| names.iter().find_map(|name| of(name).filter(|(times, _)| times.len() > 1));
+    let chosen = |channel: Channel| columns.of(channel).filter(|name| *name != ad2cp::NAME);
+    let ctd = match chosen(Channel::Pressure) {
+        Some(name) => first(&[name]),
+        None => first(&PRESSURES),
+    };
+    let depth = first(&DEPTHS).map(|(times, depth)| (times, depth.iter().map(|z| z * DBAR_PER_M).collect::<Vec<_>>()));
+    let own = if chosen(Channel::Pressure).is_some() { None } else { depth };
+    let Some((mut rows, mut pressure)) = pressure_rows(ctd, own) else {
+        warnings.push(format!("{}: no pressure and no depth in it, left out", printable(&paths[0].to_string_lossy())));
+        return Ok(log);
+    };
+    let mut pings = Vec::new();
+    if columns.of(Channel::Speed) == Some(ad2cp::NAME) {
+        let readings = Readings::new(&rows, &pressure);
+        pings = tables.iter().find_map(|table| table.pings(&readings)).unwrap_or_default();
+        let with_pings = ad2cp::rows(&rows, &pings);
+        if with_pings.len() > rows.len() {
+            pressure = readings.at_all(&with_pings);
+            rows = with_pings;
+        }
+    }
+    for &(channel, names) in COLUMNS {
+        let found = match chosen(channel) {
+            Some(name) => Some((name, columns.unit(channel).map_or(1.0, |unit| unit.factor))),
+            None => names.iter().copied().find(|(name, _)| of(name).is_some_and(|(times, _)| !times.is_empty())),
+        };
+        let Some((name, factor)) = found else { continue };
+        let factor = columns.unit(channel).map_or(factor, |unit| unit.factor);
+        let Some((times, values)) = of(name) else { continue };
+        let is_position = matches!(channel, Channel::Latitude | Channel::Longitude);
+        let values: Vec<f64> = values.iter().map(|v| if is_position { degrees(*v) } else { v * factor }).collect();
+        let readings = if is_angle(channel) { Readings::of_angles } else { Readings::new };
+        let mut column = readings(&times, &values).at_all(&rows);
+        if channel == Channel::Heading {
+            column.iter_mut().for_each(|angle| *angle = angle.rem_euclid(std::f64::consts::TAU));
+        }
+        log.set(channel, column);
+    }
+    if let Some((times, states)) = first(&["NavState", "NAV_RESOURCE"]) {
+        // The state holds until the next is written.
+        let state = |time: f64| states[times.partition_point(|t| *t <= time).saturating_sub(1)];
+        log.set(
+            Channel::MotorMoving,
+            rows.iter().map(|t| f64::from(u8::from(NO_GLIDE.contains(&state(*t))))).collect(),
+        );
+    }
+    if !pings.is_empty() {
+        log.set(Channel::Speed, ad2cp::column(&rows, &pings));
+    }
+    log.set(Channel::Pressure, pressure);
+    log.set(Channel::Time, rows);
+    fixes.extend(tables.iter().flat_map(Whole::fixes));
+    Ok(log)
+}
+
+/// A file that is being read.
+struct Table {
+    path: PathBuf,
+    reader: ::csv::Reader<Box<dyn Read>>,
+    columns: Vec<String>,
+    record: ::csv::ByteRecord,
+}
+
+impl Table {
+    fn open(path: &Path) -> Result<Self, InputError> {
+        let mut builder = ::csv::ReaderBuilder::new();
+        builder.delimiter(b';').flexible(true).quoting(false).trim(::csv::Trim::All);
+        let mut reader = builder.from_reader(content(path)?);
+        let header = reader.byte_headers().map_err(|error| unreadable(path, &error))?;
+        let columns = header.iter().map(|cell| String::from_utf8_lossy(cell).trim_start_matches('\u{feff}').to_owned());
+        let columns = columns.collect();
+        Ok(Table { path: path.to_owned(), reader, columns, record: ::csv::ByteRecord::new() })
+    }
+
+    /// The next row with a time; nothing at the end.
+    fn next_row(&mut self) -> Result<Option<(f64, &::csv::ByteRecord)>, InputError> {
+        loop {
+            match self.reader.read_byte_record(&mut self.record) {
+                Ok(true) => {}
+                Ok(false) => return Ok(None),
+                Err(error) => return Err(unreadable(&self.path, &error)),
+            }
+            let time = self.record.get(0).and_then(|cell| unix_s(std::str::from_utf8(cell).ok()?));
+            if let Some(time) = time {
+                return Ok(Some((time, &self.record)));
+            }
+        }
+    }
+
+    /// All rows. What is damaged is left out and counted; a file that ends too early is read as far as it goes.
+    fn whole(&mut self, warnings: &mut Vec<String>) -> Result<Whole, InputError> {
+        let mut whole = Whole {
+            columns: self.columns.clone(),
+            times: Vec::new(),
+            values: vec![Vec::new(); self.columns.len()],
+            pings: Vec::new(),
+        };
+        let name = printable(&self.path.to_string_lossy());
+        let clock = self.columns.iter().position(|column| column == "AD2CP_TIME");
+        let width = self.columns.iter().filter(|column| !column.is_empty()).count();
+        let (mut wrong, mut short, mut first_wrong) = (0usize, 0usize, String::new());
+        loop {
+            let (time, record) = match self.next_row() {
+                Ok(Some(row)) => row,
+                Ok(None) => break,
+                Err(error) if whole.times.is_empty() => return Err(error),
+                Err(error) => {
+                    warnings.push(format!("read as far as it goes: {error}"));
+                    break;
+                }
+            };
+            short += usize::from(record.len() < width);
+            whole.times.push(time);
+            whole.pings.push(
+                clock.and_then(|cell| ping_time(std::str::from_utf8(record.get(cell)?).ok()?)).unwrap_or(f64::NAN),
+            );
+            let Whole { columns, values: all, .. } = &mut whole;
+            for (cell, values) in all.iter_mut().enumerate() {
+                let text = record.get(cell).unwrap_or(b"");
+                let value = super::csv::number(text);
+                if value.is_none() && cell > 0 && Some(cell) != clock {
+                    if wrong == 0 {
+                        first_wrong = format!(
+                            "`{}` in `{}`",
+                            printable(&String::from_utf8_lossy(text)),
+                            printable(&columns[cell])
+                        );
+                    }
+                    wrong += 1;
+                }
+                values.push(value.filter(|value| *value != MISSING).unwrap_or(f64::NAN));
+            }
+        }
+        if wrong > 0 {
+            warnings
+                .push(format!("{name}: {wrong} cells are no numbers and were left out, the first is {first_wrong}"));
+        }
+        if short > 0 {
+            warnings
+                .push(format!("{name}: {short} rows have fewer cells than the line of names; was the file cut off?"));
+        }
+        Ok(whole)
+    }
+}
+
+/// A whole table.
+struct Whole {
+    columns: Vec<String>,
+    times: Vec<f64>,
+    values: Vec<Vec<f64>>,
+    /// The times of the current profiler's own pings.
+    pings: Vec<f64>,
+}
+
+impl Whole {
+    fn column(&self, name: &str) -> Option<&[f64]> {
+        self.columns.iter().position(|column| column == name).map(|cell| &self.values[cell][..])
+    }
+
+    /// The values of a column that are there, with their times.
+    fn of(&self, name: &str) -> Option<(Vec<f64>, Vec<f64>)> {
+        let column = self.column(name)?;
+        Some(self.times.iter().zip(column).filter(|(_, value)| value.is_finite()).map(|(t, v)| (*t, *v)).unzip())
+    }
+
+    /// Positions at the surface that are not dead reckoning.
+    fn fixes(&self) -> Vec<GpsFix> {
+        let (Some(state), Some(lat), Some(lon)) = (self.column("NavState"), self.column("Lat"), self.column("Lon"))
+        else {
+            return Vec::new();
+        };
+        let reckoned = self.column("DeadReckoning");
+        let mut fixes: Vec<GpsFix> = Vec::new();
+        for row in 0..self.times.len() {
+            let is_reckoned = reckoned.is_some_and(|column| column[row] != 0.0);
+            if state[row] != SURFACE || is_reckoned {
+                continue;
+            }
+            let Some(fix) = GpsFix::new(self.times[row], degrees(lat[row]), degrees(lon[row])) else { continue };
+            // The position of the last fix is written until there is a new one.
+            if fixes.last().is_none_or(|last| (last.lat_deg, last.lon_deg) != (fix.lat_deg, fix.lon_deg)) {
+                fixes.push(fix);
+            }
+        }
+        fixes
+    }
+
+    /// The speed by the nearest cell of the current profiler's four beams: two fore and aft at 47.5 deg from its axis, two to
+    /// the sides at 25 deg.
+    fn pings(&self, pressure: &Readings) -> Option<Vec<Ping>> {
+        let beams: Vec<&[f64]> = (1..=4).filter_map(|beam| self.column(&format!("AD2CP_V{beam}_CN1"))).collect();
+        let [fore, side, aft, other] = beams[..] else { return None };
+        let pitch = self.column("AD2CP_PITCH")?;
+        let rows = (0..self.times.len()).filter(|&row| self.pings[row].is_finite());
+        let pings = rows.filter_map(|row| {
+            let beams = [fore[row], side[row], aft[row], other[row]];
+            ad2cp::of_four_beams(self.pings[row], beams, pitch[row].to_radians(), pressure)
+        });
+        let mut pings: Vec<Ping> = pings.collect();
+        pings.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+        pings.dedup_by(|later, earlier| later.time_s <= earlier.time_s);
+        Some(pings)
+    }
+}
+
+/// `MMDDYY HH:MM:SS`, the profiler's own clock.
+fn ping_time(text: &str) -> Option<f64> {
+    let (date, clock) = text.trim().split_once(' ')?;
+    if date.len() != 6 || !date.bytes().all(|digit| digit.is_ascii_digit()) {
+        return None;
+    }
+    unix_s(&format!("20{}-{}-{}T{clock}", &date[4..6], &date[..2], &date[2..4]))
+}
+
+fn unreadable(path: &Path, error: &::csv::Error) -> InputError {
+    let place = match error.position() {
+        Some(position) => Place::line(path, position.line() as usize),
+        None => Place::file(path),
+    };
+    InputError::new(place, format!("not readable: {}", printable(&error.to_string()))).help("was the file cut off?")
+}

@@ -1,0 +1,380 @@
+//! Binary files of Slocum gliders: flight and science file of a segment merged into one time series.
+//!
+//! Flight computer and science computer write files of their own, each with its own clock, and each sensor is read when it
+//! is its turn. The rows of the log are the readings of pressure, the CTD's where the segment has them and the glider's own
+//! elsewhere; all else is brought to these times by straight lines.
+//!
+//! Pressures are bar, angles radians, battery positions inches, positions `DDMM.mmm`. A value that the glider read again and
+//! found unchanged is a reading as well.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use glidepolar_dbd::{Caches, Error, Header, Reader};
+
+use super::channels::{CHANNELS, Channel, FlightLog};
+use super::columns::Columns;
+use super::fix::{GpsFix, degrees};
+use super::resample::{Readings, pressure_rows};
+use super::units::{self, Conversion, is_angle};
+use glidepolar_input::{InputError, Place, printable};
+
+/// Where channels are found, the best sensor first, and the unit in which gliders have them.
+const SENSORS: &[(Channel, &[&str], f64)] = &[
+    (Channel::Pitch, &["m_pitch"], 1.0),
+    (Channel::Ballast, &["m_ballast_pumped", "m_de_oil_vol"], 1.0),
+    (Channel::Roll, &["m_roll"], 1.0),
+    (Channel::Heading, &["m_heading"], 1.0),
+    (Channel::Rudder, &["m_fin"], 1.0),
+    (Channel::BatteryPosition, &["m_battpos"], 0.0254),
+    (Channel::Temperature, &["sci_water_temp", "m_water_temp"], 1.0),
+    (Channel::Conductivity, &["sci_water_cond", "m_water_cond"], 1.0),
+    (Channel::Charge, &["m_coulomb_amphr_total", "m_coulomb_amphr"], 1.0),
+    (Channel::Voltage, &["m_battery"], 1.0),
+    (Channel::Latitude, &["m_lat"], 1.0),
+    (Channel::Longitude, &["m_lon"], 1.0),
+    (Channel::Salinity, &[], 1.0),
+    (Channel::Density, &[], 1.0),
+    (Channel::Speed, &[], 1.0),
+];
+
+/// Pressure of the CTD, then of the glider; bar to dbar.
+const PRESSURES: [&str; 3] = ["sci_water_pressure", "m_pressure", "m_water_pressure"];
+const BAR: f64 = 10.0;
+
+/// Depth, where no pressure is stored; 1 m of sea water of 1025 kg/m3 is 1.0055 dbar.
+const DEPTH: &str = "m_depth";
+const DBAR_PER_M: f64 = 1.0055;
+
+/// Cycles of one file that are held at once.
+const CYCLES: usize = 200_000;
+
+/// Times that a glider can have \[s\].
+const TIMES: std::ops::Range<f64> = 1e8..5e9;
+
+/// What a file is, before it is read.
+pub(super) struct Headline {
+    pub(super) glider: String,
+    pub(super) segment: String,
+    pub(super) start_s: f64,
+    /// How full a record of its computer it is: `dbd` before `mbd` before `sbd`; and of which computer.
+    pub(super) rank: u8,
+    pub(super) is_science: bool,
+}
+
+/// Whether a file is one of a Slocum's, compressed or not.
+pub(super) fn is_one(path: &Path) -> Result<bool, InputError> {
+    let mut start = Vec::new();
+    let file = std::fs::File::open(path).map_err(|error| InputError::io(path, &error))?;
+    file.take(64).read_to_end(&mut start).map_err(|error| InputError::io(path, &error))?;
+    Ok(glidepolar_dbd::is_one(&start))
+}
+
+/// Reads the header of a file.
+///
+/// # Errors
+/// A header that is damaged, a list of sensors that is not to be found.
+pub(super) fn headline(path: &Path, columns: &Columns) -> Result<Headline, InputError> {
+    let reader = Reader::open(path, &caches(columns)).map_err(|error| input(&error))?;
+    let header = reader.header();
+    let has = |name: &str| reader.sensors().iter().any(|sensor| sensor.name == name);
+    let kind = header.get("filename_extension").to_lowercase();
+    let (rank, is_science) = match kind.as_bytes().first() {
+        Some(b'd') => (2, false),
+        Some(b'm') => (1, false),
+        Some(b's') => (0, false),
+        Some(b'e') => (2, true),
+        Some(b'n') => (1, true),
+        Some(b't') => (0, true),
+        _ => (0, !has("m_present_time")),
+    };
+    Ok(Headline {
+        glider: header.glider().to_owned(),
+        segment: segment(header, path),
+        start_s: header.opened_s().unwrap_or(f64::NAN),
+        rank,
+        is_science,
+    })
+}
+
+fn segment(header: &Header, path: &Path) -> String {
+    match header.segment() {
+        "" => path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default(),
+        name => name.to_owned(),
+    }
+}
+
+fn caches(columns: &Columns) -> Caches {
+    Caches::new(columns.caches().iter().cloned())
+}
+
+fn input(error: &Error) -> InputError {
+    let place = error.place.to_string();
+    let place = place.trim_start_matches(", ");
+    let problem = if place.is_empty() { error.problem.clone() } else { format!("{place}: {}", error.problem) };
+    let input = InputError::new(Place::file(&error.file), problem);
+    match &error.help {
+        Some(help) => input.help(help.clone()),
+        None => input,
+    }
+}
+
+/// A segment that is being read.
+pub struct Segment {
+    files: Vec<File>,
+    columns: Columns,
+    names: Vec<String>,
+    has_rows: bool,
+}
+
+/// One of its files.
+struct File {
+    path: PathBuf,
+    reader: Reader,
+    ended: bool,
+    /// A cycle that was read ahead of its time.
+    next: Option<(f64, Vec<f64>)>,
+    reported: usize,
+}
+
+impl Segment {
+    /// Opens the files of one segment: those of the flight computer, of the science computer, or both.
+    ///
+    /// # Errors
+    /// A file that cannot be opened.
+    pub(super) fn open(paths: &[PathBuf], columns: &Columns) -> Result<Self, InputError> {
+        let mut names: Vec<String> =
+            ["m_present_time", "sci_m_present_time", "m_gps_lat", "m_gps_lon", "m_gps_status", DEPTH]
+                .into_iter()
+                .chain(PRESSURES)
+                .chain(SENSORS.iter().flat_map(|(_, names, _)| names.iter().copied()))
+                .map(str::to_owned)
+                .collect();
+        names.extend(CHANNELS.iter().filter_map(|info| columns.of(info.channel)).map(str::to_owned));
+        let mut files = Vec::new();
+        for path in paths {
+            let mut reader = Reader::open(path, &caches(columns)).map_err(|error| input(&error))?;
+            reader.select(&names);
+            files.push(File { path: path.clone(), reader, ended: false, next: None, reported: 0 });
+        }
+        Ok(Segment { files, columns: columns.clone(), names, has_rows: false })
+    }
+
+    /// The next piece, its fixes and notes added to those that are there; nothing at the end.
+    ///
+    /// # Errors
+    /// Where a file cannot be read any further.
+    pub(super) fn next_piece(
+        &mut self,
+        fixes: &mut Vec<GpsFix>,
+        warnings: &mut Vec<String>,
+    ) -> Result<Option<FlightLog>, InputError> {
+        let mut readings = Sensors::new(self.names.len());
+        // The first file that still has cycles leads; the others follow up to its time.
+        let mut end_s = f64::INFINITY;
+        let mut leads = true;
+        for file in &mut self.files {
+            if file.ended && file.next.is_none() {
+                continue;
+            }
+            let last_s = file.collect(&mut readings, if leads { f64::INFINITY } else { end_s }, leads)?;
+            if leads && !file.ended {
+                end_s = last_s;
+            }
+            leads = false;
+            file.report(warnings);
+        }
+        if leads {
+            return Ok(None);
+        }
+        readings.sort();
+        fixes.extend(readings.fixes());
+        let log = self.log(&readings)?;
+        if log.is_empty() && !self.has_rows && readings.is_some() {
+            let files: Vec<String> = self.files.iter().map(|file| file.path.display().to_string()).collect();
+            warnings.push(format!("{}: no pressure and no depth in it, left out", printable(&files.join(", "))));
+        }
+        self.has_rows |= !log.is_empty();
+        Ok(Some(log))
+    }
+
+    fn log(&self, readings: &Sensors) -> Result<FlightLog, InputError> {
+        let mut log = FlightLog::default();
+        let Some((rows, pressure)) = self.pressure(readings) else { return Ok(log) };
+        for &(channel, names, usual) in SENSORS {
+            let chosen = self.columns.of(channel);
+            let Some(sensor) = self.sensor(readings, chosen.map_or(names, |_| &[]), chosen) else { continue };
+            let name = &self.names[sensor];
+            let conversion = match (self.columns.unit(channel), chosen) {
+                (Some(unit), _) => unit,
+                (None, None) => Conversion::by(usual),
+                (None, Some(_)) => self.stated(channel, name)?,
+            };
+            let (times, values) = readings.of(sensor);
+            let is_position = matches!(channel, Channel::Latitude | Channel::Longitude) && chosen.is_none();
+            let of = |value: f64| if is_position { degrees(value) } else { conversion.of(value) };
+            let values: Vec<f64> = values.iter().map(|value| of(*value)).collect();
+            let readings = if is_angle(channel) { Readings::of_angles } else { Readings::new };
+            let mut column = readings(&times, &values).at_all(&rows);
+            if channel == Channel::Heading {
+                column.iter_mut().for_each(|angle| *angle = angle.rem_euclid(std::f64::consts::TAU));
+            }
+            log.set(channel, column);
+        }
+        log.set(Channel::Pressure, pressure);
+        log.set(Channel::Time, rows);
+        Ok(log)
+    }
+
+    /// The times of the rows, and the pressure there.
+    fn pressure(&self, readings: &Sensors) -> Option<(Vec<f64>, Vec<f64>)> {
+        let of = |name: &str, factor: f64| -> Option<(Vec<f64>, Vec<f64>)> {
+            let sensor = self.names.iter().position(|known| known == name)?;
+            let (times, values) = readings.of(sensor);
+            (times.len() > 1).then(|| (times, values.iter().map(|value| value * factor).collect()))
+        };
+        if let Some(name) = self.columns.of(Channel::Pressure) {
+            let factor = self.columns.unit(Channel::Pressure).map_or(BAR, |unit| unit.factor);
+            return of(name, factor);
+        }
+        let ctd = of(PRESSURES[0], BAR);
+        let own = of(PRESSURES[1], BAR).or_else(|| of(DEPTH, DBAR_PER_M)).or_else(|| of(PRESSURES[2], BAR));
+        pressure_rows(ctd, own)
+    }
+
+    /// The sensor that holds a channel: of several that were read, the one that moved most.
+    fn sensor(&self, readings: &Sensors, names: &[&str], chosen: Option<&str>) -> Option<usize> {
+        let found =
+            names.iter().copied().chain(chosen).filter_map(|name| self.names.iter().position(|known| known == name));
+        let range = |sensor: usize| {
+            let values = || readings.values[sensor].iter().map(|(_, value)| *value);
+            values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
+        };
+        let mut best: Option<(usize, f64)> = None;
+        for sensor in found.filter(|sensor| !readings.values[*sensor].is_empty()) {
+            if best.is_none_or(|(_, most)| range(sensor) > most) {
+                best = Some((sensor, range(sensor)));
+            }
+        }
+        best.map(|(sensor, _)| sensor)
+    }
+
+    /// The unit of a sensor that the user chose, as the file states it.
+    fn stated(&self, channel: Channel, name: &str) -> Result<Conversion, InputError> {
+        let sensor = |file: &File| file.reader.sensors().iter().find(|sensor| sensor.name == name).cloned();
+        let Some((file, sensor)) = self.files.iter().find_map(|file| Some((file, sensor(file)?))) else {
+            return Ok(Conversion::NONE);
+        };
+        if ["nodim", "enum", "bool"].contains(&sensor.unit.as_str()) {
+            return Ok(Conversion::NONE);
+        }
+        units::conversion(channel, &sensor.unit).ok_or_else(|| {
+            let problem = format!(
+                "sensor `{}` is in `{}`, a unit that is not known here",
+                printable(name),
+                printable(&sensor.unit)
+            );
+            let option = CHANNELS[channel as usize].name;
+            InputError::new(Place::file(&file.path), problem).help(format!("state it by --unit {option}=UNIT"))
+        })
+    }
+}
+
+impl File {
+    /// Takes cycles up to a time, and of the file that leads no more than are held at once; the last time comes back.
+    fn collect(&mut self, readings: &mut Sensors, end_s: f64, leads: bool) -> Result<f64, InputError> {
+        let (mut last_s, mut cycles) = (f64::NEG_INFINITY, 0);
+        if let Some((time, values)) = self.next.take() {
+            if time > end_s {
+                self.next = Some((time, values));
+                return Ok(last_s);
+            }
+            readings.take(time, &values);
+        }
+        while !self.ended {
+            if leads && cycles >= CYCLES {
+                break;
+            }
+            let Some(cycle) = self.reader.next_cycle().map_err(|error| input(&error))? else {
+                self.ended = true;
+                break;
+            };
+            cycles += 1;
+            let time = if cycle.values[0].is_finite() { cycle.values[0] } else { cycle.values[1] };
+            if !TIMES.contains(&time) {
+                continue;
+            }
+            if time > end_s {
+                self.next = Some((time, cycle.values.to_vec()));
+                break;
+            }
+            last_s = last_s.max(time);
+            readings.take(time, cycle.values);
+        }
+        Ok(last_s)
+    }
+
+    /// Adds what was damaged.
+    fn report(&mut self, warnings: &mut Vec<String>) {
+        let name = printable(&self.path.to_string_lossy());
+        for damage in &self.reader.damages()[self.reported..] {
+            warnings.push(format!("{name}: {damage}"));
+        }
+        self.reported = self.reader.damages().len();
+    }
+}
+
+/// What the sensors of both computers read, each at its times.
+struct Sensors {
+    values: Vec<Vec<(f64, f64)>>,
+    positions: Vec<(f64, f64, f64)>,
+}
+
+/// Places among the names.
+const LAT: usize = 2;
+const LON: usize = 3;
+const STATUS: usize = 4;
+
+impl Sensors {
+    fn new(sensors: usize) -> Self {
+        Sensors { values: vec![Vec::new(); sensors], positions: Vec::new() }
+    }
+
+    fn take(&mut self, time: f64, values: &[f64]) {
+        for (readings, value) in self.values.iter_mut().zip(values).filter(|(_, value)| value.is_finite()) {
+            readings.push((time, *value));
+        }
+        let has_fix = !(values[STATUS].is_finite() && values[STATUS] != 0.0);
+        if has_fix && values[LAT].is_finite() && values[LON].is_finite() {
+            self.positions.push((time, values[LAT], values[LON]));
+        }
+    }
+
+    fn is_some(&self) -> bool {
+        self.values.iter().any(|readings| !readings.is_empty())
+    }
+
+    fn sort(&mut self) {
+        for readings in &mut self.values {
+            readings.sort_by(|a, b| a.0.total_cmp(&b.0));
+        }
+    }
+
+    fn of(&self, sensor: usize) -> (Vec<f64>, Vec<f64>) {
+        self.values[sensor].iter().copied().unzip()
+    }
+
+    /// Positions that changed: while under water the last one is read again and again.
+    fn fixes(&self) -> Vec<GpsFix> {
+        let mut last = (f64::NAN, f64::NAN);
+        let mut fixes = Vec::new();
+        for &(time, lat, lon) in &self.positions {
+            if (lat, lon) == last {
+                continue;
+            }
+            last = (lat, lon);
+            fixes.extend(GpsFix::new(time, degrees(lat), degrees(lon)));
+        }
+        fixes
+    }
+}

@@ -1,0 +1,230 @@
+//! Segments of Slocum and SeaExplorer gliders: the files of two computers become one log.
+
+use super::*;
+use crate::{LogFiles, Piece};
+
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Folder(tempfile::tempdir().expect("a folder"))
+    }
+
+    fn write(&self, name: &str, bytes: &[u8]) -> PathBuf {
+        let path = self.0.path().join(name);
+        std::fs::write(&path, bytes).expect("a file");
+        path
+    }
+}
+
+fn whole(paths: &[PathBuf], columns: &Columns) -> Result<(FlightLog, LogFiles), InputError> {
+    let mut files = LogFiles::open(paths, columns)?;
+    let mut log = FlightLog::default();
+    while let Some(piece) = files.next_piece(1000)? {
+        match piece {
+            Piece::Series(piece) => log.append(&piece),
+            Piece::Glides(_) => panic!("a time series"),
+        }
+    }
+    Ok((log, files))
+}
+
+/// A Slocum's file whose sensors are all new in each row, eight bytes each.
+fn dbd(name: &str, extension: &str, sensors: &[(&str, &str)], rows: &[Vec<f64>]) -> Vec<u8> {
+    let n = sensors.len();
+    let list: String =
+        sensors.iter().enumerate().map(|(i, (name, unit))| format!("s: T {i:4} {i:4} 8 {name} {unit}\n")).collect();
+    let mut crc = u32::MAX;
+    for byte in list.bytes() {
+        crc ^= u32::from(byte);
+        for _ in 0..8 {
+            crc = if crc & 1 == 1 { crc >> 1 ^ 0xEDB8_8320 } else { crc >> 1 };
+        }
+    }
+    let mut bytes = format!(
+        "dbd_label: DBD(dinkum_binary_data)file\nencoding_ver: 5\nnum_ascii_tags: 14\nall_sensors: F\n\
+         the8x3_filename: 01600000\nfull_filename: {name}\nfilename_extension: {extension}\nmission_name: a.mi\n\
+         fileopen_time: Sun_Sep_13_12:26:40_2020\ntotal_num_sensors: {n}\nsensors_per_cycle: {n}\n\
+         state_bytes_per_cycle: {}\nsensor_list_crc: {crc:08x}\nsensor_list_factored: 0\n{list}",
+        n.div_ceil(4)
+    )
+    .into_bytes();
+    bytes.extend(b"sa\x34\x12");
+    bytes.extend(123.456f32.to_le_bytes());
+    bytes.extend(123_456_789.123_45f64.to_le_bytes());
+    for row in rows {
+        bytes.push(b'd');
+        // Two bits of each sensor: new.
+        for byte in 0..n.div_ceil(4) {
+            bytes.push((0..4).filter(|i| 4 * byte + i < n).map(|i| 2u8 << (6 - 2 * i)).sum());
+        }
+        row.iter().for_each(|value| bytes.extend(value.to_le_bytes()));
+    }
+    bytes.push(b'X');
+    bytes
+}
+
+const START_S: f64 = 1.6e9;
+
+/// Flight and science file of one segment: 4 s and 1 s between rows, the CTD off after 300 s.
+fn segment(name: &str, start_s: f64) -> (Vec<u8>, Vec<u8>) {
+    let flight = [
+        ("m_present_time", "timestamp"),
+        ("m_pitch", "rad"),
+        ("m_ballast_pumped", "cc"),
+        ("m_de_oil_vol", "cc"),
+        ("m_battpos", "in"),
+        ("m_heading", "rad"),
+        ("m_pressure", "bar"),
+        ("m_gps_lat", "lat"),
+        ("m_gps_lon", "lon"),
+    ];
+    let rows: Vec<Vec<f64>> = (0..200)
+        .map(|i| {
+            let t = 4.0 * f64::from(i);
+            vec![start_s + t, -0.4 - 1e-4 * t, 0.0, -200.0 + 0.1 * t, 0.5, 6.2 + 0.001 * t, 0.02 * t, 5430.6, -730.0]
+        })
+        .collect();
+    let science = [
+        ("sci_m_present_time", "timestamp"),
+        ("sci_water_pressure", "bar"),
+        ("sci_water_temp", "degC"),
+        ("sci_water_cond", "S/m"),
+    ];
+    let science_rows: Vec<Vec<f64>> = (0..300)
+        .map(|i| {
+            let t = 0.25 + f64::from(i);
+            vec![start_s + t, 0.02 * t + 0.01, 15.0 - 0.01 * t, 4.0]
+        })
+        .collect();
+    (dbd(name, "dbd", &flight, &rows), dbd(name, "ebd", &science, &science_rows))
+}
+
+#[test]
+fn flight_and_science_files_of_a_slocum_are_one_log() {
+    let folder = Folder::new();
+    let (flight, science) = segment("unit_1-2020-257-0-0", START_S);
+    let (flight, science) = (folder.write("a.dbd", &flight), folder.write("a.ebd", &science));
+    let (log, files) = whole(&[science, flight], &Columns::default()).unwrap();
+    // 300 rows of the CTD; its glider's own sensor where it was off.
+    assert_eq!(log.len(), 300 + 1 + 125);
+    for row in 0..log.len() {
+        let t = log.at(Channel::Time, row) - START_S;
+        let own = if (0.2..299.5).contains(&t) { 0.1 } else { 0.0 };
+        assert!((log.at(Channel::Pressure, row) - (0.2 * t + own)).abs() < 1e-6, "bar at {t}");
+        assert!((log.at(Channel::Pitch, row) - (-0.4 - 1e-4 * t)).abs() < 1e-9);
+        // Of two ballast sensors the one that moves.
+        assert!((log.at(Channel::Ballast, row) - (-200.0 + 0.1 * t)).abs() < 1e-6);
+        assert!((log.at(Channel::BatteryPosition, row) - 0.0127).abs() < 1e-9);
+        let heading = (6.2 + 0.001 * t).rem_euclid(std::f64::consts::TAU);
+        assert!((log.at(Channel::Heading, row) - heading).abs() < 1e-6);
+    }
+    assert!((log.at(Channel::Temperature, 100) - (15.0 - 0.01 * (log.at(Channel::Time, 100) - START_S))).abs() < 1e-6);
+    let fixes = files.fixes();
+    assert_eq!(fixes.len(), 1, "the last position is written again and again");
+    assert!((fixes[0].lat_deg - 54.51).abs() < 1e-9 && (fixes[0].lon_deg + 7.5).abs() < 1e-9);
+    assert!(files.warnings().is_empty(), "{:?}", files.warnings());
+}
+
+#[test]
+fn segments_come_in_order_and_the_fuller_record_of_one_is_taken() {
+    let folder = Folder::new();
+    let (first, _) = segment("unit_1-2020-257-0-0", START_S);
+    let (second, _) = segment("unit_1-2020-257-0-1", START_S + 700.0);
+    let later = String::from_utf8_lossy(&second[..600]).replace("12:26:40", "12:38:20").into_bytes();
+    let later = [&later[..], &second[600..]].concat();
+    let sparse = dbd("unit_1-2020-257-0-0", "sbd", &[("m_present_time", "s"), ("m_depth", "m")], &[vec![START_S, 1.0]]);
+    let paths = [folder.write("b.dbd", &later), folder.write("a.sbd", &sparse), folder.write("a.dbd", &first)];
+    let (log, files) = whole(&paths, &Columns::default()).unwrap();
+    assert!(log.column(Channel::Time).windows(2).all(|pair| pair[1] > pair[0]), "the overlap is taken once");
+    assert_eq!(log.at(Channel::Time, 0), START_S);
+    assert!(files.warnings().iter().any(|warning| warning.contains("a.sbd")), "{:?}", files.warnings());
+    // Another glider.
+    let (other, _) = segment("dora-2020-257-0-0", START_S);
+    let error =
+        whole(&[paths[2].clone(), folder.write("c.dbd", &other)], &Columns::default()).err().expect("two gliders");
+    assert!(error.to_string().contains("dora"), "{error}");
+}
+
+const GLI: &str = "Timestamp;NavState;SecurityLevel;Heading;Declination;Pitch;Roll;Depth;Temperature;Pa;Lat;Lon;DeadReckoning;\
+DesiredH;BallastCmd;BallastPos;LinCmd;LinPos;AngCmd;AngPos;Voltage;Altitude;\n";
+
+/// The vehicle's file: 10 s between rows, at the surface in the first.
+fn gli() -> String {
+    let row = |i: i32| {
+        let (state, reckoned) = if i == 0 { (116, 0) } else { (100, 1) };
+        let depth = f64::from(i);
+        format!(
+            "22/07/2019 05:{:02}:{:02};{state};0;359.5;16;-20.5;4.0;{depth};9999;;4854.600;-13036.000;{reckoned};\
+             270;-500;-250.5;57;40.0;0;-0.5;28.8;-1.0;\n",
+            24 + i / 6,
+            10 * (i % 6)
+        )
+    };
+    GLI.to_owned() + &(0..30).map(row).collect::<String>()
+}
+
+fn pld() -> String {
+    let row = |i: i32| {
+        format!(
+            "22/07/2019 05:{:02}:{:02}.500;100;-13036.000;4854.600;1.0;4.0;{};{};9999.00;\n",
+            24 + i / 12,
+            5 * (i % 12),
+            15.0 - 0.1 * f64::from(i),
+            0.5 * f64::from(i)
+        )
+    };
+    "PLD_REALTIMECLOCK;NAV_RESOURCE;NAV_LONGITUDE;NAV_LATITUDE;NAV_DEPTH;GPCTD_CONDUCTIVITY;GPCTD_TEMPERATURE;GPCTD_PRESSURE;GPCTD_DOF;\n"
+        .to_owned()
+        + &(0..50).map(row).collect::<String>()
+}
+
+#[test]
+fn vehicle_and_payload_files_of_a_seaexplorer_are_one_log_gzipped_or_not() {
+    let folder = Folder::new();
+    let packed = {
+        use std::io::Write;
+        let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+        encoder.write_all(pld().as_bytes()).unwrap();
+        encoder.finish().unwrap()
+    };
+    let paths =
+        [folder.write("sea035.12.pld1.raw.3.gz", &packed), folder.write("sea035.12.gli.sub.3", gli().as_bytes())];
+    let (log, files) = whole(&paths, &Columns::default()).unwrap();
+    // 2019-07-22T05:24:00Z.
+    let start_s = 1_563_773_040.0;
+    // The first row is the vehicle's depth, before the CTD began.
+    assert_eq!((log.at(Channel::Time, 0), log.at(Channel::Pressure, 0)), (start_s, 0.0));
+    for row in 1..45 {
+        let t = log.at(Channel::Time, row) - start_s - 0.5;
+        assert!((log.at(Channel::Pressure, row) - 0.1 * t).abs() < 1e-6, "{t}");
+        assert!((log.at(Channel::Pitch, row) + 20.5f64.to_radians()).abs() < 1e-9);
+        assert!((log.at(Channel::Ballast, row) + 250.5).abs() < 1e-9);
+        assert!((log.at(Channel::BatteryPosition, row) - 0.04).abs() < 1e-12);
+        assert!((log.at(Channel::Temperature, row) - (15.0 - 0.02 * t)).abs() < 1e-6);
+    }
+    assert_eq!(log.at(Channel::MotorMoving, 0), 1.0);
+    assert_eq!(log.at(Channel::MotorMoving, 10), 0.0);
+    let fixes = files.fixes();
+    assert_eq!(fixes.len(), 1);
+    assert!((fixes[0].lat_deg - 48.91).abs() < 1e-9 && (fixes[0].lon_deg + 130.6).abs() < 1e-9);
+}
+
+#[test]
+fn damaged_seaexplorer_files_are_read_as_far_as_they_go() {
+    let folder = Folder::new();
+    let text = gli();
+    let cut = folder.write("sea035.12.gli.sub.3", &text.as_bytes()[..text.len() - 40]);
+    let (log, files) = whole(std::slice::from_ref(&cut), &Columns::default()).unwrap();
+    assert_eq!(log.len(), 30);
+    assert!(files.warnings().iter().any(|warning| warning.contains("cut off")), "{:?}", files.warnings());
+    let wrong = folder.write("sea035.12.gli.sub.4", text.replace("-20.5;4.0;7;", "west;4.0;7;").as_bytes());
+    let (_, files) = whole(std::slice::from_ref(&wrong), &Columns::default()).unwrap();
+    assert!(files.warnings().iter().any(|warning| warning.contains("`west` in `Pitch`")), "{:?}", files.warnings());
+    let no_archive = folder.write("sea035.12.gli.sub.5.gz", &[0x1f, 0x8b, 8, 0, 0, 0, 0]);
+    let error = whole(&[no_archive], &Columns::default()).err().expect("no archive").to_string();
+    assert!(error.contains("sub.5.gz") && error.contains("gzip"), "{error}");
+    let other = folder.write("sea063.22.gli.sub.9", text.as_bytes());
+    let error = whole(&[cut, other], &Columns::default()).err().expect("two gliders").to_string();
+    assert!(error.contains("sea063") && error.contains("sea035"), "{error}");
+}
