@@ -112,6 +112,6 @@ fn what_physics_says_depends_on_what_stands_in_the_structure() {
     assert!(pump.iter().all(|reference| power.contains(reference)), "{power:?} lacks one of {pump:?}");
     assert_eq!(
         dependencies(&structure.initial, "PP1_kg_m_s"),
-        of(&["v1_m_s", "pitch_rate_rad_s", "moving_mass_kg", "moving_mass_height_m"])
+        of(&["v1_m_s", "pitch_rate_rad_s", "moving_mass_kg", "moving_mass_height_m", "start_in_trim"])
     );
 }

@@ -147,7 +147,8 @@ fn a_turn_is_the_same_as_in_co_simulation() {
     let mut importer = Importer::new(&starts, 0);
     importer.run(60.0, 0.02);
     same(&importer, &co_simulated(&starts, 0, 60.0), 1e-6);
-    assert!(importer.events.is_empty(), "{:?}", importer.events);
+    // The servos' corners, and nothing else: the mass runs 0.04 m at 0.02 m/s to 1 s short of its set-point, the ballast at its rate.
+    assert_eq!(importer.events.len(), 2, "{:?}", importer.events);
 }
 
 #[test]

@@ -201,3 +201,74 @@ fn no_buoyancy_lifts_a_glider_out_of_the_sea() {
     let glider = Glider3::started(Options::default(), &[("leak_kg_per_hour", -10.0)]);
     assert_eq!(glider.step(0.0, 1e5).status, DISCARD);
 }
+
+/// With other masses and another polar the run begins on the glide of the vehicle as it was set.
+#[test]
+fn a_start_in_trim_is_steady() {
+    let changed =
+        [("hull_mass_kg", 40.2), ("b", 0.2), ("moving_mass_height_m", 0.03), ("depth_m", 25.0), ("energy_J", 7.0)];
+    let drift = |in_trim: u8| {
+        let glider = Glider3::co_simulation(Options::default());
+        glider.set(&changed);
+        // SAFETY: a live instance, one value.
+        glider.ok(unsafe { fmi3SetBoolean(glider.instance, &vr("start_in_trim"), 1, &in_trim, 1) });
+        glider.begin(None);
+        assert_eq!((glider.get("depth_m"), glider.get("energy_J")), (25.0, 7.0));
+        let before = ["pitch_rad", "v1_m_s", "v3_m_s", "moving_mass_position_m"].map(|name| glider.get(name));
+        glider.run(0.0, 100.0, 50.0);
+        let after = ["pitch_rad", "v1_m_s", "v3_m_s", "moving_mass_position_m"].map(|name| glider.get(name));
+        before.iter().zip(after).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    // Nothing glides that cannot be made heavy or light enough: no other start is taken in silence.
+    let glider = Glider3::co_simulation(Options::default());
+    glider.set(&[("hull_mass_kg", 45.0)]);
+    // SAFETY: a live instance, one value.
+    unsafe {
+        glider.ok(fmi3SetBoolean(glider.instance, &vr("start_in_trim"), 1, &1, 1));
+        glider.ok(fmi3EnterInitializationMode(glider.instance, 0, 0.0, 0.0, 0, 0.0));
+        assert_eq!(fmi3ExitInitializationMode(glider.instance), ERROR);
+    }
+    assert!(glider.environment.messages.take().iter().any(|(_, text)| text.contains("no steady glide")));
+    assert!(drift(1) < 1e-6, "{}", drift(1));
+    assert!(drift(0) > 1e-2, "{}", drift(0));
+}
+
+/// FMI 3.0 sets an enumeration by `fmi3SetInt64`, FMI 2.0 by `fmi2SetInteger`.
+#[test]
+fn choices_are_enumerations() {
+    let glider = Glider3::co_simulation(Options::default());
+    let mut number = 9_i64;
+    // SAFETY: a live instance, one value each.
+    unsafe {
+        glider.ok(fmi3SetInt64(glider.instance, &vr("actuation"), 1, &2, 1));
+        glider.ok(fmi3GetInt64(glider.instance, &vr("actuation"), 1, &mut number, 1));
+        assert_eq!(number, 2);
+        assert_eq!(fmi3SetInt64(glider.instance, &vr("actuation"), 1, &(1 << 40), 1), ERROR);
+    }
+    for standard in ["fmi2", "fmi3"] {
+        let text = description(standard);
+        for needed in ["ActuationKind", "WaterSourceKind", "generationDateAndTime", "author", "copyright"] {
+            assert!(text.contains(needed), "{standard}: {needed}");
+        }
+    }
+}
+
+/// The hotel load over the time, and the pump against the pressure: by hand from the vehicle's figures.
+#[test]
+fn the_shipped_vehicle_draws_energy() {
+    let glider = Glider3::started(Options::default(), &[]);
+    glider.run(0.0, 600.0, 100.0);
+    let hotel = glider.get("hotel_W");
+    // Nothing is pumped on the way down.
+    assert!(hotel > 0.0 && (glider.get("energy_J") - 600.0 * hotel).abs() < 1e-6, "{} J", glider.get("energy_J"));
+    assert!((glider.get("power_W") - hotel).abs() < 1e-9, "{}", glider.get("power_W"));
+    let pressure = |glider: &Glider3| 1027.0 * 9.81 * glider.get("depth_m");
+    let (volume, before) = (glider.get("ballast_m3"), pressure(&glider));
+    glider.set(&[("ballast_command_m3", 1e-4), ("moving_mass_command_m", -0.02)]);
+    glider.run(600.0, 640.0, 10.0);
+    let pumped = glider.get("ballast_m3") - volume;
+    let pump = glider.get("energy_J") - 640.0 * hotel;
+    let mean = 0.5 * (before + pressure(&glider));
+    let expected = glider.get("pump_J_per_Pa_m3") * mean * pumped;
+    assert!((pump / expected - 1.0).abs() < 0.05, "{pump} J against {expected} J");
+}

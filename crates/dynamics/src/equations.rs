@@ -151,6 +151,19 @@ pub fn next_bend_s(
     ahead.min_by(f64::total_cmp).map(|in_s| time_s + in_s)
 }
 
+/// Functions that are zero where a servo reaches or leaves its largest rate, in either direction: of the ballast, and of the
+/// moving mass. There the rates of change have a kink.
+pub fn servo_corners<T: Number>(parameters: &Parameters<T>, state: &State<T>, inputs: &Inputs<T>) -> [T; 4] {
+    let p = parameters;
+    let ballast =
+        inputs.ballast_command_m3.held_within(p.ballast_min_m3, p.ballast_max_m3) - p.ballast_m3(state.ballast_mass_kg);
+    let mass =
+        inputs.moving_mass_command_m.held_within(p.moving_mass_min_m, p.moving_mass_max_m) - state.moving_mass_1_m;
+    let (ballast, mass) =
+        (ballast * SERVO_RATE_1_S / p.ballast_rate_m3_s, mass * SERVO_RATE_1_S / p.moving_mass_rate_m_s);
+    [ballast + 1.0, -ballast + 1.0, mass + 1.0, -mass + 1.0]
+}
+
 /// In which time the moving mass leaves its largest speed \[s\]; zero or less where it does not run at it.
 fn moving_mass_bend_s(p: &Parameters<f64>, state: &State<f64>, inputs: &Inputs<f64>) -> f64 {
     let target_m = inputs.moving_mass_command_m.held_within(p.moving_mass_min_m, p.moving_mass_max_m);

@@ -25,7 +25,7 @@ pub mod state;
 pub mod system;
 
 pub use buoyancy::Surroundings;
-pub use equations::{Outputs, accelerations, derivative, next_bend_s, outputs};
+pub use equations::{Outputs, accelerations, derivative, next_bend_s, outputs, servo_corners};
 pub use integrate::{Advance, IntegrationError, Integrator};
 pub use parameters::{PARAMETERS, ParameterInfo, Parameters, parameter_index};
 pub use state::{Actuation, Inputs, Modes, N_STATES, STATE_NOMINALS, State, Stop};

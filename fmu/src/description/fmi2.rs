@@ -2,8 +2,10 @@
 
 use super::structure::{Unknown, structure};
 use super::xml::{Document, flag, number, text};
-use super::{DEFAULT_EXPERIMENT, LOG_CATEGORIES, MODEL_DESCRIPTION, MODEL_NAME, start_value};
-use crate::model::table::{reference_of, token};
+use super::{
+    AUTHOR, COPYRIGHT, DEFAULT_EXPERIMENT, GENERATED, LOG_CATEGORIES, MODEL_DESCRIPTION, MODEL_NAME, start_value,
+};
+use crate::model::table::{CHOICES, reference_of, token};
 use crate::model::units::UNITS;
 use crate::model::vehicle::Vehicle;
 use crate::model::{Causality, Initial, Kind, Slot, Variability, Variable, variables};
@@ -20,14 +22,18 @@ pub fn model_description(vehicle: &Vehicle) -> String {
             ("guid", text(token())),
             ("description", text(MODEL_DESCRIPTION)),
             ("version", text(env!("CARGO_PKG_VERSION"))),
+            ("author", text(AUTHOR)),
+            ("copyright", text(COPYRIGHT)),
             ("license", text("MIT OR Apache-2.0")),
             ("generationTool", text("glidepolar")),
+            ("generationDateAndTime", text(GENERATED)),
             ("variableNamingConvention", text("structured")),
             ("numberOfEventIndicators", text(N_EVENTS.to_string())),
         ],
     );
     capabilities(&mut document);
     units(&mut document);
+    types(&mut document);
     document.open("LogCategories", &[]);
     for (name, description) in LOG_CATEGORIES {
         document.leaf("Category", &[("name", text(name)), ("description", text(description))]);
@@ -88,6 +94,21 @@ fn units(document: &mut Document) {
     document.close();
 }
 
+fn types(document: &mut Document) {
+    document.open("TypeDefinitions", &[]);
+    for choice in CHOICES {
+        document.open("SimpleType", &[("name", text(choice.name)), ("description", text(choice.description))]);
+        document.open("Enumeration", &[]);
+        for (value, (name, meaning)) in choice.items.iter().enumerate() {
+            let value = text(value.to_string());
+            document.leaf("Item", &[("name", text(*name)), ("value", value), ("description", text(*meaning))]);
+        }
+        document.close();
+        document.close();
+    }
+    document.close();
+}
+
 fn scalar_variable(document: &mut Document, variable: &Variable, vehicle: &Vehicle) {
     let may_say_initial = !matches!(variable.causality, Causality::Input | Causality::Independent);
     document.open(
@@ -125,6 +146,9 @@ fn scalar_variable(document: &mut Document, variable: &Variable, vehicle: &Vehic
                 ("start", start),
             ],
         ),
+        Kind::Choice(choice) => {
+            document.leaf("Enumeration", &[("declaredType", text(choice.name)), ("start", start)]);
+        }
         Kind::Boolean => document.leaf("Boolean", &[("start", start)]),
         Kind::Text => document.leaf("String", &[("start", start)]),
     }

@@ -3,8 +3,10 @@
 use super::fmi2::{causality, derivative_of, initial, variability};
 use super::structure::structure;
 use super::xml::{Document, flag, number, text};
-use super::{DEFAULT_EXPERIMENT, LOG_CATEGORIES, MODEL_DESCRIPTION, MODEL_NAME, start_value};
-use crate::model::table::{reference_of, token};
+use super::{
+    AUTHOR, COPYRIGHT, DEFAULT_EXPERIMENT, GENERATED, LOG_CATEGORIES, MODEL_DESCRIPTION, MODEL_NAME, start_value,
+};
+use crate::model::table::{CHOICES, reference_of, token};
 use crate::model::units::UNITS;
 use crate::model::vehicle::Vehicle;
 use crate::model::{Causality, Kind, Variability, Variable, variables};
@@ -20,13 +22,17 @@ pub fn model_description(vehicle: &Vehicle) -> String {
             ("instantiationToken", text(token())),
             ("description", text(MODEL_DESCRIPTION)),
             ("version", text(env!("CARGO_PKG_VERSION"))),
+            ("author", text(AUTHOR)),
+            ("copyright", text(COPYRIGHT)),
             ("license", text("MIT OR Apache-2.0")),
             ("generationTool", text("glidepolar")),
+            ("generationDateAndTime", text(GENERATED)),
             ("variableNamingConvention", text("structured")),
         ],
     );
     capabilities(&mut document);
     units(&mut document);
+    types(&mut document);
     document.open("LogCategories", &[]);
     for (name, description) in LOG_CATEGORIES {
         document.leaf("Category", &[("name", text(name)), ("description", text(description))]);
@@ -90,6 +96,20 @@ fn units(document: &mut Document) {
     document.close();
 }
 
+fn types(document: &mut Document) {
+    document.open("TypeDefinitions", &[]);
+    for choice in CHOICES {
+        let attributes = [("name", text(choice.name)), ("description", text(choice.description))];
+        document.open("EnumerationType", &attributes);
+        for (value, (name, meaning)) in choice.items.iter().enumerate() {
+            let value = text(value.to_string());
+            document.leaf("Item", &[("name", text(*name)), ("value", value), ("description", text(*meaning))]);
+        }
+        document.close();
+    }
+    document.close();
+}
+
 fn model_variable(document: &mut Document, variable: &Variable, vehicle: &Vehicle) {
     let may_say_initial = !matches!(variable.causality, Causality::Input | Causality::Independent);
     let reachable_inside_a_step = variable.variability == Variability::Continuous
@@ -128,6 +148,9 @@ fn model_variable(document: &mut Document, variable: &Variable, vehicle: &Vehicl
                 ("start", start),
             ]),
         ),
+        Kind::Choice(choice) => {
+            document.leaf("Enumeration", &with(&[("declaredType", text(choice.name)), ("start", start)]));
+        }
         Kind::Boolean => document.leaf("Boolean", &with(&[("start", start)])),
         Kind::Text => document.leaf("String", &common),
     }

@@ -22,6 +22,15 @@ pub const MODEL_NAME: &str = "UnderwaterGlider";
 /// What the model is, in a line.
 pub const MODEL_DESCRIPTION: &str = "Underwater glider in the vertical plane: buoyancy engine, moving mass, glide polar from hull tests, and the mechanisms by which gliders at sea depart from them";
 
+/// Who made the model.
+pub const AUTHOR: &str = "The glidepolar developers";
+
+/// Whose it is.
+pub const COPYRIGHT: &str = "Copyright (c) 2026 The glidepolar developers";
+
+/// When the descriptions were last written with other variables. A constant: the same sources give the same archive.
+pub const GENERATED: &str = "2026-11-23T00:00:00Z";
+
 /// The experiment when nothing is said: stop time, communication step, tolerance. Importers take the step for their own
 /// Euler method, too, which is stable with it up to modes of 20/s: the servo of the moving mass has 4/s, ROGUE 17/s.
 pub const DEFAULT_EXPERIMENT: (f64, f64, f64) = (600.0, 0.1, DEFAULT_TOLERANCE);
@@ -53,7 +62,7 @@ fn start_value(glider: &Glider, name: &str, variable: &Variable) -> Option<Strin
     let mut reading = glider.read();
     match variable.kind {
         Kind::Real => reading.real(variable.slot).and_then(xml::number),
-        Kind::Integer => reading.integer(variable.slot).map(|n| n.to_string()),
+        Kind::Integer | Kind::Choice(_) => reading.integer(variable.slot).map(|n| n.to_string()),
         Kind::Boolean => reading.boolean(variable.slot).map(|b| b.to_string()),
         Kind::Text => Some(name.to_owned()),
     }

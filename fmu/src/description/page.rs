@@ -44,12 +44,9 @@ pub fn documentation(vehicle: &Vehicle) -> String {
 
 type Group = (&'static str, fn(&Variable) -> bool);
 
-const GROUPS: [Group; 9] = [
+const GROUPS: [Group; 8] = [
     ("Inputs", |v| v.causality == Causality::Input),
     ("Outputs", |v| v.causality == Causality::Output && !matches!(v.slot, Slot::State(_))),
-    ("Readings of instruments, and the water around", |v| {
-        v.causality == Causality::Local && matches!(v.slot, Slot::Output(_))
-    }),
     ("States", |v| matches!(v.slot, Slot::State(_))),
     ("Flags and stops", |v| matches!(v.slot, Slot::Discrete(_))),
     ("Fixed parameters", |v| v.causality == Causality::Parameter && v.variability == Variability::Fixed),

@@ -91,6 +91,7 @@ impl Probe {
                 for (variable, found) in wanted.iter().zip(&mut found) {
                     let switches = [
                         (Slot::Actuation, depends_on_actuation(&glider, variable.slot)),
+                        (Slot::StartInTrim, depends_on_trim(&glider, variable.slot)),
                         (step_time, found.contains(&reference_of(drag_step))),
                         (Slot::WaterSource, water.iter().any(|input| found.contains(&reference_of(*input)))),
                     ];
@@ -114,6 +115,15 @@ fn depends_on_actuation(glider: &Glider, slot: Slot) -> bool {
         glider.read().real(slot)
     };
     value(0) != value(1) || value(1) != value(2)
+}
+
+fn depends_on_trim(glider: &Glider, slot: Slot) -> bool {
+    let mut trimmed = glider.clone();
+    trimmed.starts_in_trim = true;
+    trimmed.complete_start();
+    let mut free = glider.clone();
+    free.complete_start();
+    trimmed.read().real(slot) != free.read().real(slot)
 }
 
 /// Gliders of every kind of actuation and mode, in free water, at the surface and on the seabed, with every mechanism

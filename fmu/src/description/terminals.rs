@@ -7,12 +7,19 @@ use crate::model::{Causality, Variable};
 /// Name, what it is, which inputs or outputs belong to it.
 type Terminal = (&'static str, &'static str, fn(&Variable) -> bool);
 
-const TERMINALS: [Terminal; 4] = [
+const TERMINALS: [Terminal; 7] = [
     ("commands", "Set-points of buoyancy engine and moving mass, what a controller sends", is_command),
     ("forces", "Forces on the moving mass and ballast mass rate, for raw actuation", is_force),
     ("water", "The water at the glider's place and the seabed below, what an ocean model sends", is_water),
     ("motion", "Where the glider is and how it moves, what controllers and ocean models read", is_motion),
+    ("steering", "Roll and rudder angles, for the drag that they cost", is_steering),
+    ("loads", "Forces, moment and net mass, what a design study reads", is_load),
+    ("instruments", "Readings of the glider's own instruments, energy and power", is_reading),
 ];
+
+/// Half the height of a terminal's mark, and the step between two.
+const MARK: f64 = 8.0;
+const STEP: f64 = 45.0;
 
 /// terminalsAndIcons.xml.
 pub fn terminals_and_icons() -> String {
@@ -25,6 +32,7 @@ pub fn terminals_and_icons() -> String {
     document.leaf("Icon", &corners);
     document.close();
     document.open("Terminals", &[]);
+    let (mut taken_left, mut taken_right) = (0.0, 0.0);
     for (name, description, belongs) in TERMINALS {
         document.open(
             "Terminal",
@@ -37,6 +45,23 @@ pub fn terminals_and_icons() -> String {
                 &[("variableName", name()), ("memberName", name()), ("variableKind", text("signal"))],
             );
         }
+        // Inputs to the left of the icon, outputs to the right.
+        let sends = variables().iter().filter(|v| belongs(v)).all(|v| v.causality == Causality::Output);
+        let (x, taken) = if sends { (108.0, &mut taken_right) } else { (-108.0, &mut taken_left) };
+        let y = 70.0 - STEP * *taken;
+        *taken += 1.0;
+        document.leaf(
+            "TerminalGraphicalRepresentation",
+            &[
+                ("x1", number(x - MARK)),
+                ("y1", number(y - MARK)),
+                ("x2", number(x + MARK)),
+                ("y2", number(y + MARK)),
+                ("defaultConnectionColor", text("11 110 168")),
+                ("defaultConnectionStrokeSize", number(1.0)),
+                ("iconBaseName", text("terminal")),
+            ],
+        );
         document.close();
     }
     document.finish()
@@ -57,5 +82,19 @@ fn is_water(variable: &Variable) -> bool {
 
 fn is_motion(variable: &Variable) -> bool {
     let names = ["x_m", "depth_m", "pitch_rad", "pitch_rate_rad_s", "speed_m_s", "vertical_velocity_m_s"];
+    names.contains(&variable.name)
+}
+
+fn is_steering(variable: &Variable) -> bool {
+    variable.causality == Causality::Input && ["roll_rad", "rudder_rad"].contains(&variable.name)
+}
+
+fn is_load(variable: &Variable) -> bool {
+    let names = ["net_mass_kg", "lift_N", "drag_N", "pitching_moment_N_m", "seabed_force_N", "emerged_fraction"];
+    names.contains(&variable.name)
+}
+
+fn is_reading(variable: &Variable) -> bool {
+    let names = ["ballast_m3", "moving_mass_position_m", "pitch_read_rad", "pressure_read_dbar", "energy_J", "power_W"];
     names.contains(&variable.name)
 }

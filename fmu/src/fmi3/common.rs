@@ -70,8 +70,24 @@ get!(/** `fmi3GetString` */ fmi3GetString, *const c_char, |i, references, values
 
 set!(/** `fmi3SetFloat64` */ fmi3SetFloat64, f64, |i, references, values| i.set_reals(references, values));
 set!(/** `fmi3SetInt32` */ fmi3SetInt32, i32, |i, references, values| i.set_integers(references, values));
-set!(/** `fmi3SetBoolean` */ fmi3SetBoolean, Boolean, |i, references, _values| i.set_none(references, Kind::Boolean));
+set!(/** `fmi3SetBoolean` */ fmi3SetBoolean, Boolean, |i, references, values| {
+    i.set_booleans(references, |place| values[place] != 0)
+});
 set!(/** `fmi3SetString` */ fmi3SetString, *const c_char, |i, references, _values| i.set_none(references, Kind::Text));
+
+get!(/** `fmi3GetInt64`: how FMI 3.0 reads an enumeration. */ fmi3GetInt64, i64, |i, references, values| {
+    for (reference, value) in references.iter().zip(values) {
+        let mut number = 0;
+        i.get_integers(std::slice::from_ref(reference), std::slice::from_mut(&mut number))?;
+        *value = i64::from(number);
+    }
+    Ok(())
+});
+set!(/** `fmi3SetInt64`: how FMI 3.0 sets an enumeration. */ fmi3SetInt64, i64, |i, references, values| {
+    // What no enumeration has is beyond every bound, too.
+    let numbers: Vec<i32> = values.iter().map(|value| i32::try_from(*value).unwrap_or(i32::MAX)).collect();
+    i.set_integers(references, &numbers)
+});
 
 /// Pairs of functions for types of which there is no variable.
 macro_rules! no_variables {
@@ -90,7 +106,6 @@ no_variables! {
     i16: fmi3GetInt16, fmi3SetInt16;
     u16: fmi3GetUInt16, fmi3SetUInt16;
     u32: fmi3GetUInt32, fmi3SetUInt32;
-    i64: fmi3GetInt64, fmi3SetInt64;
     u64: fmi3GetUInt64, fmi3SetUInt64;
 }
 

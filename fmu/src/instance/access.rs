@@ -28,7 +28,7 @@ impl Instance {
     pub fn get_integers(&self, references: &[u32], values: &mut [i32]) -> Outcome {
         let glider = self.now();
         for (&reference, value) in references.iter().zip(values) {
-            let variable = of_kind(reference, Kind::Integer)?;
+            let variable = of_number(reference)?;
             *value = glider.read().integer(variable.slot).ok_or_else(|| fault(variable))?;
         }
         Ok(())
@@ -94,7 +94,7 @@ impl Instance {
     /// Sets these variables, all or none.
     pub fn set_integers(&mut self, references: &[u32], values: &[i32]) -> Outcome {
         for (&reference, &value) in references.iter().zip(values) {
-            let variable = of_kind(reference, Kind::Integer)?;
+            let variable = of_number(reference)?;
             self.may_set(variable)?;
             check_value(variable, f64::from(value))?;
             if variable.slot == Slot::WaterSource && value == 1 && self.core.glider.column.is_none() {
@@ -108,6 +108,19 @@ impl Instance {
                 (Some(Slot::Actuation), Some(actuation)) => self.core.glider.actuation = actuation,
                 (Some(Slot::WaterSource), _) => self.core.glider.uses_column = value == 1,
                 _ => (),
+            }
+        }
+        Ok(())
+    }
+
+    /// Sets these variables, all or none; `value` gives that of each place.
+    pub fn set_booleans(&mut self, references: &[u32], value: impl Fn(usize) -> bool) -> Outcome {
+        for &reference in references {
+            self.may_set(of_kind(reference, Kind::Boolean)?)?;
+        }
+        for (i, &reference) in references.iter().enumerate() {
+            if variable(reference).is_some_and(|variable| variable.slot == Slot::StartInTrim) {
+                self.core.glider.starts_in_trim = value(i);
             }
         }
         Ok(())
@@ -206,11 +219,20 @@ pub(super) fn of_kind(reference: u32, kind: Kind) -> Outcome<&'static Variable> 
     )))
 }
 
+/// The variable of this reference, if it is an integer or one of a list of choices.
+fn of_number(reference: u32) -> Outcome<&'static Variable> {
+    match variable(reference) {
+        Some(variable) if matches!(variable.kind, Kind::Choice(_)) => Ok(variable),
+        _ => of_kind(reference, Kind::Integer),
+    }
+}
+
 /// How the standards call a kind.
 pub fn kind_name(kind: Kind) -> &'static str {
     match kind {
         Kind::Real => "Real (Float64)",
         Kind::Integer => "Integer (Int32)",
+        Kind::Choice(_) => "Enumeration",
         Kind::Boolean => "Boolean",
         Kind::Text => "String",
     }

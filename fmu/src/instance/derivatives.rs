@@ -68,7 +68,7 @@ impl Instance {
     fn unknown(&self, reference: u32) -> Outcome<&'static Variable> {
         let variable = of_kind(reference, Kind::Real)?;
         match variable.slot {
-            Slot::Derivative(_) | Slot::Output(_) | Slot::Indicator(_) | Slot::State(_) => Ok(variable),
+            Slot::Derivative(_) | Slot::Power | Slot::Output(_) | Slot::Indicator(_) | Slot::State(_) => Ok(variable),
             _ => Err(Refusal::error(format!("{} is not an unknown: it follows from nothing", variable.name))),
         }
     }

@@ -193,6 +193,11 @@ impl Instance {
     pub fn exit_initialization(&mut self, next: Phase) -> Outcome {
         self.check_limits()?;
         self.check_weight()?;
+        if self.core.glider.starts_in_trim && self.core.glider.glide().is_none() {
+            return Err(Refusal::error(
+                "start_in_trim is set, but these parameters have no steady glide within the limits of ballast and moving mass; change them, or give start values",
+            ));
+        }
         let glider = self.started();
         if !glider.derivative().as_array().into_iter().all(f64::is_finite) {
             return Err(Refusal::error(

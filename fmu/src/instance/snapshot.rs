@@ -14,7 +14,7 @@ use crate::model::glider::{actuation_number, actuation_of, stop_number};
 use crate::model::table::token;
 
 const MARK: &[u8; 8] = b"glidepol";
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 const RESOURCES_BYTES: usize = 8;
 const CHECKSUM_BYTES: usize = 4;
 
@@ -137,6 +137,7 @@ fn fields(core: &mut Core, codec: &mut impl Codec) -> Option<()> {
         &mut discrete.at_surface,
         &mut discrete.on_seabed,
         &mut glider.uses_column,
+        &mut glider.starts_in_trim,
         &mut core.slopes.any,
         &mut core.unsettled,
         &mut core.is_steered,

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use glidepolar_dynamics::glide::{Start, start_in};
 use glidepolar_dynamics::limits::{N_EVENTS, event_indicators, settle};
 use glidepolar_dynamics::{
-    Actuation, Inputs, Modes, N_STATES, Parameters, State, Stop, derivative, next_bend_s, outputs,
+    Actuation, Inputs, Modes, N_STATES, Parameters, State, Stop, derivative, next_bend_s, outputs, servo_corners,
 };
-use glidepolar_environment::WaterColumn;
+use glidepolar_environment::{WaterAt, WaterColumn};
 use glidepolar_number::Number;
 
 use super::table::{Discrete, N_OUTPUTS, Slot, output_array};
@@ -14,6 +15,9 @@ use super::table::{Discrete, N_OUTPUTS, Slot, output_array};
 /// So far beyond surface or seabed the glider must be to have met it, and back to have left it \[m\]: right after an event
 /// no indicator is zero, and each has the sign of its side.
 const PAST_BOUNDARY_M: f64 = 1e-9;
+
+/// The place of the energy among the states.
+pub const ENERGY: usize = N_STATES - 1;
 
 /// Everything that the glider is at one time: cloned to save and restored to go back, without allocation.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,6 +32,8 @@ pub struct Glider {
     pub column: Option<Arc<WaterColumn>>,
     /// Whether density and temperature come from that column and not from the inputs.
     pub uses_column: bool,
+    /// Whether the start is the glide of the parameters that were set.
+    pub starts_in_trim: bool,
 }
 
 /// The quantities that the equations read, in any kind of number.
@@ -72,12 +78,36 @@ impl Glider {
     pub fn indicators(&self) -> [f64; N_EVENTS] {
         let Values { parameters, time_s, state, inputs } = &self.values;
         let rules = self.rules();
-        rules.indicators(&rules.parameters(parameters), *time_s, state, inputs)
+        rules.published_indicators(&rules.parameters(parameters), *time_s, state, inputs)
     }
 
     /// Gives the states that start as others say their values.
     pub fn complete_start(&mut self) {
+        if self.starts_in_trim
+            && let Some(glide) = self.glide()
+        {
+            self.trim(&glide);
+        }
         self.values.complete_start();
+    }
+
+    /// The steady glide down of these parameters, in the water at this depth, if there is one.
+    pub fn glide(&self) -> Option<Start> {
+        let Values { parameters, state, inputs, .. } = &self.values;
+        let water = self.rules().inputs(state, inputs);
+        let glide = start_in(parameters, |_| WaterAt {
+            density_kg_m3: water.water_density_kg_m3,
+            temperature_C: water.water_temperature_C,
+        });
+        (!glide.is_at_rest()).then_some(glide)
+    }
+
+    /// Puts the glider on this glide. Where, how deep and how much energy was drawn stays.
+    fn trim(&mut self, glide: &Start) {
+        let State { x_m, depth_m, energy_J, .. } = self.values.state;
+        self.values.state = State { x_m, depth_m, energy_J, ..glide.state };
+        self.values.inputs.ballast_command_m3 = glide.inputs.ballast_command_m3;
+        self.values.inputs.moving_mass_command_m = glide.inputs.moving_mass_command_m;
     }
 
     /// Brings the discrete state up to date with everything else. Returns whether a continuous state jumped.
@@ -174,6 +204,22 @@ impl Rules<'_> {
         let mut z = event_indicators(active, self.actuation, self.discrete.modes, time_s, state, &inputs);
         for (z, is_beyond) in z.iter_mut().zip([self.discrete.at_surface, self.discrete.on_seabed]) {
             *z += if is_beyond { -PAST_BOUNDARY_M } else { PAST_BOUNDARY_M };
+        }
+        z
+    }
+
+    /// The indicators that an importer's integrator watches. A servo never reaches the ends of ballast and moving mass; in
+    /// their places stand its own corners, where the rates of change have a kink.
+    pub fn published_indicators<T: Number>(
+        &self,
+        active: &Parameters<T>,
+        time_s: T,
+        state: &State<T>,
+        inputs: &Inputs<T>,
+    ) -> [T; N_EVENTS] {
+        let mut z = self.indicators(active, time_s, state, inputs);
+        if self.actuation == Actuation::Servo {
+            z[2..].copy_from_slice(&servo_corners(active, state, inputs));
         }
         z
     }
@@ -282,6 +328,7 @@ impl Reading<'_> {
         let values = &glider.values;
         Some(match slot {
             Slot::Derivative(i) => self.derivative.get_or_insert_with(|| glider.derivative().as_array())[i],
+            Slot::Power => self.derivative.get_or_insert_with(|| glider.derivative().as_array())[ENERGY],
             Slot::Output(i) => self.outputs.get_or_insert_with(|| glider.rules().outputs(values))[i],
             Slot::Indicator(i) => self.indicators.get_or_insert_with(|| glider.indicators())[i],
             slot => return values.get(slot),
@@ -305,6 +352,7 @@ impl Reading<'_> {
         match slot {
             Slot::Discrete(Discrete::AtSurface) => Some(self.glider.discrete.at_surface),
             Slot::Discrete(Discrete::OnSeabed) => Some(self.glider.discrete.on_seabed),
+            Slot::StartInTrim => Some(self.glider.starts_in_trim),
             _ => None,
         }
     }

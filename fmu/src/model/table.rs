@@ -16,7 +16,7 @@ use glidepolar_number::Number;
 use super::units::{Unit, unit_named};
 
 /// How many variables there are.
-const N_VARIABLES: usize = 1 + N_INPUTS + N_STATES + N_OUTPUTS + 4 + N_STATES + N_EVENTS + 2 + N_PARAMETERS + 1;
+const N_VARIABLES: usize = 1 + N_INPUTS + N_STATES + N_OUTPUTS + 1 + 4 + N_STATES + N_EVENTS + 3 + N_PARAMETERS + 1;
 
 /// How many parameters are published as numbers.
 const N_PARAMETERS: usize = PARAMETERS.len() - NOT_PUBLISHED.len();
@@ -72,11 +72,45 @@ pub enum Kind {
     Real,
     /// An integer.
     Integer,
+    /// One of the items of a list, each with its number.
+    Choice(&'static Choice),
     /// True or false.
     Boolean,
     /// A text.
     Text,
 }
+
+/// A list of which a variable takes one item.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Choice {
+    /// What the list is called.
+    pub name: &'static str,
+    /// What it decides.
+    pub description: &'static str,
+    /// Its items, numbered from 0: name and meaning.
+    pub items: &'static [(&'static str, &'static str)],
+}
+
+/// Who moves the moving mass and the ballast.
+pub static ACTUATION: Choice = Choice {
+    name: "ActuationKind",
+    description: "Who moves the moving mass and the ballast",
+    items: &[
+        ("servo", "set-points followed by rate-limited servos"),
+        ("raw", "forces on the moving mass along both axes and a ballast mass rate"),
+        ("raw_axis_1", "raw along axis 1, the axis-3 offset of the moving mass held"),
+    ],
+};
+
+/// Where density and temperature of the water come from.
+pub static WATER_SOURCE: Choice = Choice {
+    name: "WaterSourceKind",
+    description: "Where density and temperature of the water come from",
+    items: &[("inputs", "the inputs"), ("column", "resources/water_column.csv, against depth")],
+};
+
+/// The lists that variables choose from.
+pub static CHOICES: [&Choice; 2] = [&ACTUATION, &WATER_SOURCE];
 
 /// The place in the glider that a variable stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -91,6 +125,8 @@ pub enum Slot {
     Derivative(usize),
     /// An output, by its place in the table of outputs.
     Output(usize),
+    /// The power drawn, which is the derivative of the energy under its own name.
+    Power,
     /// An event indicator.
     Indicator(usize),
     /// Something that changes at events only.
@@ -101,6 +137,8 @@ pub enum Slot {
     Actuation,
     /// Where density and temperature of the water come from.
     WaterSource,
+    /// Whether the start is the glide of the parameters that were set.
+    StartInTrim,
     /// The name of the vehicle.
     VehicleName,
 }
@@ -371,8 +409,7 @@ macro_rules! outputs {
     };
 }
 
-// A calculated number is `Local` and not `Output` where few connect it: FMPy's plot of all outputs fails beyond 17 (its
-// panels are set too far apart).
+// To add an output: one more line here, with the next free value reference.
 outputs! {
     |outputs, inputs|
     26 Output "glide_angle_rad" ["rad"] -1e3 .. 1e3, 0.1,
@@ -385,7 +422,7 @@ outputs! {
         "Rate of change of depth, current included, positive down", outputs.vertical_velocity_m_s;
     30 Output "net_mass_kg" ["kg"] -1e6 .. 1e6, 0.1,
         "Net (excess) mass m0, positive when heavy", outputs.net_mass_kg;
-    31 Local "ballast_m3" ["m3"] -1e3 .. 1e3, 1e-4,
+    31 Output "ballast_m3" ["m3"] -1e3 .. 1e3, 1e-4,
         "Ballast volume that an instrument reads, positive = more buoyant", outputs.ballast_m3;
     32 Output "lift_N" ["N"] -1e9 .. 1e9, 1.0,
         "Lift, normal to the path, upward positive", outputs.lift_N;
@@ -394,14 +431,18 @@ outputs! {
     34 Output "pitching_moment_N_m" ["N.m"] -1e9 .. 1e9, 0.1,
         "Hydrodynamic pitching moment about the centre of buoyancy, Munk couple and damping included",
         outputs.pitching_moment_N_m;
-    35 Local "pitch_read_rad" ["rad"] -1e4 .. 1e4, 0.1,
+    35 Output "pitch_read_rad" ["rad"] -1e4 .. 1e4, 0.1,
         "Pitch as the glider's own instrument reads it", outputs.pitch_read_rad;
-    36 Local "pressure_read_dbar" ["dbar"] -1e5 .. 1e5, 10.0,
+    36 Output "pressure_read_dbar" ["dbar"] -1e5 .. 1e5, 10.0,
         "Gauge pressure as the glider's own instrument reads it, without lag", outputs.pressure_read_dbar;
-    37 Local "surrounding_density_kg_m3" ["kg/m3"] 900.0 .. 1300.0, 1000.0,
+    37 Output "surrounding_density_kg_m3" ["kg/m3"] 900.0 .. 1300.0, 1000.0,
         "Density of the water that the glider is in, from input or column", inputs.water_density_kg_m3;
-    38 Local "surrounding_temperature_C" ["degC"] -5.0 .. 50.0, 10.0,
+    38 Output "surrounding_temperature_C" ["degC"] -5.0 .. 50.0, 10.0,
         "Temperature of the water that the glider is in, from input or column", inputs.water_temperature_C;
+    123 Output "emerged_fraction" ["1"] 0.0 .. 1.0, 0.1,
+        "Share of its displacement that the hull has lost above the water, 0 below the surface", outputs.emerged_fraction;
+    124 Output "seabed_force_N" ["N"] 0.0 .. 1e9, 1.0,
+        "Upward force of the seabed on the hull, 0 above it", outputs.seabed_N;
 }
 
 /// Value reference, name and meaning of the event indicators, in the order of the library's. The ends of ballast and moving mass are
@@ -412,22 +453,22 @@ const INDICATORS: [(u32, &str, &str); N_EVENTS] = [
     (
         57,
         "indicator_ballast_min",
-        "Event indicator: changes sign when the ballast comes to its minimum or leaves it (m3 while free, kg/s when held)",
+        "Event indicator: changes sign when the ballast comes to its minimum or leaves it (m3 while free, kg/s when held); with servos, where the ballast servo reaches or leaves its largest rate",
     ),
     (
         58,
         "indicator_ballast_max",
-        "Event indicator: changes sign when the ballast comes to its maximum or leaves it (m3 while free, kg/s when held)",
+        "Event indicator: changes sign when the ballast comes to its maximum or leaves it (m3 while free, kg/s when held); with servos, where the ballast servo reaches or leaves its largest rate",
     ),
     (
         59,
         "indicator_moving_mass_aft",
-        "Event indicator: changes sign when the moving mass comes to its aft stop or leaves it (m while free, N when held)",
+        "Event indicator: changes sign when the moving mass comes to its aft stop or leaves it (m while free, N when held); with servos, where the servo of the mass reaches or leaves its largest rate",
     ),
     (
         60,
         "indicator_moving_mass_forward",
-        "Event indicator: changes sign when the moving mass comes to its forward stop or leaves it (m while free, N when held)",
+        "Event indicator: changes sign when the moving mass comes to its forward stop or leaves it (m while free, N when held); with servos, where the servo of the mass reaches or leaves its largest rate",
     ),
 ];
 
@@ -541,11 +582,13 @@ fn build() -> Vec<Variable> {
             .enumerate()
             .map(|(i, (row, causality))| Variable { causality: *causality, ..real(row, Slot::Output(i)) }),
     );
+    table.push(power());
     table.extend(discrete());
     table.extend((0..N_STATES).map(|i| derivative(i, nominals[i])));
     table.extend((0..N_EVENTS).map(indicator));
     table.push(actuation());
     table.push(water_source());
+    table.push(start_in_trim());
     table.extend((0..PARAMETERS.len()).filter(|&i| !NOT_PUBLISHED.contains(&PARAMETERS[i].name)).map(parameter));
     table.push(vehicle_name());
     table
@@ -584,6 +627,11 @@ fn derivative(index: usize, nominal: f64) -> Variable {
     let (reference, name, unit, description) = DERIVATIVES[index];
     let row = (reference, name, unit, 0.0, 0.0, nominal / USUAL_TIME_S, description);
     Variable { bounds: None, ..real(&row, Slot::Derivative(index)) }
+}
+
+fn power() -> Variable {
+    let row = (125, "power_W", "W", 0.0, 1e9, 1.0, "Power drawn from the battery, the rate of energy_J");
+    Variable { causality: Causality::Output, ..real(&row, Slot::Power) }
 }
 
 fn indicator(index: usize) -> Variable {
@@ -630,7 +678,7 @@ fn discrete() -> impl Iterator<Item = Variable> {
 fn actuation() -> Variable {
     const MEANING: &str = "0 servo: set-points followed by rate-limited servos; 1 raw: forces on the moving mass along both axes and a ballast mass rate; 2 raw along axis 1, the axis-3 offset of the moving mass held";
     Variable {
-        kind: Kind::Integer,
+        kind: Kind::Choice(&ACTUATION),
         causality: Causality::Parameter,
         variability: Variability::Fixed,
         initial: Some(Initial::Exact),
@@ -645,10 +693,24 @@ fn water_source() -> Variable {
     const MEANING: &str = "0: density and temperature of the water are the inputs; 1: they come from resources/water_column.csv, against depth";
     Variable {
         reference: 62,
+        kind: Kind::Choice(&WATER_SOURCE),
         name: "water_source",
         description: MEANING,
         bounds: Some((0.0, 1.0)),
         slot: Slot::WaterSource,
+        ..actuation()
+    }
+}
+
+fn start_in_trim() -> Variable {
+    const MEANING: &str = "Whether the run starts in the steady glide of the parameters and the water that were set, at depth_m: the start values of pitch, velocities, moving mass, ballast and set-points then follow from them";
+    Variable {
+        reference: 126,
+        name: "start_in_trim",
+        description: MEANING,
+        kind: Kind::Boolean,
+        bounds: None,
+        slot: Slot::StartInTrim,
         ..actuation()
     }
 }

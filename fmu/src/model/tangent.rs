@@ -6,7 +6,7 @@ use glidepolar_dynamics::limits::N_EVENTS;
 use glidepolar_number::Number;
 use num_dual::Dual64;
 
-use super::glider::{Glider, Values};
+use super::glider::{ENERGY, Glider, Values};
 use super::table::{N_OUTPUTS, Slot};
 
 /// The change of everything that follows, per change along one direction.
@@ -36,7 +36,7 @@ impl Tangent {
         let active = rules.parameters(&values.parameters);
         let Values { time_s, state, inputs, .. } = &values;
         let rates = rules.rates(&active, *time_s, state, inputs).as_array();
-        let indicators = rules.indicators(&active, *time_s, state, inputs);
+        let indicators = rules.published_indicators(&active, *time_s, state, inputs);
         Tangent {
             derivative: rates.map(|rate| rate.eps),
             outputs: rules.outputs(&values).map(|output| output.eps),
@@ -56,6 +56,7 @@ impl Tangent {
     pub fn of(&self, slot: Slot) -> Option<f64> {
         match slot {
             Slot::Derivative(i) => Some(self.derivative[i]),
+            Slot::Power => Some(self.derivative[ENERGY]),
             Slot::Output(i) => Some(self.outputs[i]),
             Slot::Indicator(i) => Some(self.indicators[i]),
             slot => self.values.get(slot).map(|value| value.eps),

@@ -53,7 +53,14 @@ impl Vehicle {
         let start = start(&parameters);
         let values = Values { parameters, time_s: 0.0, state: start.state, inputs: start.inputs };
         let discrete = DiscreteState::default();
-        let mut glider = Glider { values, actuation: Actuation::Servo, discrete, column: None, uses_column: false };
+        let mut glider = Glider {
+            values,
+            actuation: Actuation::Servo,
+            discrete,
+            column: None,
+            uses_column: false,
+            starts_in_trim: false,
+        };
         glider.complete_start();
         Vehicle { name: name.to_owned(), glider, resources: 0 }
     }
