@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use super::data::Dive;
 use super::evaluate::{Tally, Weights, evaluate};
-use super::gram::Gram;
 use crate::dynamics::Parameters;
+use glidepolar_inference::gram::Gram;
 
 /// Samples in blocks; residuals of different blocks are taken to be independent.
 pub trait Blocks {

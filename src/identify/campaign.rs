@@ -16,12 +16,13 @@ use super::joint::{Fit, IdentifyError, Question, fit};
 use super::names::{long_name, short_name};
 use super::pitch_balance::{PitchBalance, pitch_balance};
 use super::residuals::{Score, ScoreSums, residuals};
-use super::specification_test::{Reweighed, reweighed};
+use super::specification_test::reweighed;
 use super::trim::Trim;
-use super::uncertainty::condition_number;
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
 use crate::log::Observation;
 use crate::vehicle::Vehicle;
+use glidepolar_inference::covariance::condition_number;
+use glidepolar_inference::specification_test::Disagreement;
 
 /// What a user asks for.
 #[derive(Debug, Clone, PartialEq)]
@@ -193,7 +194,7 @@ pub fn identify(
     let doubts = doubts(vehicle, &baseline, &pinned);
 
     let reweighed = reweighed(&fitted, &mut dives);
-    fitted.model_error = reweighed.as_ref().map_or_else(Vec::new, Reweighed::model_error);
+    fitted.model_error = reweighed.as_ref().map_or_else(Vec::new, Disagreement::model_error);
 
     let score = score(&fitted.parameters, &dives);
     let held_out = hold_out(&question, &dives)?;
@@ -267,7 +268,7 @@ fn model_error_of(free: &[usize], fitted: &Fit) -> Vec<f64> {
 }
 
 /// Says that a parameter depends on the weighing.
-fn depends_on_weighing(fitted: &Fit, reweighed: &Reweighed, position: usize) -> String {
+fn depends_on_weighing(fitted: &Fit, reweighed: &Disagreement, position: usize) -> String {
     let (info, by_time) = (&PARAMETERS[fitted.free[position]], fitted.value(fitted.free[position]));
     let shown = |value: f64| if value.abs() < 1e-2 { format!("{value:.2e}") } else { format!("{value:.3}") };
     format!(

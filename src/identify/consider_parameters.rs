@@ -13,9 +13,9 @@ use nalgebra::{DMatrix, DVector};
 use super::blocks::Blocks;
 use super::considered::{Carried, Doubt};
 use super::evaluate::MOST_FREE;
-use super::gram::Gram;
 use super::joint::Fit;
-use super::uncertainty::inverse_symmetric;
+use glidepolar_inference::covariance::inverse_symmetric;
+use glidepolar_inference::gram::Gram;
 
 /// A move by less than this share of a parameter's own standard error is rounding.
 const NOT_FELT: f64 = 1e-6;
@@ -66,7 +66,7 @@ pub(super) fn doubts_of(fit: &Fit) -> Vec<Doubt> {
     let n = fit.free.len();
     // Scaled to a unit diagonal: the parameters' units differ by ten orders of magnitude.
     let scale = DVector::from_fn(n, |i, _| fit.covariance[(i, i)].max(0.0).sqrt());
-    let correlation = super::uncertainty::correlation(&fit.covariance);
+    let correlation = glidepolar_inference::covariance::correlation(&fit.covariance);
     let mut doubts = Vec::new();
     if n > 0 && correlation.iter().chain(scale.iter()).all(|value| value.is_finite()) {
         let eigen = correlation.symmetric_eigen();

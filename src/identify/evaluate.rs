@@ -7,11 +7,11 @@ use num_dual::{Derivative, DualSVec64};
 use rayon::prelude::*;
 
 use super::data::{Dive, Stretch};
-use super::gram::Gram;
 use super::model::Prediction;
 use crate::dynamics::Parameters;
 use crate::glide::Glider;
 use crate::log::Observation;
+use glidepolar_inference::gram::Gram;
 
 /// By how much each quantity scatters: residuals are divided by it.
 #[derive(Debug, Clone, Copy, PartialEq)]

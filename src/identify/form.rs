@@ -12,10 +12,10 @@ use super::joint::Fit;
 use super::names::{long_name, short_name};
 use super::pitch_balance::{PitchBalance, PitchBalanceSummary};
 use super::trim::Trim;
-use super::uncertainty::{condition_number, correlation};
 use crate::dynamics::{PARAMETERS, parameter_index};
 use crate::hull_tests::Estimate;
 use crate::vehicle::Vehicle;
+use glidepolar_inference::covariance::{condition_number, correlation};
 
 /// The result in the form of `identify --json`.
 #[derive(Debug, Clone, Serialize)]

@@ -16,9 +16,9 @@ use super::blocks::Blocks;
 use super::considered::Carried;
 use super::data::Dive;
 use super::evaluate::{MOST_FREE, Tally, Weights};
-use super::gram::Gram;
-use super::uncertainty::jackknife;
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
+use glidepolar_inference::covariance::jackknife;
+use glidepolar_inference::gram::Gram;
 
 /// What is to be fitted, and how.
 #[derive(Debug, Clone, PartialEq)]

@@ -10,15 +10,15 @@
 //! - [`engine`]: the four answers in their order, with what it is made of: a fit, what is thinned out of it, one lap of the
 //!   search, versions of one mechanism, what is told.
 
-#![allow(non_snake_case, reason = "units stand in names as they are written: N, Pa, C, J")]
-
 mod alternatives;
 mod clusters;
+pub mod covariance;
 pub mod engine;
 pub mod estimate;
 pub mod evidence;
 pub mod findings;
 mod fitted;
+pub mod gram;
 pub mod holdout;
 mod lap;
 pub mod noise;
@@ -28,6 +28,7 @@ pub mod relevance;
 pub mod score;
 pub mod search;
 pub mod smooth;
+pub mod specification_test;
 mod thinning;
 mod told;
 mod versions;

@@ -3,11 +3,11 @@
 use crate::dynamics::{Parameters, parameter_index};
 use crate::glide::Glider;
 use crate::identify::data::Dive;
-use crate::identify::gram::Gram;
 use crate::identify::joint::Question;
 use crate::identify::model::Inertia;
 use crate::identify::model::{predict, true_pitch_rad};
-use crate::identify::uncertainty::solve_symmetric;
+use glidepolar_inference::covariance::solve_symmetric;
+use glidepolar_inference::gram::Gram;
 
 /// Linear regression of tan pitch on the position of the battery, with the ballast and the hydrodynamic moment where
 /// asked for; `S3 = -m_p / slope`.

@@ -25,14 +25,14 @@ use super::considered::Doubt;
 use super::data::Dive;
 use super::evaluate::{Scatter, Weights};
 use super::external_values::{Pin, from_outside};
-use super::gram::Gram;
 use super::identifiability::thinned;
 use super::joint::{Fit, IdentifyError, Question, refine};
-use super::uncertainty::condition_number;
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
 use crate::log::Observation;
 use crate::vehicle::Vehicle;
 use first_guess::{first_guess, start_for};
+use glidepolar_inference::covariance::condition_number;
+use glidepolar_inference::gram::Gram;
 use samples::PitchSamples;
 use told::untold;
 

@@ -8,9 +8,9 @@ use crate::glide::{Attitude, at_pitch};
 use crate::identify::blocks::Blocks;
 use crate::identify::data::Dive;
 use crate::identify::evaluate::{Rows, Tally, Weights, by_block, by_size, with_derivatives};
-use crate::identify::gram::Gram;
 use crate::identify::model::{surroundings, true_pitch_rad};
 use crate::log::Observation;
+use glidepolar_inference::gram::Gram;
 
 /// The pitch that battery and ballast give, as the instrument reads it; `near_rad` is where the search begins.
 pub fn predicted_pitch_rad<T: Number>(

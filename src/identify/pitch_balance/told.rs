@@ -2,9 +2,9 @@
 
 use nalgebra::DMatrix;
 
-use crate::identify::gram::Gram;
 use crate::identify::joint::Fit;
-use crate::identify::uncertainty::inverse_symmetric;
+use glidepolar_inference::covariance::inverse_symmetric;
+use glidepolar_inference::gram::Gram;
 
 /// Largest share of a parameter's effect, by variance, that the others may have as well: with less than two per cent of its
 /// size to itself, an error of the model would pass for the parameter.

@@ -24,12 +24,12 @@ use num_dual::DualSVec64;
 use super::blocks::Blocks;
 use super::data::{ranges, root_weights};
 use super::evaluate::{Rows, Tally, Weights, by_block, by_size, with_derivatives};
-use super::gram::Gram;
 use super::residuals::Residual;
 use crate::dynamics::Parameters;
 use crate::log::{Observation, filter_window};
 use flight::fly;
 use flyer::Flyer;
+use glidepolar_inference::gram::Gram;
 
 /// Pressure above which the glider is taken to float at rest \[dbar\].
 const AFLOAT_DBAR: f64 = 0.5;

@@ -1,4 +1,4 @@
-//! Standard errors that allow for correlated residuals: dives, not samples, are the independent unit.
+//! Standard errors that allow for correlated residuals: blocks of rows (dives, runs), not rows, are the independent unit.
 //!
 //! The water's own motion makes residuals of one dive belong together for tens of minutes. The delete-one-dive
 //! jackknife asks how much the estimate moves when a whole dive is left out (one Gauss-Newton step from the full fit,
@@ -60,13 +60,13 @@ pub fn condition_number(normal: &DMatrix<f64>) -> f64 {
 }
 
 /// `A^-1 b` for a symmetric positive matrix of any scaling; directions that it does not see stay where they are.
-pub(super) fn solve_symmetric(matrix: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
+pub fn solve_symmetric(matrix: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
     inverse_symmetric(matrix) * right
 }
 
 /// The inverse of a symmetric positive matrix, by eigenvalues of the matrix scaled to a unit diagonal. A direction that
 /// it sees less than rounding does is left out.
-pub(super) fn inverse_symmetric(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+pub fn inverse_symmetric(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     let n = matrix.nrows();
     let (scaled, scale) = scaled(matrix);
     let eigen = scaled.symmetric_eigen();
