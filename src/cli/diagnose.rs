@@ -4,14 +4,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::diagnose_words::{checked, left_over, less, size, verdict, words};
 use super::identify::{TrimChoice, with_error};
 use super::reading::{Reading, noted, refused};
 use super::{CliError, Output, diagnose_page, vehicle_input, warn};
-use crate::diagnose::sea::{LEAST_RELEVANT, Lift, SeaDiagnosis, SeaError, SeaProblem, Settings, diagnose_log};
-use crate::diagnose::{Check, Checked, Diagnosis, Left, Point, Problem, Relevance, Verdict};
-use crate::dynamics::{Parameters, parameter_index};
-use crate::estimate::Estimate;
-use crate::identify::external_values::built_up_lift_slope;
+use crate::diagnose::sea::{
+    LEAST_RELEVANT, LiftSlope, Request, SeaError, SeaProblem, VehicleLogError, diagnose_vehicle, extended,
+};
+use crate::diagnose::{Checked, Diagnosis, Relevance};
 use crate::input::printable;
 use crate::output::{Replace, check, write_whole};
 use crate::report::InputFile;
@@ -55,46 +55,28 @@ pub struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
-    let mut vehicle = Vehicle::load(&arguments.vehicle)?;
+    let vehicle = Vehicle::load(&arguments.vehicle)?;
     let log = arguments.reading.read(&arguments.logs, &vehicle)?;
     let trim = TrimChoice::of(arguments.trim, &vehicle);
-    let pinned = arguments.pin_lift.as_ref().map(|text| pinned_lift(text.as_deref())).transpose()?;
-    if let Some((Some(lift), _)) = pinned {
-        hold_lift(&mut vehicle, lift)?;
-    }
-    // Without speed nothing tells the lift slope: a built-in Slocum is held where `identify` holds it.
-    let has_speed = log.observations.iter().any(|o| o.speed_m_s.is_finite());
-    let built_up = if has_speed || pinned.is_some() { None } else { built_up_lift_slope(&vehicle) };
-    if let Some((lift, _)) = built_up {
-        hold_lift(&mut vehicle, lift.value)?;
-    }
-    let lift = match (pinned, &built_up) {
-        (Some((_, lift)), _) => lift,
-        (None, Some(_)) => Lift::Held,
-        (None, None) => Lift::Fitted,
-    };
+    let lift_slope = arguments.pin_lift.as_ref().map(|text| lift_slope(text.as_deref())).transpose()?;
     let quantities = LEAST_RELEVANT.map(|(name, _)| name);
     let relevance = Relevance::parse(&arguments.relevant, &quantities, "vertical_velocity=0.002")
         .map_err(|error| CliError::Usage(format!("--relevant: {error}")))?;
-    let settings = Settings { lift, relevance, ..Settings::default() };
-    let parameters = vehicle.glide_parameters();
-    let mut found = diagnose_log(&parameters, trim, &log.observations, settings).map_err(|error| match error {
-        SeaError::Inconsistent(checks) => refused(checks, &log.notes),
-        // What was taken out in the reading may be what is missing.
-        SeaError::TooFew { .. } => CliError::Failed(format!("{error}{}", noted(&log.notes))),
-    })?;
-    if let Some((lift, source)) = built_up {
-        let held = format!("no measured speed: the lift slope is held at {:.1} per rad: {source}", lift.value);
-        found.told.diagnosis.warnings.push(held);
-    }
+    let request = Request { trim: Some(trim), lift_slope, relevance };
+    let (vehicle, mut found) =
+        diagnose_vehicle(&vehicle, &log.observations, &request).map_err(|error| match error {
+            VehicleLogError::Vehicle(error) => error.into(),
+            VehicleLogError::Log(SeaError::Inconsistent(checks)) => refused(checks, &log.notes),
+            // What was taken out in the reading may be what is missing.
+            VehicleLogError::Log(error) => CliError::Failed(format!("{error}{}", noted(&log.notes))),
+        })?;
     found.told.diagnosis.warnings.extend(log.notes.iter().cloned());
 
     let replace = if arguments.output.force { Replace::Any } else { Replace::Never };
-    if let Some(path) = &arguments.extended {
-        // What the trim took for the mass belongs to the extended vehicle as well, or it would fly at another weight.
-        let trimmed_kg = found.baseline.hull_mass_kg - parameters.hull_mass_kg;
-        extend(&mut vehicle, &found, &parameters, trimmed_kg)?;
-        check(path, vehicle.to_toml().as_bytes(), replace)?;
+    let extended = arguments.extended.as_ref().map(|path| Ok::<_, CliError>((path, extended(&vehicle, &found)?)));
+    let extended = extended.transpose()?;
+    if let Some((path, extended)) = &extended {
+        check(path, extended.to_toml().as_bytes(), replace)?;
         found.told.diagnosis.extended = Some(path.display().to_string());
     }
     if let Some(out) = &arguments.out {
@@ -104,8 +86,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         }
         page.input(vehicle_input(&arguments.vehicle)?).write(arguments.output.folder(out)?)?;
     }
-    if let Some(path) = &arguments.extended {
-        write_whole(path, vehicle.to_toml().as_bytes(), replace)?;
+    if let Some((path, extended)) = &extended {
+        write_whole(path, extended.to_toml().as_bytes(), replace)?;
     }
     if arguments.output.shows_tables() {
         print(&found.told.diagnosis, &found.problem, trim.sentence());
@@ -114,61 +96,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     arguments.output.write_json(&found.told.diagnosis)
 }
 
-/// The lift slope that was asked for, none for the vehicle's own, and what is done about it.
-fn pinned_lift(text: Option<&str>) -> Result<(Option<f64>, Lift), CliError> {
-    let Some(text) = text else { return Ok((None, Lift::Held)) };
+/// The lift slope that was asked for.
+fn lift_slope(text: Option<&str>) -> Result<LiftSlope, CliError> {
+    let Some(text) = text else { return Ok(LiftSlope { value_per_rad: None, se_per_rad: None }) };
     let wrong = || {
         let shown = printable(text);
         CliError::Usage(format!("--pin-lift={shown} is no lift slope: expected A or A+-SE, positive numbers per rad"))
     };
-    let (lift, se) = with_error(text).filter(|(lift, _)| *lift > 0.0 && *lift < 1e3).ok_or_else(wrong)?;
-    Ok((Some(lift), se.map_or(Lift::Held, |se_per_rad| Lift::Known { se_per_rad })))
-}
-
-/// Sets the lift slope, that of the legs as well where they were measured apart.
-fn hold_lift(vehicle: &mut Vehicle, lift_per_rad: f64) -> Result<(), CliError> {
-    vehicle.set("hydro.a_per_rad", lift_per_rad)?;
-    for leg in ["hydro.descent.a_per_rad", "hydro.ascent.a_per_rad"] {
-        if vehicle.get(leg).is_some() {
-            vehicle.set(leg, lift_per_rad)?;
-        }
-    }
-    Ok(())
-}
-
-/// Writes the polar that was fitted and the mechanisms that were named into a vehicle.
-fn extend(
-    vehicle: &mut Vehicle,
-    found: &SeaDiagnosis,
-    parameters: &Parameters<f64>,
-    trimmed_kg: f64,
-) -> Result<(), CliError> {
-    let polar: &Point = &found.told.after.point;
-    for ((name, _), value) in found.problem.baseline().iter().zip(&polar.baseline) {
-        // One polar is fitted, that of descents; where the legs were measured apart each keeps its ratio.
-        let before = parameter_index(name).map_or(0.0, |index| *parameters.clone().at(index));
-        let ratio = if before == 0.0 { f64::NAN } else { value / before };
-        for key in ["hydro.", "hydro.descent.", "hydro.ascent."].map(|table| format!("{table}{name}")) {
-            if let Some(known) = vehicle.get(&key) {
-                vehicle.set(&key, if ratio.is_finite() { known * ratio } else { *value })?;
-            }
-        }
-    }
-    if trimmed_kg != 0.0 {
-        let mass = vehicle.get("mass.mass_kg").unwrap_or(0.0) + trimmed_kg;
-        vehicle.set("mass.mass_kg", mass)?;
-    }
-    let trim_name = "ballast_offset_kg".to_owned();
-    let trim = found.told.diagnosis.trim.as_ref().map(|trim| (&trim_name, trim));
-    for (name, estimate) in found.told.diagnosis.causes.iter().flat_map(|cause| &cause.parameters).chain(trim) {
-        if parameter_index(name).is_some() {
-            vehicle.set(&format!("mechanisms.{name}"), estimate.value)?;
-            if estimate.se > 0.0 {
-                vehicle.set(&format!("uncertainty.mechanisms.{name}"), estimate.se)?;
-            }
-        }
-    }
-    Ok(())
+    let (lift, se_per_rad) = with_error(text).filter(|(lift, _)| *lift > 0.0 && *lift < 1e3).ok_or_else(wrong)?;
+    Ok(LiftSlope { value_per_rad: Some(lift), se_per_rad })
 }
 
 fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
@@ -247,57 +183,4 @@ fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
             gain.ci95[1]
         );
     }
-}
-
-/// What is left of a quantity, relevant or not.
-pub(super) fn left_over(left: &Left) -> String {
-    let Left { size, relevant_above, p_value, .. } = left;
-    let judged = if size > relevant_above { "relevant" } else { "not relevant" };
-    format!(
-        "{} depends on {} by {:.2} mm/s rms at most ({}), {judged} with a limit of {:.2} mm/s",
-        words(&left.quantity),
-        left.depends_on,
-        size * 1e3,
-        crate::report::probability(*p_value),
-        relevant_above * 1e3
-    )
-}
-
-/// By how much an error became less, or more.
-pub(super) fn less(percent: f64) -> String {
-    format!("{:.0} % {}", percent.abs(), if percent < 0.0 { "more" } else { "less" })
-}
-
-/// A check in a line.
-pub(super) fn checked(check: &Check) -> String {
-    let outcome = match check.outcome {
-        Checked::Consistent => "consistent",
-        Checked::Mended => "wrong, corrected",
-        Checked::Wrong => "wrong",
-        Checked::NotChecked => "not checked",
-    };
-    format!("{}: {outcome}: {}", check.check, check.says)
-}
-
-pub(super) fn verdict(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::None => "none",
-        Verdict::Explained => "explained",
-        Verdict::PartlyExplained => "explained in part",
-        Verdict::Unexplained => "unexplained: something is wrong, and no known mechanism fits",
-    }
-}
-
-/// A parameter with its standard error.
-pub(super) fn size(name: &str, estimate: &Estimate) -> String {
-    format!("{name} = {}{}", crate::report::estimate(estimate.value, estimate.se), unit(estimate))
-}
-
-/// The unit after a number; nothing after one that has none.
-pub(super) fn unit(estimate: &Estimate) -> String {
-    if matches!(estimate.unit.as_str(), "" | "1") { String::new() } else { format!(" {}", estimate.unit) }
-}
-
-pub(super) fn words(name: &str) -> String {
-    name.replace('_', " ")
 }

@@ -1,6 +1,6 @@
 //! A diagnosis as a page: for each of the four answers one figure and one sentence.
 
-use super::diagnose::{checked, left_over, less, size, unit, verdict, words};
+use super::diagnose_words::{checked, left_over, less, size, unit, verdict, words};
 use crate::diagnose::sea::SeaDiagnosis;
 use crate::diagnose::{Checked, Diagnosis};
 use crate::report::{Axis, Cell, Figure, Layer, Panel, Report, Section, Table, probability, with_interval};

@@ -75,8 +75,7 @@ impl TrimChoice {
         match choice {
             Some(TrimChoice::Vehicle) => Trim::Vehicle,
             Some(TrimChoice::Neutral) => Trim::Neutral,
-            None if vehicle.is_builtin => Trim::Neutral,
-            None => Trim::Vehicle,
+            None => Trim::for_vehicle(vehicle),
         }
     }
 }

@@ -18,6 +18,7 @@ macro_rules! println {
 pub mod assemble;
 pub mod diagnose;
 mod diagnose_page;
+mod diagnose_words;
 mod export_fmu;
 mod fmu;
 pub mod glide;

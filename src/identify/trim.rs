@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use crate::dynamics::{Parameters, Surroundings};
 use crate::log::{DBAR_PA, Observation};
+use crate::vehicle::Vehicle;
 
 /// Where the net weight of the baseline comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -16,6 +17,11 @@ pub enum Trim {
 }
 
 impl Trim {
+    /// What suits a vehicle: a built-in one, which is not the user's own glider, is taken as neutral.
+    pub fn for_vehicle(vehicle: &Vehicle) -> Trim {
+        if vehicle.is_builtin { Trim::Neutral } else { Trim::Vehicle }
+    }
+
     /// The baseline's parameters.
     ///
     /// `Neutral` sets the mass so that the net mass at ballast volume zero vanishes in the mean density, pressure and

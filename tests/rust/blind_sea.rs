@@ -6,9 +6,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use glidepolar::diagnose::sea::{SeaError, Settings, diagnose_log};
+use glidepolar::diagnose::sea::{Request, SeaError, VehicleLogError, diagnose_vehicle};
 use glidepolar::diagnose::{Cause, Diagnosis};
-use glidepolar::identify::Trim;
 use glidepolar::log::{Columns, Opened, Preparation, open};
 use glidepolar::vehicle::Vehicle;
 use glidepolar_virtual_sea::ocean::Weather;
@@ -69,7 +68,7 @@ fn diagnosed(sea: &Sea) -> Diagnosis {
 }
 
 /// What a user's `glidepolar diagnose log.csv --vehicle vehicle.toml` does.
-fn ask(folder: &Path) -> Result<Diagnosis, SeaError> {
+fn ask(folder: &Path) -> Result<Diagnosis, VehicleLogError> {
     let vehicle = Vehicle::load(&folder.join("vehicle.toml").to_string_lossy()).expect("a vehicle");
     let Opened::Series(mut series) = open(folder.join("log.csv"), &Columns::default()).expect("a log") else {
         panic!("a time series");
@@ -80,7 +79,7 @@ fn ask(folder: &Path) -> Result<Diagnosis, SeaError> {
         preparation.push(piece, &mut observations);
     }
     preparation.finish(&mut observations);
-    let found = diagnose_log(&vehicle.glide_parameters(), Trim::Vehicle, &observations, Settings::default())?;
+    let (_, found) = diagnose_vehicle(&vehicle, &observations, &Request::default())?;
     Ok(found.told.diagnosis)
 }
 
@@ -155,7 +154,7 @@ fn an_effect_without_a_name_gets_none() {
 }
 
 /// A log some of whose columns are spoilt: what the way from the glider to the desk could have done to it.
-fn spoilt(effect: &str, hours: f64, change: impl Fn(&str, &str) -> String) -> Result<Diagnosis, SeaError> {
+fn spoilt(effect: &str, hours: f64, change: impl Fn(&str, &str) -> String) -> Result<Diagnosis, VehicleLogError> {
     let effects = glidepolar_virtual_sea::catalogue::parse_requests(effect).expect("an effect of the virtual sea");
     let dives = (hours * 14.0 / 12.0) as u32;
     let sea = glidepolar_virtual_sea::generate(&Options { effects, hours, dives, ..Options::seeded(41) });
@@ -197,7 +196,9 @@ fn a_log_that_contradicts_itself_is_refused_with_what_is_wrong() {
     let failed: Vec<String> = cases
         .into_iter()
         .filter_map(|(column, factor, expected)| match spoilt("none", 3.0, times(column, factor)) {
-            Err(error @ SeaError::Inconsistent(_)) if error.to_string().contains(expected) => None,
+            Err(error @ VehicleLogError::Log(SeaError::Inconsistent(_))) if error.to_string().contains(expected) => {
+                None
+            }
             other => Some(format!("{column} times {factor}: {:?}", other.map(|found| first(&found)))),
         })
         .collect();

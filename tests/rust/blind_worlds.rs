@@ -7,8 +7,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use glidepolar::diagnose::Diagnosis;
-use glidepolar::diagnose::sea::{Settings, diagnose_log};
-use glidepolar::identify::Trim;
+use glidepolar::diagnose::sea::{Request, diagnose_vehicle};
 use glidepolar::log::{Columns, Opened, Preparation, open};
 use glidepolar::vehicle::Vehicle;
 use glidepolar_virtual_sea::worlds::generate;
@@ -37,8 +36,8 @@ fn ask(log: &Path, vehicle: &Path) -> Option<Diagnosis> {
         preparation.push(piece, &mut observations);
     }
     preparation.finish(&mut observations);
-    let found = diagnose_log(&vehicle.glide_parameters(), Trim::Vehicle, &observations, Settings::default());
-    found.ok().map(|found| found.told.diagnosis)
+    let found = diagnose_vehicle(&vehicle, &observations, &Request::default());
+    found.ok().map(|(_, found)| found.told.diagnosis)
 }
 
 /// The first name, or the verdict where there is none.

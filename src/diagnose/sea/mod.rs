@@ -13,6 +13,7 @@ pub mod consistency;
 mod covariates;
 mod jumps;
 mod model;
+mod vehicle_log;
 mod whole;
 
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
@@ -25,6 +26,7 @@ use super::relevance::Relevance;
 use jumps::Jump;
 use model::{Directions, Vehicle};
 use nalgebra::{DMatrix, DVector};
+pub use vehicle_log::{LiftSlope, Request, VehicleLogError, diagnose_vehicle, extended};
 pub use whole::{SeaDiagnosis, diagnose_log};
 
 /// What is fitted to which data.

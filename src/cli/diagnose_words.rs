@@ -1,0 +1,57 @@
+//! The words of a diagnosis, the same in the table and on the page.
+
+use crate::diagnose::{Check, Checked, Left, Verdict};
+use crate::estimate::Estimate;
+
+/// What is left of a quantity, relevant or not.
+pub(super) fn left_over(left: &Left) -> String {
+    let Left { size, relevant_above, p_value, .. } = left;
+    let judged = if size > relevant_above { "relevant" } else { "not relevant" };
+    format!(
+        "{} depends on {} by {:.2} mm/s rms at most ({}), {judged} with a limit of {:.2} mm/s",
+        words(&left.quantity),
+        left.depends_on,
+        size * 1e3,
+        crate::report::probability(*p_value),
+        relevant_above * 1e3
+    )
+}
+
+/// By how much an error became less, or more.
+pub(super) fn less(percent: f64) -> String {
+    format!("{:.0} % {}", percent.abs(), if percent < 0.0 { "more" } else { "less" })
+}
+
+/// A check in a line.
+pub(super) fn checked(check: &Check) -> String {
+    let outcome = match check.outcome {
+        Checked::Consistent => "consistent",
+        Checked::Mended => "wrong, corrected",
+        Checked::Wrong => "wrong",
+        Checked::NotChecked => "not checked",
+    };
+    format!("{}: {outcome}: {}", check.check, check.says)
+}
+
+pub(super) fn verdict(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::None => "none",
+        Verdict::Explained => "explained",
+        Verdict::PartlyExplained => "explained in part",
+        Verdict::Unexplained => "unexplained: something is wrong, and no known mechanism fits",
+    }
+}
+
+/// A parameter with its standard error.
+pub(super) fn size(name: &str, estimate: &Estimate) -> String {
+    format!("{name} = {}{}", crate::report::estimate(estimate.value, estimate.se), unit(estimate))
+}
+
+/// The unit after a number; nothing after one that has none.
+pub(super) fn unit(estimate: &Estimate) -> String {
+    if matches!(estimate.unit.as_str(), "" | "1") { String::new() } else { format!(" {}", estimate.unit) }
+}
+
+pub(super) fn words(name: &str) -> String {
+    name.replace('_', " ")
+}

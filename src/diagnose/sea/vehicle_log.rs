@@ -1,0 +1,128 @@
+//! A log against a vehicle, as a user asks for it: what is known of the lift slope, the trim that suits the vehicle, the
+//! diagnosis, the extended vehicle. Commands, tests and benchmarks call the same functions. Knows no files.
+
+use super::{Lift, SeaDiagnosis, SeaError, Settings, diagnose_log};
+use crate::diagnose::{Point, Problem, Relevance};
+use crate::dynamics::parameter_index;
+use crate::identify::Trim;
+use crate::identify::external_values::built_up_lift_slope;
+use crate::input::InputError;
+use crate::log::Observation;
+use crate::vehicle::Vehicle;
+
+/// What is asked of a diagnosis.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Request {
+    /// What the baseline takes for the net weight; none: what [suits the vehicle](Trim::for_vehicle).
+    pub trim: Option<Trim>,
+    /// What is known of the lift slope from outside; none: it is fitted where the data show it.
+    pub lift_slope: Option<LiftSlope>,
+    /// Which misfit is worth acting on.
+    pub relevance: Relevance,
+}
+
+/// A lift slope that is known from outside.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LiftSlope {
+    /// Its value \[1/rad\], on the frontal area; none: the vehicle's.
+    pub value_per_rad: Option<f64>,
+    /// Its standard error \[1/rad\]; none: it is fixed.
+    pub se_per_rad: Option<f64>,
+}
+
+/// Why there is no diagnosis.
+#[derive(Debug, thiserror::Error)]
+pub enum VehicleLogError {
+    /// A lift slope that the vehicle cannot have.
+    #[error(transparent)]
+    Vehicle(#[from] InputError),
+    /// A log from which nothing follows.
+    #[error(transparent)]
+    Log(#[from] SeaError),
+}
+
+/// Diagnoses a log against a vehicle; returns the vehicle with the lift slope that was used as well.
+///
+/// Without measured speed nothing identifies the lift slope: a built-in Slocum is fixed where `identify` fixes it.
+///
+/// # Errors
+/// Where the log contradicts itself beyond correction, too little of it can be used, or the lift slope is out of bounds.
+pub fn diagnose_vehicle(
+    vehicle: &Vehicle,
+    observations: &[Observation],
+    request: &Request,
+) -> Result<(Vehicle, SeaDiagnosis), VehicleLogError> {
+    let mut vehicle = vehicle.clone();
+    let has_speed = observations.iter().any(|o| o.speed_m_s.is_finite());
+    let mut warnings = Vec::new();
+    let lift = match request.lift_slope {
+        Some(known) => {
+            if let Some(value) = known.value_per_rad {
+                set_lift_slope(&mut vehicle, value)?;
+            }
+            known.se_per_rad.map_or(Lift::Held, |se_per_rad| Lift::Known { se_per_rad })
+        }
+        None => match built_up_lift_slope(&vehicle).filter(|_| !has_speed) {
+            Some((slope, source)) => {
+                set_lift_slope(&mut vehicle, slope.value)?;
+                warnings
+                    .push(format!("no measured speed: the lift slope is held at {:.1} per rad: {source}", slope.value));
+                Lift::Held
+            }
+            None => Lift::Fitted,
+        },
+    };
+    let trim = request.trim.unwrap_or_else(|| Trim::for_vehicle(&vehicle));
+    let settings = Settings { lift, relevance: request.relevance.clone(), ..Settings::default() };
+    let mut found = diagnose_log(&vehicle.glide_parameters(), trim, observations, settings)?;
+    found.told.diagnosis.warnings.extend(warnings);
+    Ok((vehicle, found))
+}
+
+/// The vehicle with the polar that was fitted and the mechanisms that were named.
+///
+/// # Errors
+/// Where a figure that was found is beyond the bounds of the vehicle file.
+pub fn extended(vehicle: &Vehicle, found: &SeaDiagnosis) -> Result<Vehicle, InputError> {
+    let mut vehicle = vehicle.clone();
+    let parameters = vehicle.glide_parameters();
+    // What the trim took for the mass belongs to the extended vehicle as well, or it would fly at another weight.
+    let trimmed_kg = found.baseline.hull_mass_kg - parameters.hull_mass_kg;
+    let polar: &Point = &found.told.after.point;
+    for ((name, _), value) in found.problem.baseline().iter().zip(&polar.baseline) {
+        // One polar is fitted, that of descents; where the legs were measured apart each keeps its ratio.
+        let before = parameter_index(name).map_or(0.0, |index| *parameters.clone().at(index));
+        let ratio = if before == 0.0 { f64::NAN } else { value / before };
+        for key in ["hydro.", "hydro.descent.", "hydro.ascent."].map(|table| format!("{table}{name}")) {
+            if let Some(known) = vehicle.get(&key) {
+                vehicle.set(&key, if ratio.is_finite() { known * ratio } else { *value })?;
+            }
+        }
+    }
+    if trimmed_kg != 0.0 {
+        let mass = vehicle.get("mass.mass_kg").unwrap_or(0.0) + trimmed_kg;
+        vehicle.set("mass.mass_kg", mass)?;
+    }
+    let trim_name = "ballast_offset_kg".to_owned();
+    let trim = found.told.diagnosis.trim.as_ref().map(|trim| (&trim_name, trim));
+    for (name, estimate) in found.told.diagnosis.causes.iter().flat_map(|cause| &cause.parameters).chain(trim) {
+        if parameter_index(name).is_some() {
+            vehicle.set(&format!("mechanisms.{name}"), estimate.value)?;
+            if estimate.se > 0.0 {
+                vehicle.set(&format!("uncertainty.mechanisms.{name}"), estimate.se)?;
+            }
+        }
+    }
+    Ok(vehicle)
+}
+
+/// Sets the lift slope, that of the legs as well where they were measured apart.
+fn set_lift_slope(vehicle: &mut Vehicle, lift_per_rad: f64) -> Result<(), InputError> {
+    vehicle.set("hydro.a_per_rad", lift_per_rad)?;
+    for leg in ["hydro.descent.a_per_rad", "hydro.ascent.a_per_rad"] {
+        if vehicle.get(leg).is_some() {
+            vehicle.set(leg, lift_per_rad)?;
+        }
+    }
+    Ok(())
+}
