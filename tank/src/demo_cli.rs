@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use glidepolar_tank::virtual_tank::{EffectRequest, Error, Options, Progress, catalogue_text, write_campaign_watched};
+use glidepolar_tank::virtual_tank::{EffectRequest, Error, Options, Progress, Variety, catalogue_text, write_campaign_watched};
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// Write a synthetic campaign of the five Phoenix hulls, with stated truth, to try the reduction on.
@@ -29,6 +29,9 @@ pub struct DemoArgs {
     /// Tow only the strut and the hulls at fixed angles, without oscillations and turns
     #[arg(long)]
     statics_only: bool,
+    /// Draw the tank as well: sampling, lengths of runs and zeros, programme, kinds of noise
+    #[arg(long)]
+    vary: bool,
     /// Size to aim at in MB (10^6 bytes), by more runs and finer sampling
     #[arg(long, value_name = "MB")]
     size_mb: Option<f64>,
@@ -61,6 +64,7 @@ pub fn run(args: DemoArgs) -> Result<(), Error> {
         hulls: args.hull,
         noise: args.noise,
         statics_only: args.statics_only,
+        variety: if args.vary { Variety::Drawn } else { Variety::Phoenix },
         size_mb: args.size_mb,
     };
     let begin = Instant::now();

@@ -27,6 +27,7 @@ pub mod regression;
 pub mod results;
 mod run_variance;
 pub mod series;
+mod spectrum;
 pub mod shared;
 mod spikes;
 pub mod statics;
@@ -39,6 +40,7 @@ pub mod trend;
 pub mod water;
 pub mod window;
 pub mod zero_drift;
+mod zero_noise;
 pub mod zeros;
 
 pub use glidepolar_virtual_tank as virtual_tank;

@@ -8,17 +8,18 @@ use rayon::prelude::*;
 
 use crate::campaign::{Campaign, Kind, Rejected, Run};
 use crate::derivatives::{self, Derivatives};
+use crate::diagnose::Tared;
 use crate::harmonics::Harmonics;
 use crate::history::History;
 use crate::hull::Hull;
 use crate::readings::{self, Readings, Useful};
 use crate::results::{BalanceSummary, HullResults, Results, RunResults};
-use crate::series::median;
+use crate::series::{Mean3, median};
 use crate::statics::{self, Common, SteadyRun};
 use crate::sweep::Sweep;
 use crate::tare::{Tare, TareRun};
 use crate::zeros::Zeros;
-use crate::{checks, diagnose, fits, points, theory, trend};
+use crate::{checks, diagnose, fits, points, spectrum, theory, trend};
 
 /// Length of a strut, where no hull tells how far the flow must develop \[m\].
 const STRUT_M: f64 = 0.5;
@@ -88,12 +89,27 @@ pub fn reduce_campaign(
             }
         }
     }
+    share_noise(&mut readings);
     if options.strict
         && let Some(rejected) = campaign.rejected.first()
     {
         return Err(rejected.error.clone());
     }
     Reduction::of(&campaign, &readings).results(options)
+}
+
+/// Records at rest have one shape of noise, steady runs under way another.
+fn share_noise(readings: &mut [Option<Readings>]) {
+    let mut at_rest: Vec<&mut Mean3> = Vec::new();
+    let mut under_way: Vec<&mut Mean3> = Vec::new();
+    for read in readings.iter_mut().flatten() {
+        at_rest.extend(read.rest.as_mut());
+        if let Useful::Steady(steady) = &mut read.useful {
+            under_way.push(&mut steady.readings);
+        }
+    }
+    spectrum::share(&mut at_rest);
+    spectrum::share(&mut under_way);
 }
 
 fn read_runs(campaign: &Campaign, watch: &(dyn Fn(Progress) + Sync)) -> Vec<Result<Readings, InputError>> {
@@ -162,7 +178,13 @@ impl<'a> Reduction<'a> {
             }
             tare
         };
-        steady.is_tared = tare.is_some();
+        steady.tared = tare.as_ref().map_or(Tared::Never, |tare| if tare.is_ahead_alone { Tared::Ahead } else { Tared::AtAngles });
+        steady.zero_runs = zeros.zeros.iter().map(|zero| diagnose::ZeroRun {
+            when_s: zero.when,
+            hull: zero.hull,
+            reading: zero.reading,
+            variance: (zeros.root * zeros.root.transpose()).diagonal(),
+        }).collect();
         let common = Common { balance, zeros: &zeros, tare: tare.as_ref() };
         self.check_tare_range(tare.as_ref());
         let mut run_results = self.run_results();

@@ -7,8 +7,10 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+/// Lowest cosine transforms of a record that are kept.
+pub const TRANSFORMS: usize = 6;
 /// Most cosines that are used, and fewest.
-const MOST: usize = 6;
+const MOST: usize = TRANSFORMS;
 const FEWEST: usize = 2;
 /// Cosines below this frequency are used, below which the noise of balances is taken for flat \[Hz\].
 const FLAT_BELOW_HZ: f64 = 0.08;
@@ -24,6 +26,12 @@ pub struct Mean3 {
     pub dof: f64,
     /// Variance of the samples.
     pub sample_variance: Vector3<f64>,
+    /// The lowest cosine transforms: their squares estimate the density, times the sampling rate, at j/(2 T).
+    pub transforms: [Vector3<f64>; TRANSFORMS],
+    /// Length of the record \[s\].
+    pub duration_s: f64,
+    /// Its samples.
+    pub samples: usize,
 }
 
 impl Mean3 {
@@ -35,13 +43,22 @@ impl Mean3 {
         // The j-th cosine has the frequency j/(2 T).
         let count = (2.0 * FLAT_BELOW_HZ * n as f64 * interval_s).round() as usize;
         let count = count.clamp(FEWEST, MOST);
-        for transform in &cosines(channels)[..count] {
+        let transforms = cosines(channels);
+        for transform in &transforms[..count] {
             covariance += transform * transform.transpose();
         }
         let sample_variance = Vector3::from_fn(|i, _| {
             channels[i].iter().map(|x| (x - mean[i]).powi(2)).sum::<f64>() / (n - 1).max(1) as f64
         });
-        Mean3 { mean, covariance: covariance / (count * n) as f64, dof: count as f64, sample_variance }
+        Mean3 {
+            mean,
+            covariance: covariance / (count * n) as f64,
+            dof: count as f64,
+            sample_variance,
+            transforms,
+            duration_s: n as f64 * interval_s,
+            samples: n,
+        }
     }
 
     /// Effective number of samples of a channel. Where a resonance dominates it is larger than their number, and not held

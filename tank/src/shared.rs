@@ -123,11 +123,18 @@ impl Common<'_> {
         let root = self.balance.interaction * self.zeros.root;
         let mut parts = run.zero.parts.clone();
         parts.sort_by_key(|(zero, _)| *zero);
-        let mut on = DMatrix::zeros(3, 3 * parts.len());
+        let bridge = run.zero.bridge.filter(|_| self.zeros.walk.amax() > 0.0);
+        let mut on = DMatrix::zeros(3, 3 * (parts.len() + usize::from(bridge.is_some())));
         for (place, (_, weight)) in parts.iter().enumerate() {
             on.fixed_view_mut::<3, 3>(0, 3 * place).copy_from(&(-*weight * root));
         }
-        Influence { parts: parts.iter().flat_map(|(zero, _)| (0..3).map(move |k| 3 * zero + k)).collect(), on }
+        let mut felt: Vec<usize> = parts.iter().flat_map(|(zero, _)| (0..3).map(move |k| 3 * zero + k)).collect();
+        if let Some((gap, sd)) = bridge {
+            let walk = self.balance.interaction * Matrix3::from_diagonal(&self.zeros.walk.map(|rate| sd * rate.sqrt()));
+            on.fixed_view_mut::<3, 3>(0, 3 * parts.len()).copy_from(&(-walk));
+            felt.extend((0..3).map(|k| 3 * (self.zeros.zeros.len() + gap) + k));
+        }
+        Influence { parts: felt, on }
     }
 }
 

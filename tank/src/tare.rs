@@ -22,6 +22,8 @@ pub struct Tare {
     pub runs: usize,
     /// Drift angles between which was tared \[deg\].
     pub between_deg: [f64; 2],
+    /// Whether it was tared straight ahead alone.
+    pub is_ahead_alone: bool,
     /// What a short programme of tare runs leaves open, in sentences.
     pub doubts: Vec<&'static str>,
 }
@@ -101,7 +103,8 @@ impl Tare {
                 "there are no more tare runs than terms of the strut's force: how far tare runs scatter is not known, and intervals take them to scatter within themselves alone; repeat a tare run",
             );
         }
-        Some(Tare { channels, reference_speed_m_s, runs: runs.len(), between_deg, doubts })
+        let is_ahead_alone = programme.angles == 1 && programme.at_zero;
+        Some(Tare { channels, reference_speed_m_s, runs: runs.len(), between_deg, is_ahead_alone, doubts })
     }
 
     /// AF, SF, YM of the strut in a motion; `density_kg_m3` of the water.

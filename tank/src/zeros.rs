@@ -6,6 +6,13 @@ use crate::campaign::{Kind, Run};
 use crate::readings::{Readings, Useful};
 use crate::series::Mean3;
 use crate::shared;
+use crate::zero_noise;
+
+/// Share of the first mode `sin(pi x)` in a walk between two fixed points, per unit of time: `2/pi^2` (Karhunen and Loeve);
+/// the others, a third of its variance, scatter from run to run.
+const FIRST_MODE: f64 = 0.202_642_367_284_675_54;
+/// A pause as long as this ends a stretch of zeros \[s\].
+const PAUSE_S: f64 = 4.0 * 3600.0;
 
 /// All zeros of a campaign.
 #[derive(Debug, Clone, Default)]
@@ -16,6 +23,8 @@ pub struct Zeros {
     pub root: Matrix3<f64>,
     /// Degrees of freedom of that covariance.
     pub dof: f64,
+    /// Variance that a random walk of the zeros gains per unit of `when`: AF, SF, YM.
+    pub walk: Vector3<f64>,
     /// Whether time, rather than the order of the runs, was interpolated in.
     pub in_time: bool,
 }
@@ -40,6 +49,9 @@ pub struct ZeroOfRun {
     pub reading: Vector3<f64>,
     /// Which zero runs it rests on, with their weights.
     pub parts: Vec<(usize, f64)>,
+    /// Between which two zeros a walk takes the zero off the line between them, or beyond which one, with the standard
+    /// deviation that it has gained there at unit rate.
+    pub bridge: Option<(usize, f64)>,
     /// Covariance that this run's zero does not share with others.
     pub own_covariance: Matrix3<f64>,
 }
@@ -64,9 +76,18 @@ impl Zeros {
         let dof = taken.iter().map(|(_, rest)| rest.dof).sum::<f64>().max(1.0);
         let mut zeros: Vec<Zero> = taken.into_iter().map(|(zero, _)| zero).collect();
         zeros.sort_by(|a, b| a.when.total_cmp(&b.when));
+        let between = [0, 1, 2].map(|channel| {
+            let stretches: Vec<Vec<(f64, f64)>> = stretches(&zeros, in_time)
+                .iter()
+                .map(|stretch| stretch.iter().map(|i| (zeros[*i].when, zeros[*i].reading[channel])).collect())
+                .collect();
+            zero_noise::components(&stretches, covariance[(channel, channel)])
+        });
+        (0..3).for_each(|channel| covariance[(channel, channel)] += between[channel].repeat);
+        let walk = Vector3::from(between.map(|components| components.walk));
         let covariance = DMatrix::from_column_slice(3, 3, covariance.as_slice());
         let root = Matrix3::from_column_slice(shared::root(&covariance).as_slice());
-        Zeros { zeros, root, dof, in_time }
+        Zeros { zeros, root, dof, walk, in_time }
     }
 
     /// The zero at a run, `after_s` after its begin. Zeros with the same hull go before others, since a model's own weight
@@ -77,20 +98,25 @@ impl Zeros {
         let candidates = if same.is_empty() { (0..self.zeros.len()).collect() } else { same };
         let before = candidates.iter().copied().rfind(|i| self.zeros[*i].when <= when);
         let after = candidates.iter().copied().find(|i| self.zeros[*i].when > when);
+        let mut bridge = None;
         let parts = match (before, after) {
             (Some(before), Some(after)) => {
                 let (from, to) = (self.zeros[before].when, self.zeros[after].when);
                 let share = (when - from) / (to - from);
+                bridge = Some((before, (FIRST_MODE * (to - from)).sqrt() * (std::f64::consts::PI * share).sin()));
                 vec![(before, 1.0 - share), (after, share)]
             }
-            (Some(only), None) | (None, Some(only)) => vec![(only, 1.0)],
+            (Some(only), None) | (None, Some(only)) => {
+                bridge = Some((only, (when - self.zeros[only].when).abs().sqrt()));
+                vec![(only, 1.0)]
+            }
             (None, None) => {
                 let rest = readings.rest?;
-                return Some(ZeroOfRun { reading: rest.mean, parts: vec![], own_covariance: rest.covariance });
+                return Some(ZeroOfRun { reading: rest.mean, parts: vec![], bridge, own_covariance: rest.covariance });
             }
         };
         let reading = parts.iter().map(|(i, weight)| self.zeros[*i].reading * *weight).sum();
-        Some(ZeroOfRun { reading, parts, own_covariance: Matrix3::zeros() })
+        Some(ZeroOfRun { reading, parts, bridge, own_covariance: Matrix3::zeros() })
     }
 
     /// Largest change of a channel between successive zeros of the same hull.
@@ -101,6 +127,23 @@ impl Zeros {
         }
         largest
     }
+}
+
+/// Zeros that follow each other with the same hull, on one day.
+fn stretches(zeros: &[Zero], in_time: bool) -> Vec<Vec<usize>> {
+    let mut found: Vec<Vec<usize>> = Vec::new();
+    for (i, zero) in zeros.iter().enumerate() {
+        let follows = |stretch: &&mut Vec<usize>| {
+            stretch.last().is_some_and(|last| {
+                zeros[*last].hull == zero.hull && (!in_time || zero.when - zeros[*last].when < PAUSE_S)
+            })
+        };
+        match found.last_mut().filter(follows) {
+            Some(stretch) => stretch.push(i),
+            None => found.push(vec![i]),
+        }
+    }
+    found
 }
 
 fn when(run: &Run, in_time: bool, after_s: f64) -> f64 {

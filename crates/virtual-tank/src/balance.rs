@@ -11,6 +11,9 @@ use super::water::Water;
 
 /// Part of the strut that stands in the flow, m2.
 const STRUT_AREA_M2: f64 = 0.0032;
+/// Step of the zeros' random walk, and how long a day lasts at most, h.
+const WALK_STEP_H: f64 = 0.05;
+const LONGEST_DAY_H: f64 = 16.0;
 
 /// The strut between balance and model, forces along and across its chord; stated in the truth.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -44,10 +47,12 @@ pub(super) struct Balance {
     to_reading: Matrix3<f64>,
     pub strut: Strut,
     pub days: Vec<DayZero>,
+    /// Random walk of each day's zeros in steps of [`WALK_STEP_H`]; empty where they do not walk.
+    walk: Vec<Vec<[f64; 3]>>,
 }
 
 impl Balance {
-    pub(super) fn draw(stream: &mut Stream, days: usize, hidden: &Hidden) -> Self {
+    pub(super) fn draw(stream: &mut Stream, days: usize, hidden: &Hidden, zero_drift: [f64; 3]) -> Self {
         let mut interaction = [[0.0; 3]; 3];
         for (i, row) in interaction.iter_mut().enumerate() {
             for (j, element) in row.iter_mut().enumerate() {
@@ -71,16 +76,41 @@ impl Balance {
         let days = (0..days)
             .map(|_| DayZero {
                 at_begin: [4.0, 6.0, 3.0].map(|spread| spread * stream.normal()),
-                per_hour: [0.10, 0.15, 0.06].map(|spread| spread * stream.normal()),
+                per_hour: zero_drift.map(|spread| spread * stream.normal()),
             })
             .collect();
-        Self { interaction, to_reading, strut, days }
+        Self { interaction, to_reading, strut, days, walk: Vec::new() }
+    }
+
+    /// Lets the zeros walk, by so much in an hour (a standard deviation).
+    pub(super) fn walk(&mut self, per_root_hour: [f64; 3], stream: &mut Stream) {
+        if per_root_hour == [0.0; 3] {
+            return;
+        }
+        let steps = (LONGEST_DAY_H / WALK_STEP_H) as usize;
+        self.walk = (0..self.days.len())
+            .map(|_| {
+                let mut at = [0.0; 3];
+                (0..=steps)
+                    .map(|_| {
+                        let here = at;
+                        (0..3).for_each(|i| at[i] += per_root_hour[i] * WALK_STEP_H.sqrt() * stream.normal());
+                        here
+                    })
+                    .collect()
+            })
+            .collect();
     }
 
     /// What the channels show without load, `hours` after the begin of `day`.
     pub(super) fn zero(&self, day: usize, hours: f64, hidden: &Hidden) -> [f64; 3] {
         let DayZero { at_begin, per_hour } = self.days[day];
         let mut zero = [0, 1, 2].map(|i| at_begin[i] + per_hour[i] * hours);
+        if let Some(walk) = self.walk.get(day) {
+            let place = (hours / WALK_STEP_H).min(walk.len() as f64 - 1.001);
+            let (from, share) = (place as usize, place.fract());
+            (0..3).for_each(|i| zero[i] += walk[from][i] + share * (walk[from + 1][i] - walk[from][i]));
+        }
         if let Some(warm_up) = hidden.warm_up {
             let run_away =
                 warm_up.rate_per_hour * warm_up.time_constant_h * (1.0 - (-hours / warm_up.time_constant_h).exp());
@@ -119,7 +149,7 @@ mod tests {
     /// Force = C (reading - zero), element by element as the manifest states C.
     #[test]
     fn stated_matrix_turns_readings_into_forces() {
-        let balance = Balance::draw(&mut Stream::new(3, Purpose::Balance), 2, &Hidden::default());
+        let balance = Balance::draw(&mut Stream::new(3, Purpose::Balance), 2, &Hidden::default(), [0.1; 3]);
         let zero = balance.zero(1, 3.0, &Hidden::default());
         let reading = balance.reading(Loads { x: -7.0, y: 12.0, n: -5.0 }, &zero, &Hidden::default());
         for (row, force) in balance.interaction.iter().zip([7.0, 12.0, -5.0]) {
@@ -131,7 +161,7 @@ mod tests {
     /// A moment about a point further aft: N_P = N_MC + distance * SF, as for the transfer to the centre of buoyancy.
     #[test]
     fn moment_centre_further_aft_adds_side_force_times_distance() {
-        let mut balance = Balance::draw(&mut Stream::new(3, Purpose::Balance), 1, &Hidden::default());
+        let mut balance = Balance::draw(&mut Stream::new(3, Purpose::Balance), 1, &Hidden::default(), [0.1; 3]);
         balance.to_reading = Matrix3::identity();
         let hidden = Hidden { moment_centre_error_m: 0.02, ..Hidden::default() };
         let reading = balance.reading(Loads { x: 0.0, y: 10.0, n: 1.0 }, &[0.0; 3], &hidden);

@@ -11,7 +11,6 @@ use super::balance::Balance;
 use super::folder::NewFolder;
 use super::hull::{Hull, draw_hulls};
 use super::motion::Kind;
-use super::noise::NoiseLevels;
 use super::outline::PHOENIX;
 use super::paperwork::{self, run_id};
 use super::programme::{PlannedRun, Wishes, plan};
@@ -19,10 +18,9 @@ use super::random::{Purpose, Stream};
 use super::request;
 use super::simulate::Tank;
 use super::truth::{BalanceTruth, HullTruth, RunTruth, SCHEMA, Trend, Truth};
+use super::world::World;
 use super::{Error, Options, Progress, io_error};
 
-/// Samples per second of a default campaign: static runs, oscillating runs.
-const RATES_HZ: (f64, f64) = (50.0, 100.0);
 /// Bytes of one row, on average.
 const BYTES_PER_ROW: f64 = 55.0;
 /// A campaign may be sampled this much more coarsely than a default one.
@@ -49,23 +47,26 @@ pub fn write_campaign_watched(
     if !(0.0..=100.0).contains(&options.noise) {
         return Err(Error::Noise { found: options.noise });
     }
-    let chosen = choose_hulls(&options.hulls)?;
+    let world = World::of(options.variety, options.seed, options.noise);
+    let chosen = choose_hulls(&options.hulls, &world)?;
     let (hidden, stated) = request::hide(&options.effects, options.seed)?;
-    let levels = NoiseLevels::good_tank(options.noise);
+    let levels = world.levels;
     let hulls = draw_hulls(&mut Stream::new(options.seed, Purpose::Hulls));
     let runs_of = |passes| {
         let wishes = Wishes { hulls: &chosen, passes, statics_only: options.statics_only };
-        plan(wishes, &levels, &hidden, &mut Stream::new(options.seed, Purpose::Programme))
+        plan(wishes, &world, &hidden, &mut Stream::new(options.seed, Purpose::Programme))
     };
-    let (runs, refinement) = size(options.size_mb, runs_of)?;
+    let (runs, refinement) = size(options.size_mb, world.rates_hz, runs_of)?;
     let days = runs.last().map_or(1, |run| run.day + 1);
-    let balance = Balance::draw(&mut Stream::new(options.seed, Purpose::Balance), days, &hidden);
+    let mut balance =
+        Balance::draw(&mut Stream::new(options.seed, Purpose::Balance), days, &hidden, world.zero_drift);
+    balance.walk(world.zero_walk, &mut Stream::new(options.seed, Purpose::Walk));
     let tank = Tank {
         hulls: &hulls,
         balance: &balance,
         levels: &levels,
         hidden: &hidden,
-        intervals_s: (interval(RATES_HZ.0 * refinement), interval(RATES_HZ.1 * refinement)),
+        intervals_s: (interval(world.rates_hz.0 * refinement), interval(world.rates_hz.1 * refinement)),
     };
 
     let folder = NewFolder::begin(place)?;
@@ -91,9 +92,9 @@ pub fn write_campaign_watched(
     Ok(truth)
 }
 
-fn choose_hulls(ids: &[String]) -> Result<Vec<usize>, Error> {
+fn choose_hulls(ids: &[String], world: &World) -> Result<Vec<usize>, Error> {
     if ids.is_empty() {
-        return Ok((0..PHOENIX.len()).collect());
+        return Ok(world.hulls.clone());
     }
     let mut chosen = Vec::new();
     for id in ids {
@@ -109,26 +110,30 @@ fn choose_hulls(ids: &[String]) -> Result<Vec<usize>, Error> {
 }
 
 /// Plans as many passes, and finds how much finer to sample, as bring the campaign to its size.
-fn size(size_mb: Option<f64>, plan: impl Fn(usize) -> Vec<PlannedRun>) -> Result<(Vec<PlannedRun>, f64), Error> {
+fn size(
+    size_mb: Option<f64>,
+    rates_hz: (f64, f64),
+    plan: impl Fn(usize) -> Vec<PlannedRun>,
+) -> Result<(Vec<PlannedRun>, f64), Error> {
     let runs = plan(1);
     let Some(size_mb) = size_mb else {
         return Ok((runs, 1.0));
     };
-    let once_mb = expected_mb(&runs);
+    let once_mb = expected_mb(&runs, rates_hz);
     let passes = (size_mb / once_mb).round().max(1.0);
     if !(COARSEST * once_mb..=1e5).contains(&size_mb) {
         return Err(Error::Size { found_mb: size_mb, least_mb: COARSEST * once_mb });
     }
     let runs = if passes > 1.0 { plan(passes as usize) } else { runs };
-    let refinement = size_mb / expected_mb(&runs);
+    let refinement = size_mb / expected_mb(&runs, rates_hz);
     Ok((runs, refinement))
 }
 
 /// Size of the runs' files in a campaign sampled at the usual rates.
-fn expected_mb(runs: &[PlannedRun]) -> f64 {
+fn expected_mb(runs: &[PlannedRun], rates_hz: (f64, f64)) -> f64 {
     let rows = |run: &PlannedRun| {
         let oscillates = matches!(run.command.kind, Kind::Sway | Kind::Yaw);
-        run.command.times().end * if oscillates { RATES_HZ.1 } else { RATES_HZ.0 }
+        run.command.times().end * if oscillates { rates_hz.1 } else { rates_hz.0 }
     };
     runs.iter().map(rows).sum::<f64>() * BYTES_PER_ROW / 1e6
 }

@@ -24,6 +24,7 @@ mod request;
 mod simulate;
 mod truth;
 mod water;
+mod world;
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -38,6 +39,7 @@ pub use noise::NoiseLevels;
 pub use outline::{DIAMETER_M, PHOENIX, TableRow};
 pub use truth::{BalanceTruth, HullTruth, RunTruth, SCHEMA, Trend, Truth};
 pub use water::Water;
+pub use world::Variety;
 
 /// What to write.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,20 +48,30 @@ pub struct Options {
     pub seed: u64,
     /// What to hide; see [`CATALOGUE`].
     pub effects: Vec<EffectRequest>,
-    /// Ids of the hulls to test; all five when empty.
+    /// Ids of the hulls to test; those of the tank when empty: all five, or some of them where it is drawn.
     pub hulls: Vec<String>,
     /// Scale of everything random within and between runs: 1 a good tank, 0 none. Zeros, their even drift, interaction
     /// and strut stay.
     pub noise: f64,
     /// Whether only the strut and the steady drift of each hull are towed, without oscillations and turns.
     pub statics_only: bool,
+    /// The same tank for every seed, or another for each.
+    pub variety: Variety,
     /// Total size to aim at, 10^6 bytes, by more passes and finer sampling; a default campaign when absent.
     pub size_mb: Option<f64>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { seed: 1, effects: Vec::new(), hulls: Vec::new(), noise: 1.0, statics_only: false, size_mb: None }
+        Self {
+            seed: 1,
+            effects: Vec::new(),
+            hulls: Vec::new(),
+            noise: 1.0,
+            statics_only: false,
+            variety: Variety::Phoenix,
+            size_mb: None,
+        }
     }
 }
 

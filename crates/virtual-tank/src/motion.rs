@@ -49,6 +49,8 @@ pub(super) struct Command {
     pub frequency_hz: f64,
     /// Positive to starboard, arc.
     pub radius_m: f64,
+    /// Longest steady part of a drift run; length of a zero run, s.
+    pub hold_s: f64,
 }
 
 /// When each part of a run begins, s.
@@ -94,13 +96,13 @@ impl Command {
         if self.kind == Kind::Zero {
             // Never starts within the record.
             return Times {
-                start: 20.0,
-                up_to_speed: 21.0,
+                start: self.hold_s,
+                up_to_speed: self.hold_s + 1.0,
                 steady_from: 0.0,
-                steady_to: 20.0,
-                brake: 22.0,
-                stopped: 23.0,
-                end: 20.0,
+                steady_to: self.hold_s,
+                brake: self.hold_s + 2.0,
+                stopped: self.hold_s + 3.0,
+                end: self.hold_s,
             };
         }
         let ramp = 0.75 + 1.4 * self.speed_m_s;
@@ -109,7 +111,7 @@ impl Command {
         let (build_up, steady, fade) = match self.kind {
             Kind::Sway | Kind::Yaw => (4.0, 25.0, 3.0),
             Kind::Arc => (1.0, if self.speed_m_s > 1.5 { 11.0 } else { 14.0 }, 0.0),
-            _ => (0.0, (54.0 / self.speed_m_s).min(25.0), 0.0),
+            _ => (0.0, (54.0 / self.speed_m_s).min(self.hold_s), 0.0),
         };
         let steady_from = up_to_speed + build_up;
         let steady_to = steady_from + steady;
@@ -294,6 +296,7 @@ mod tests {
         sway_amplitude_m: 0.3,
         frequency_hz: 0.2,
         radius_m: -10.0,
+        hold_s: 25.0,
     };
 
     /// Every rate that the mechanism hands out is the derivative of what it should be the rate of.

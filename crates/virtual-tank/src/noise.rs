@@ -33,6 +33,14 @@ pub struct NoiseLevels {
     pub yaw_setting_deg: f64,
     /// Standard deviations of the speed, yaw and sway columns, per sample: m/s, deg, m.
     pub sensors: [f64; 3],
+    /// Standard deviation of noise whose density goes with one over the frequency, from 70 s to 0.05 s.
+    pub flicker: [f64; 3],
+    /// Share of the white noise's samples that scatter four times as far as the others.
+    pub contamination: f64,
+    /// Standard deviation of what every run's readings are off as a whole, zero runs included.
+    pub repeatability: [f64; 3],
+    /// Steps in which readings are written; none where zero.
+    pub resolution: [f64; 3],
 }
 
 impl NoiseLevels {
@@ -52,6 +60,10 @@ impl NoiseLevels {
             speed_setting: 0.001 * scale,
             yaw_setting_deg: 0.02 * scale,
             sensors: scaled([0.001, 0.003, 0.0001]),
+            flicker: [0.0; 3],
+            contamination: 0.0,
+            repeatability: [0.0; 3],
+            resolution: [0.0; 3],
         }
     }
 }
@@ -64,7 +76,15 @@ pub(super) struct Disturbance<'a> {
     slow: [f64; 3],
     vibration: [[Line; 3]; 3],
     unevenness: [Line; 3],
+    flicker: [[f64; FLICKER_S.len()]; 3],
+    flicker_memory: [f64; FLICKER_S.len()],
+    offset: [f64; 3],
 }
+
+/// Time constants whose first-order processes together have a density of one over the frequency, s.
+const FLICKER_S: [f64; 5] = [0.05, 0.3, 2.0, 12.0, 70.0];
+/// How much further the wide samples scatter.
+const WIDE: f64 = 4.0;
 
 /// A sine that is stepped instead of evaluated.
 #[derive(Debug, Clone, Copy)]
@@ -80,10 +100,28 @@ impl<'a> Disturbance<'a> {
         let memory = (-interval_s / levels.slow_time_constant_s).exp();
         let slow = [0; 3].map(|_| stream.normal());
         let frequencies = levels.vibration_hz.map(|hz| hz * (1.0 + 0.03 * stream.between(-1.0, 1.0)));
-        let vibration = [0; 3].map(|_| frequencies.map(|hz| Line::new(hz, interval_s, stream)));
+        // A line above half the sampling rate is kept out by the filter before the converter.
+        let mut vibration = [0; 3].map(|_| frequencies.map(|hz| Line::new(hz, interval_s, stream)));
+        for (line, hz) in vibration.iter_mut().flat_map(|lines| lines.iter_mut().zip(frequencies)) {
+            if hz > 0.45 / interval_s {
+                (line.sine, line.cosine) = (0.0, 0.0);
+            }
+        }
         let unevenness =
             levels.unevenness_hz.map(|hz| Line::new(hz * (1.0 + 0.1 * stream.between(-1.0, 1.0)), interval_s, stream));
-        Self { levels, memory, innovation: (1.0 - memory * memory).sqrt(), slow, vibration, unevenness }
+        let flicker = if levels.flicker == [0.0; 3] { [[0.0; 5]; 3] } else { [[0.0; 5]; 3].map(|row| row.map(|_: f64| stream.normal())) };
+        let offset = if levels.repeatability == [0.0; 3] { [0.0; 3] } else { levels.repeatability.map(|sd| sd * stream.normal()) };
+        Self {
+            levels,
+            memory,
+            innovation: (1.0 - memory * memory).sqrt(),
+            slow,
+            vibration,
+            unevenness,
+            flicker,
+            flicker_memory: FLICKER_S.map(|s| (-interval_s / s).exp()),
+            offset,
+        }
     }
 
     /// Forces beside those of water and inertia, at `speed_share` of 2 m/s: AF, SF, YM. Advances by one sample.
@@ -95,11 +133,25 @@ impl<'a> Disturbance<'a> {
         for (i, force) in forces.iter_mut().enumerate() {
             self.slow[i] = self.memory * self.slow[i] + self.innovation * stream.normal();
             let shaking: f64 = self.vibration[i].iter_mut().map(Line::next).sum();
+            let white = if levels.contamination > 0.0 { contaminated(levels.contamination, stream) } else { stream.normal() };
             *force = (levels.slow_at_rest[i] + levels.slow_under_way[i] * flow) * self.slow[i]
-                + levels.white[i] * stream.normal()
-                + levels.vibration[i] * speed_share * model_share * shaking;
+                + levels.white[i] * white
+                + levels.vibration[i] * speed_share * model_share * shaking
+                + self.offset[i];
+            if levels.flicker[i] > 0.0 {
+                *force += levels.flicker[i] * self.flicker(i, stream);
+            }
         }
         forces
+    }
+
+    /// Noise of unit variance whose density goes with one over the frequency. Advances by one sample.
+    fn flicker(&mut self, channel: usize, stream: &mut Stream) -> f64 {
+        let processes = &mut self.flicker[channel];
+        for (state, memory) in processes.iter_mut().zip(&self.flicker_memory) {
+            *state = memory * *state + (1.0 - memory * memory).sqrt() * stream.normal();
+        }
+        processes.iter().sum::<f64>() / (FLICKER_S.len() as f64).sqrt()
     }
 
     /// The carriage's unevenness as a share of its speed, and the rate of that share. Advances by one sample.
@@ -112,6 +164,12 @@ impl<'a> Disturbance<'a> {
         }
         (self.levels.unevenness * sum.0, self.levels.unevenness * sum.1)
     }
+}
+
+/// Unit variance, a share of the samples wide.
+fn contaminated(share: f64, stream: &mut Stream) -> f64 {
+    let wide = if stream.between(0.0, 1.0) < share { WIDE } else { 1.0 };
+    wide * stream.normal() / (1.0 + share * (WIDE * WIDE - 1.0)).sqrt()
 }
 
 impl Line {

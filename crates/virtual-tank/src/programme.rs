@@ -3,11 +3,9 @@
 
 use super::effects::Hidden;
 use super::motion::{Command, Kind};
-use super::noise::NoiseLevels;
 use super::random::Stream;
+use super::world::{Order, World};
 
-/// Runs between two zero runs.
-const RUNS_BETWEEN_ZEROS: usize = 9;
 /// No block of runs is begun later than this, h after the begin of the day.
 const LAST_BLOCK_BEGINS_H: f64 = 6.5;
 /// Changing hulls, h.
@@ -56,9 +54,9 @@ pub(super) struct Wishes<'a> {
 }
 
 /// Plans a campaign: the strut alone first (unless it was never tared), then hull after hull.
-pub(super) fn plan(wishes: Wishes<'_>, levels: &NoiseLevels, hidden: &Hidden, stream: &mut Stream) -> Vec<PlannedRun> {
+pub(super) fn plan(wishes: Wishes<'_>, world: &World, hidden: &Hidden, stream: &mut Stream) -> Vec<PlannedRun> {
     let mut crew = Crew {
-        levels,
+        world,
         stream,
         day: 0,
         hours: 0.0,
@@ -70,17 +68,23 @@ pub(super) fn plan(wishes: Wishes<'_>, levels: &NoiseLevels, hidden: &Hidden, st
     crew.temperature = (crew.stream.between(12.0, 18.0), crew.stream.between(0.5, 1.5), crew.stream.between(0.0, 6.0));
     crew.begin_day(0);
     if hidden.untared_strut_n.is_none() {
-        let mut tares = tare_runs();
-        crew.stream.shuffle(&mut tares);
-        crew.session(None, tares);
+        let mut tares = tare_runs(world);
+        if world.order == Order::Shuffled {
+            crew.stream.shuffle(&mut tares);
+        }
+        if !tares.is_empty() {
+            crew.session(None, tares);
+        }
     }
     let Wishes { hulls, passes, statics_only } = wishes;
     for &hull in hulls {
         let mut work = Vec::new();
         for pass in 0..passes {
             let moving = if statics_only { vec![] } else { vec![oscillating_runs(), arc_runs()] };
-            for mut group in std::iter::once(static_runs()).chain(moving) {
-                crew.stream.shuffle(&mut group);
+            for mut group in std::iter::once(static_runs(world)).chain(moving) {
+                if world.order == Order::Shuffled {
+                    crew.stream.shuffle(&mut group);
+                }
                 if pass > 0 {
                     group.iter_mut().for_each(|(_, note)| *note = format!("pass {}", pass + 1));
                 }
@@ -102,29 +106,16 @@ pub(super) fn plan(wishes: Wishes<'_>, levels: &NoiseLevels, hidden: &Hidden, st
 type Job = (Command, String);
 
 fn towed(kind: Kind, speed_m_s: f64, yaw_deg: f64) -> Command {
-    Command { kind, speed_m_s, yaw_deg, sway_amplitude_m: 0.0, frequency_hz: 0.0, radius_m: 0.0 }
+    Command { kind, speed_m_s, yaw_deg, sway_amplitude_m: 0.0, frequency_hz: 0.0, radius_m: 0.0, hold_s: 0.0 }
 }
 
-/// Speeds and angles of the static programme; the strut alone is towed at the same.
-fn sweep() -> Vec<(f64, f64)> {
-    let full = [-20.0, -16.0, -12.0, -10.0, -8.0, -6.0, -4.0, -2.0, 0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0];
-    let short = [-8.0, -4.0, 0.0, 4.0, 8.0];
-    let mut points: Vec<(f64, f64)> = full.iter().map(|yaw| (2.0, *yaw)).collect();
-    points.extend([1.0, 3.0].iter().flat_map(|speed| short.iter().map(|yaw| (*speed, *yaw))));
-    points.extend([(1.5, 0.0), (2.5, 0.0)]);
-    points
+fn tare_runs(world: &World) -> Vec<Job> {
+    world.tare.iter().map(|(speed, yaw)| (towed(Kind::Tare, *speed, *yaw), String::new())).collect()
 }
 
-fn tare_runs() -> Vec<Job> {
-    sweep().into_iter().map(|(speed, yaw)| (towed(Kind::Tare, speed, yaw), String::new())).collect()
-}
-
-fn static_runs() -> Vec<Job> {
-    let mut runs: Vec<Job> =
-        sweep().into_iter().map(|(speed, yaw)| (towed(Kind::Static, speed, yaw), String::new())).collect();
-    let repeats = [-8.0, -4.0, 0.0, 4.0, 8.0];
-    runs.extend(repeats.map(|yaw| (towed(Kind::Static, 2.0, yaw), "repeat".to_owned())));
-    runs
+fn static_runs(world: &World) -> Vec<Job> {
+    let run = |(speed, yaw): &(f64, f64), note: &str| (towed(Kind::Static, *speed, *yaw), note.to_owned());
+    world.sweep.iter().map(|point| run(point, "")).chain(world.repeats.iter().map(|point| run(point, "repeat"))).collect()
 }
 
 fn oscillating_runs() -> Vec<Job> {
@@ -151,7 +142,7 @@ fn arc_runs() -> Vec<Job> {
 
 /// The people at the tank and their clock.
 struct Crew<'a> {
-    levels: &'a NoiseLevels,
+    world: &'a World,
     stream: &'a mut Stream,
     day: usize,
     hours: f64,
@@ -172,11 +163,11 @@ impl Crew<'_> {
         self.day_temperature = mean + swing * slow + 0.1 * self.stream.normal();
     }
 
-    /// Runs with one hull (or none): a zero, up to nine runs, a zero, and so on; the last of a day is a zero.
+    /// Runs with one hull (or none): a zero, some runs, a zero, and so on; the last of a day is a zero.
     fn session(&mut self, hull: Option<usize>, work: Vec<Job>) {
         self.zero(hull, "before");
-        let blocks = work.chunks(RUNS_BETWEEN_ZEROS).count();
-        for (i, block) in work.chunks(RUNS_BETWEEN_ZEROS).enumerate() {
+        let blocks = work.chunks(self.world.runs_between_zeros).count();
+        for (i, block) in work.chunks(self.world.runs_between_zeros).enumerate() {
             if self.hours > LAST_BLOCK_BEGINS_H {
                 self.begin_day(self.day + 1);
                 self.zero(hull, "morning");
@@ -198,13 +189,16 @@ impl Crew<'_> {
     }
 
     fn zero(&mut self, hull: Option<usize>, note: &str) {
+        let hull = hull.filter(|_| self.world.zeros_name_hull);
         self.run(hull, towed(Kind::Zero, 0.0, 0.0), note);
     }
 
     fn run(&mut self, hull: Option<usize>, command: Command, note: &str) {
-        let wait_s = self.stream.between(360.0, 960.0);
+        let hold_s = if command.kind == Kind::Zero { self.world.zero_s } else { self.world.hold_s };
+        let command = Command { hold_s, ..command };
+        let wait_s = self.stream.between(self.world.wait_s.0, self.world.wait_s.1);
         self.hours += wait_s / 3600.0;
-        let temperature_c = self.day_temperature + 0.02 * self.hours;
+        let temperature_c = self.day_temperature + self.world.warming_K_per_hour * self.hours;
         let moving = command.kind != Kind::Zero;
         let (yaw_draw, speed_draw) = (self.stream.normal(), self.stream.normal());
         self.runs.push(PlannedRun {
@@ -216,8 +210,8 @@ impl Crew<'_> {
             recorded_temperature_c: (temperature_c * 100.0).round() / 100.0,
             wait_s,
             speed_before_m_s: self.speed_before_m_s,
-            yaw_error_deg: if moving { self.levels.yaw_setting_deg * yaw_draw } else { 0.0 },
-            speed_ratio: if moving { 1.0 + self.levels.speed_setting * speed_draw } else { 1.0 },
+            yaw_error_deg: if moving { self.world.levels.yaw_setting_deg * yaw_draw } else { 0.0 },
+            speed_ratio: if moving { 1.0 + self.world.levels.speed_setting * speed_draw } else { 1.0 },
             extra_cd: 0.0,
             note: note.to_owned(),
         });

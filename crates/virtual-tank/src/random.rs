@@ -14,6 +14,10 @@ pub(super) enum Purpose {
     Programme,
     /// Interaction matrix, strut, drift of the zeros.
     Balance,
+    /// What differs from tank to tank.
+    World,
+    /// Random walk of the zeros.
+    Walk,
     /// Size and particulars of the hidden effect with this place in the catalogue.
     Effect(usize),
     /// Everything within the run with this number.
@@ -31,6 +35,8 @@ impl Stream {
             Purpose::Balance => (3, 0),
             Purpose::Effect(number) => (4, number as u64),
             Purpose::Run(number) => (5, number as u64),
+            Purpose::World => (6, 0),
+            Purpose::Walk => (7, 0),
         };
         Self(Xoshiro256PlusPlus::seed_from_u64(mix(mix(mix(seed) ^ family) ^ number)))
     }

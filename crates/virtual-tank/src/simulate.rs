@@ -136,6 +136,9 @@ impl<'a> Experiment<'a> {
             (0..3).for_each(|i| zero[i] += under_way * hidden.shift_under_way[i]);
         }
         let mut reading = self.tank.balance.reading(load, &zero, hidden);
+        for (reading, step) in reading.iter_mut().zip(self.tank.levels.resolution).filter(|(_, step)| *step > 0.0) {
+            *reading = (*reading / step).round() * step;
+        }
         (0..3).filter(|i| hidden.flipped[*i]).for_each(|i| reading[i] = -reading[i]);
 
         let sensors = &self.tank.levels.sensors;

@@ -1,10 +1,10 @@
 //! What a diagnosis is given of a campaign, or of a table of points: the steady drift runs, reduced, with all that they may
 //! have to do with.
 
-use nalgebra::{DMatrix, DVector, Matrix3, Matrix3xX};
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix3xX, Vector3};
 
 use crate::hull::Hull;
-use crate::shared::SharedKind;
+use crate::shared::{Influence, SharedKind};
 use crate::statics::{Common, SteadyRun};
 use crate::sweep::{Point, Sweep};
 use crate::tare::Tare;
@@ -19,12 +19,39 @@ pub struct Data {
     pub runs: Vec<SteadyData>,
     /// Whether the runs are raw ones, with zeros and a strut, and not points that came reduced.
     pub is_raw: bool,
-    /// Whether the strut was tared; reduced points are taken to be.
-    pub is_tared: bool,
+    /// How the strut was tared; reduced points are taken to be at angles.
+    pub tared: Tared,
     /// Whether every run says when it began.
     pub in_time: bool,
     /// The tare runs' own zeros, in time, channel by channel alike.
     pub tare_zeros: Vec<ZeroTimes>,
+    /// The zero runs.
+    pub zero_runs: Vec<ZeroRun>,
+}
+
+/// At which angles the strut was towed alone.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Tared {
+    /// At none: its force is still in the coefficients.
+    #[default]
+    Never,
+    /// Straight ahead: its side force at drift angles is.
+    Ahead,
+    /// At angles.
+    AtAngles,
+}
+
+/// One zero run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ZeroRun {
+    /// When \[s\].
+    pub when_s: f64,
+    /// Hull below the balance.
+    pub hull: Option<usize>,
+    /// AF, SF, YM.
+    pub reading: Vector3<f64>,
+    /// Their variances.
+    pub variance: Vector3<f64>,
 }
 
 /// One steady drift run, or one point.
@@ -50,8 +77,10 @@ pub struct SteadyData {
     pub zeros: ZeroTimes,
     /// For each channel, what a change of force in every tare run does to the force of this one.
     pub tare_weights: [DVector<f64>; 3],
-    /// Effect of one standard error of each independent part of the tare's errors on CL, CD, CM.
-    pub tare_errors: DMatrix<f64>,
+    /// Effect of one standard error of each independent part of the tare's and the calibration's errors on CL, CD, CM.
+    pub rig_errors: DMatrix<f64>,
+    /// The same of the zeros' errors, of which a run feels those of its own zeros alone.
+    pub zero_errors: Influence,
 }
 
 /// When a run was made and on which zeros it rests, with their weights.
@@ -76,10 +105,11 @@ impl Data {
             interaction: Matrix3::identity(),
             zeros: ZeroTimes::default(),
             tare_weights: [0, 1, 2].map(|_| DVector::zeros(0)),
-            tare_errors: DMatrix::zeros(3, 0),
+            rig_errors: DMatrix::zeros(3, 0),
+            zero_errors: Influence::none(3),
             point: point.clone(),
         });
-        Data { hulls: vec![hull.clone()], runs: runs.collect(), is_tared: true, ..Data::default() }
+        Data { hulls: vec![hull.clone()], runs: runs.collect(), tared: Tared::AtAngles, ..Data::default() }
     }
 
     /// Adds a hull with its steady runs; `sweep` is what they were reduced to.
@@ -92,7 +122,7 @@ impl Data {
             let errors = common
                 .shared()
                 .into_iter()
-                .filter(|kind| matches!(kind, SharedKind::Tare(_)))
+                .filter(|kind| *kind != SharedKind::Zeros)
                 .map(|kind| map * common.influence(kind, run).on);
             let tare_weights = [0, 1, 2].map(|channel| match common.tare {
                 Some(tare) => tare.weights(channel, &run.motion, density),
@@ -108,7 +138,10 @@ impl Data {
                 interaction: common.balance.interaction,
                 zeros: zero_times(common, run),
                 tare_weights,
-                tare_errors: beside(errors.collect()),
+                rig_errors: beside(errors.collect()),
+                zero_errors: common
+                    .influence(SharedKind::Zeros, run)
+                    .through(&DMatrix::from_column_slice(3, 3, map.as_slice())),
                 point: point.clone(),
             });
         }

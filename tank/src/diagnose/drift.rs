@@ -82,7 +82,13 @@ impl Days {
         self.runs[run].2
     }
 
-    fn day_at(&self, time_s: f64) -> Option<usize> {
+    /// When a day began \[s\].
+    pub fn begin_s(&self, day: usize) -> f64 {
+        self.begins_s[day]
+    }
+
+    /// The day of a time.
+    pub fn day_at(&self, time_s: f64) -> Option<usize> {
         self.begins_s.iter().rposition(|begin| *begin <= time_s)
     }
 
@@ -101,7 +107,7 @@ impl Days {
 
 impl Drift {
     /// How far the zero has run at unit rate, and its slope against the time constant.
-    fn at(&self, hours: f64) -> (f64, f64) {
+    pub fn at(&self, hours: f64) -> (f64, f64) {
         let tau = self.time_constant_h.max(0.02);
         let left = (-hours / tau).exp();
         (tau * (1.0 - left), 1.0 - left - hours / tau * left)

@@ -9,18 +9,20 @@
 
 mod consistency;
 mod data;
+mod decorrelate;
 mod drift;
 mod findings;
 pub mod mechanisms;
 mod model;
 mod problem;
 mod reduced;
+mod zero_runs;
 
 use glidepolar_hull::hull_tests::ExtendedFit;
 use glidepolar_inference::{Diagnosis, Outcome, diagnose_in_full};
 
 use crate::results::HullResults;
-pub use data::{Data, SteadyData, ZeroTimes, zero_times};
+pub use data::{Data, SteadyData, Tared, ZeroRun, ZeroTimes, zero_times};
 pub use findings::CHANNEL;
 use mechanisms::{IN_TANK, Mechanism, Reach};
 use problem::TankProblem;
@@ -132,7 +134,7 @@ fn unseen(problem: &TankProblem<'_>, data: &Data) -> Vec<(&'static Mechanism, St
         .iter()
         .filter_map(|mechanism| {
             let why = match (mechanism.reach, problem.why_not(mechanism)) {
-                (Reach::Absorbed, _) if mechanism.name == "strut_tare" && data.is_tared => return None,
+                (Reach::Absorbed, _) if mechanism.name == "strut_tare" && data.tared != Tared::Never => return None,
                 (Reach::Absorbed, _) => "a, b, c, d absorb it",
                 (_, Some(why)) => why,
                 _ => return None,

@@ -5,11 +5,13 @@ use glidepolar_inference::smooth::Kind;
 use glidepolar_inference::{Candidate, Covariate, Evidence, Headline, Point, Problem, Quantity};
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::data::{Data, SteadyData, ZeroTimes};
+use super::data::{Data, SteadyData, Tared, ZeroTimes};
+use super::decorrelate::{Decorrelation, RunErrors};
 use super::drift::{Days, Drift};
 use super::mechanisms::{IN_TANK, Mechanism, Parameter, Reach, Usual};
 use super::model::{self, Setting, Term, Values};
-use super::reduced::{settings, standard_deviations, start_of};
+use super::reduced::{run_errors, settings, start_of};
+use super::zero_runs::allowed_rates;
 use crate::results::HullResults;
 use crate::series::median;
 use crate::sweep::NAMES;
@@ -34,12 +36,14 @@ pub struct TankProblem<'a> {
     order: Vec<usize>,
     settings: Vec<Setting>,
     days: Days,
-    sd: Vec<[f64; 3]>,
+    decorrelation: Decorrelation,
     baseline: Vec<(&'static str, &'static str)>,
     start: Vec<f64>,
     belief: Vec<f64>,
     candidates: Vec<Candidate>,
     shapes: Vec<Shape>,
+    /// Terms of the strut that its tare leaves open, in the baseline.
+    strut: &'static [Term],
 }
 
 /// How a candidate acts.
@@ -81,31 +85,36 @@ impl<'a> TankProblem<'a> {
         }
         let length = median(&data.hulls.iter().map(|hull| hull.geometry.loa_m).collect::<Vec<_>>());
         let mut absorbed = vec![("moment_centre_error_m", "m", MOMENT_CENTRE_BELIEF * length)];
-        if !data.is_tared {
-            let area = data.hulls.first().map_or(1.0, |hull| hull.frontal_area_m2());
-            let strut = ["strut_axial_m2", "strut_side_m2"].into_iter().zip(STRUT_BELIEF);
-            absorbed.extend(strut.map(|(name, share)| (name, "m2", share * area)));
-        }
-        let tare_errors = data.runs.first().map_or(0, |run| run.tare_errors.ncols());
-        absorbed.extend((0..tare_errors).map(|_| ("tare_error", "1", 1.0)));
+        let area = data.hulls.first().map_or(1.0, |hull| hull.frontal_area_m2());
+        let strut: &'static [Term] = match data.tared {
+            Tared::Never => &[Term::StrutAxial, Term::StrutSide],
+            Tared::Ahead => &[Term::StrutSide],
+            Tared::AtAngles => &[],
+        };
+        absorbed.extend(strut.iter().map(|term| match term {
+            Term::StrutAxial => ("strut_axial_m2", "m2", STRUT_BELIEF[0] * area),
+            _ => ("strut_side_m2", "m2", STRUT_BELIEF[1] * area),
+        }));
         for (name, unit, usual) in absorbed {
             baseline.push((name, unit));
             start.push(0.0);
             belief.push(usual);
         }
         let settings = settings(data);
-        let sd = standard_deviations(data, &coefficients);
+        let errors = run_errors(data, &coefficients);
+        let errors: Vec<RunErrors> = order.iter().map(|run| errors[*run].clone()).collect();
         let mut problem = TankProblem {
             data,
             order,
             settings,
             days,
-            sd,
+            decorrelation: Decorrelation::of(&errors),
             baseline,
             start,
             belief,
             candidates: Vec::new(),
             shapes: Vec::new(),
+            strut,
         };
         problem.find_candidates();
         problem
@@ -133,9 +142,8 @@ impl<'a> TankProblem<'a> {
         values[..4].copy_from_slice(&point.baseline[4 * hull..4 * hull + 4]);
         let common = 4 * self.data.hulls.len();
         values[Term::MomentCentre.place()] = point.baseline[common];
-        if !self.data.is_tared {
-            values[Term::StrutAxial.place()] = point.baseline[common + 1];
-            values[Term::StrutSide.place()] = point.baseline[common + 2];
+        for (i, term) in self.strut.iter().enumerate() {
+            values[term.place()] = point.baseline[common + 1 + i];
         }
         for (shape, sizes) in self.shapes.iter().zip(&point.candidates) {
             for (i, parameter) in shape.mechanism().parameters.iter().enumerate() {
@@ -158,12 +166,9 @@ impl<'a> TankProblem<'a> {
         }
     }
 
-    /// What is added to the coefficients of a run beside the model: the tare's errors and drifting zeros.
+    /// What drifting zeros add to the coefficients of a run beside the model.
     fn added(&self, run: usize, point: &Point) -> Vector3<f64> {
-        let data = &self.data.runs[run];
-        let errors = DVector::from_column_slice(&point.baseline[self.baseline.len() - data.tare_errors.ncols()..]);
-        let mut sum: Vector3<f64> =
-            if errors.is_empty() { Vector3::zeros() } else { (&data.tare_errors * errors).fixed_rows::<3>(0).into() };
+        let mut sum = Vector3::zeros();
         for (shape, sizes) in self.shapes.iter().zip(&point.candidates) {
             if let Shape::Drift(_, channel) = shape
                 && sizes[0] != 0.0
@@ -272,6 +277,8 @@ impl<'a> TankProblem<'a> {
             candidate.usual[0] = 0.1 * self.largest(channel);
             for time_constant_h in TIME_CONSTANTS_H {
                 candidate.neutral[1] = time_constant_h;
+                let drift = Drift { time_constant_h };
+                candidate.bounds[0] = allowed_rates(self.data, &self.days, channel, &drift).unwrap_or(mechanism.parameters[0].bounds);
                 self.candidates.push(candidate.clone());
                 self.shapes.push(shape.clone());
             }
@@ -288,6 +295,20 @@ impl<'a> TankProblem<'a> {
             self.map(run).try_inverse().map_or(0.0, |inverse| (inverse * c)[channel].abs())
         };
         (0..self.data.runs.len()).map(force).fold(f64::MIN_POSITIVE, f64::max)
+    }
+
+    /// Residuals and sensitivities with rows whose errors are independent.
+    fn independent(
+        &self,
+        residual: DVector<f64>,
+        baseline: &mut DMatrix<f64>,
+        candidates: &mut [DMatrix<f64>],
+    ) -> DVector<f64> {
+        self.decorrelation.apply(baseline);
+        candidates.iter_mut().for_each(|columns| self.decorrelation.apply(columns));
+        let mut column = DMatrix::from_column_slice(residual.len(), 1, residual.as_slice());
+        self.decorrelation.apply(&mut column);
+        column.column(0).into_owned()
     }
 
     fn covariates(&self) -> Vec<Covariate> {
@@ -373,13 +394,8 @@ impl Problem for TankProblem<'_> {
                     baseline[(row, 4 * data.hull + j)] = slopes[j];
                 }
                 baseline[(row, common)] = slopes[Term::MomentCentre.place()];
-                if !self.data.is_tared {
-                    baseline[(row, common + 1)] = slopes[Term::StrutAxial.place()];
-                    baseline[(row, common + 2)] = slopes[Term::StrutSide.place()];
-                }
-                let first = self.baseline.len() - data.tare_errors.ncols();
-                for j in 0..data.tare_errors.ncols() {
-                    baseline[(row, first + j)] = data.tare_errors[(k, j)];
+                for (j, term) in self.strut.iter().enumerate() {
+                    baseline[(row, common + 1 + j)] = slopes[term.place()];
                 }
                 for (shape, columns) in self.shapes.iter().zip(&mut candidates) {
                     for (j, parameter) in shape.mechanism().parameters.iter().enumerate() {
@@ -399,12 +415,13 @@ impl Problem for TankProblem<'_> {
                 }
             }
         }
+        let residual = self.independent(residual, &mut baseline, &mut candidates);
         let of_run =
             |value: &dyn Fn(usize) -> f64| self.order.iter().map(|run| value(*run)).collect::<Vec<_>>().repeat(3);
         Evidence {
             quantities: (0..3).map(|k| Quantity { name: NAMES[k], unit: "1", rows: k * n..(k + 1) * n }).collect(),
             time_s: of_run(&|run| self.data.runs[run].time_s),
-            stated_sd: (0..3).flat_map(|k| self.order.iter().map(move |run| self.sd[*run][k])).collect(),
+            stated_sd: self.decorrelation.sd().to_vec(),
             block: (0..n).collect::<Vec<_>>().repeat(3),
             leg: of_run(&|run| if self.data.runs[run].point.yaw_deg < 0.0 { -1.0 } else { 1.0 }),
             place: Vec::new(),

@@ -1,7 +1,10 @@
 //! What the reduction hands to the diagnosis: where its coefficients start, what was set in each run, how far each run
 //! scatters. Knows no mechanism.
 
+use nalgebra::{DMatrix, Vector3};
+
 use super::data::{Data, SteadyData};
+use super::decorrelate::RunErrors;
 use super::model::Setting;
 use crate::results::HullResults;
 use crate::series::median;
@@ -49,23 +52,52 @@ fn mean_length(data: &Data) -> f64 {
     median(&data.runs.iter().map(|run| data.hulls[run.hull].geometry.loa_m).collect::<Vec<_>>())
 }
 
-/// Standard deviations of CL, CD, CM: within the run, and what the setting of the angle adds, as repeats show it in the
-/// moment.
-pub(super) fn standard_deviations(data: &Data, coefficients: &[[f64; 4]]) -> Vec<[f64; 3]> {
+/// What errs in each run: its own scatter, the setting of its angle as repeats show it in the moment, and what it shares with
+/// others.
+pub(super) fn run_errors(data: &Data, coefficients: &[[f64; 4]]) -> Vec<RunErrors> {
     let setting_rad = setting_rad(data, coefficients);
     let largest = |k: usize| data.runs.iter().map(|run| run.point.coefficients[k].abs()).fold(0.0, f64::max);
     let known = data.runs.iter().all(|run| run.point.se.iter().all(|se| *se > 0.0));
-    data.runs
-        .iter()
-        .map(|run| {
-            let [a, _, c, d] = coefficients[run.hull];
-            let slopes = [a, 2.0 * c * run.point.alpha_rad(), d];
-            [0, 1, 2].map(|k| {
-                // Points without errors of their own: all alike, and their scatter tells how large.
-                if known { run.point.se[k].hypot(slopes[k] * setting_rad) } else { 0.01 * largest(k).max(1e-6) }
-            })
-        })
-        .collect()
+    let shared = shared_errors(data);
+    let of = |(run, shared): (&SteadyData, DMatrix<f64>)| {
+        let [a, _, c, d] = coefficients[run.hull];
+        // Drag is turned with the wind axes: less the lift.
+        let slopes = Vector3::new(a, (2.0 * c - a) * run.point.alpha_rad(), d);
+        RunErrors {
+            // Points without errors of their own: all alike, and their scatter tells how large.
+            own_sd: [0, 1, 2].map(|k| if known { run.point.se[k] } else { 0.01 * largest(k).max(1e-6) }),
+            setting: if known { slopes * setting_rad } else { Vector3::zeros() },
+            shared,
+        }
+    };
+    data.runs.iter().zip(shared).map(of).collect()
+}
+
+/// Parts of the zeros' errors that no run feels by this share of its own scatter are left out.
+const FELT: f64 = 0.1;
+
+/// For each run, what one standard error of each error that runs share does to CL, CD, CM: tare and calibration, then those
+/// of the zeros that matter beside the runs' own scatter.
+fn shared_errors(data: &Data) -> Vec<DMatrix<f64>> {
+    let mut parts: Vec<usize> = Vec::new();
+    for run in &data.runs {
+        let zeros = &run.zero_errors;
+        let felt = zeros.on.column_iter().map(|column| (0..3).any(|k| column[k].abs() > FELT * run.point.se[k]));
+        parts.extend(zeros.parts.iter().zip(felt).filter(|(_, felt)| *felt).map(|(part, _)| *part));
+    }
+    parts.sort_unstable();
+    parts.dedup();
+    let of = |run: &SteadyData| {
+        let rig = run.rig_errors.ncols();
+        let mut all = run.rig_errors.clone().resize_horizontally(rig + parts.len(), 0.0);
+        for (part, column) in run.zero_errors.parts.iter().zip(run.zero_errors.on.column_iter()) {
+            if let Ok(place) = parts.binary_search(part) {
+                all.column_mut(rig + place).copy_from(&column);
+            }
+        }
+        all
+    };
+    data.runs.iter().map(of).collect()
 }
 
 /// Standard deviation of the angle to which runs are set, from repeats \[rad\].

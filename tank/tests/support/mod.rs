@@ -52,6 +52,7 @@ pub fn campaign_with_noise(
         hulls: hulls.iter().map(|id| (*id).to_owned()).collect(),
         noise,
         size_mb: None,
+        variety: virtual_tank::Variety::Phoenix,
     };
     let truth = virtual_tank::write_campaign(&folder.path().join("runs"), &options).unwrap();
     let results = reduce(&folder.path().join("runs"));

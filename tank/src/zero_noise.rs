@@ -1,0 +1,138 @@
+//! How far a balance's zeros err beyond what their own records show: they repeat to a certain degree only, and walk.
+//!
+//! Two components of variance per channel, estimated over the whole campaign from how far every zero lies off the straight
+//! line between its neighbours. A level and an even drift leave these contrasts alone, so that their likelihood is a
+//! restricted one (Patterson and Thompson 1971, Biometrika 58, 545-554). Few zeros know their components poorly: each
+//! standard deviation is its posterior mean under a half-Cauchy prior at the scale of the record's own error (Gelman
+//! 2006, Bayesian Analysis 1, 515-533), which leaves out what is not there and does not say zero where nobody knows.
+//! Knows numbers at times; no balance.
+
+use nalgebra::{DMatrix, DVector};
+
+/// What is left between zeros.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Components {
+    /// Variance of each zero of its own.
+    pub repeat: f64,
+    /// Variance that a random walk gains per unit of time.
+    pub walk: f64,
+}
+
+/// Zeros in one stretch: time and reading, in order.
+pub type Stretch = Vec<(f64, f64)>;
+
+/// Fewest contrasts from which components are estimated.
+const FEWEST: usize = 2;
+/// Contrasts that are taken together; a longer stretch is cut.
+const TOGETHER: usize = 40;
+/// Variances that are tried, in units of the record's own; even in the logarithm.
+const VARIANCES: [f64; 11] = [0.0, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0];
+
+/// The components; `within` is the variance of a zero from within its own record.
+pub fn components(stretches: &[Stretch], within: f64) -> Components {
+    let cut: Vec<Contrasts> =
+        stretches.iter().flat_map(|stretch| stretch.chunks(TOGETHER)).filter_map(Contrasts::of).collect();
+    let count: usize = cut.iter().map(|contrasts| contrasts.observed.len()).sum();
+    if count < FEWEST || within <= 0.0 {
+        return Components::default();
+    }
+    // The unit of the walk is what it gains over the usual distance of two zeros.
+    let mut gaps: Vec<f64> = stretches.iter().flat_map(|s| s.windows(2).map(|pair| pair[1].0 - pair[0].0)).collect();
+    gaps.sort_by(f64::total_cmp);
+    let gap = gaps[gaps.len() / 2].max(f64::MIN_POSITIVE);
+    let mut found = Vec::new();
+    for repeat in VARIANCES {
+        for walk in VARIANCES {
+            let likelihood: f64 =
+                cut.iter().map(|contrasts| contrasts.log_likelihood(within, repeat * within, walk * within / gap)).sum();
+            found.push((likelihood + prior(repeat).ln() + prior(walk).ln(), repeat, walk));
+        }
+    }
+    let most = found.iter().map(|one| one.0).fold(f64::NEG_INFINITY, f64::max);
+    let (mut sum, mut repeat_sd, mut walk_sd) = (0.0, 0.0, 0.0);
+    for (log, repeat, walk) in found {
+        let weight = (log - most).exp();
+        sum += weight;
+        repeat_sd += weight * repeat.sqrt();
+        walk_sd += weight * walk.sqrt();
+    }
+    let variance = |sd: f64| (sd / sum).powi(2) * within;
+    Components { repeat: variance(repeat_sd), walk: variance(walk_sd) / gap }
+}
+
+/// Half-Cauchy in the standard deviation, per step of the logarithm; what lies below the first step counts for none.
+fn prior(variance: f64) -> f64 {
+    let variance = variance.max(0.03);
+    variance.sqrt() / (1.0 + variance)
+}
+
+/// How far zeros lie off the line between their neighbours.
+struct Contrasts {
+    observed: DVector<f64>,
+    /// Contrasts by zeros.
+    weights: DMatrix<f64>,
+    /// Covariance of a random walk of unit rate at the zeros.
+    walk: DMatrix<f64>,
+}
+
+impl Contrasts {
+    fn of(zeros: &[(f64, f64)]) -> Option<Contrasts> {
+        let n = zeros.len();
+        if n < 3 {
+            return None;
+        }
+        let mut weights = DMatrix::zeros(n - 2, n);
+        for k in 0..n - 2 {
+            let share = (zeros[k + 1].0 - zeros[k].0) / (zeros[k + 2].0 - zeros[k].0).max(f64::MIN_POSITIVE);
+            (weights[(k, k)], weights[(k, k + 1)], weights[(k, k + 2)]) = (share - 1.0, 1.0, -share);
+        }
+        let values = DVector::from_iterator(n, zeros.iter().map(|(_, value)| *value));
+        let walk = DMatrix::from_fn(n, n, |i, j| zeros[i.min(j)].0 - zeros[0].0);
+        Some(Contrasts { observed: &weights * values, walk: &weights * walk * weights.transpose(), weights })
+    }
+
+    fn log_likelihood(&self, within: f64, repeat: f64, walk: f64) -> f64 {
+        let covariance = &self.weights * self.weights.transpose() * (within + repeat) + &self.walk * walk;
+        let Some(root) = covariance.cholesky() else { return f64::NEG_INFINITY };
+        let log_determinant = 2.0 * root.l_dirty().diagonal().iter().map(|value| value.ln()).sum::<f64>();
+        -0.5 * (log_determinant + self.observed.dot(&root.solve(&self.observed)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng, rngs::StdRng};
+    use rand_distr::StandardNormal;
+
+    fn zeros(n: usize, within: f64, repeat: f64, walk: f64, seed: u64) -> Stretch {
+        let mut rng = StdRng::seed_from_u64(seed);
+        let mut at = 5.0;
+        (0..n)
+            .map(|i| {
+                at += 0.1 + walk.sqrt() * rng.sample::<f64, _>(StandardNormal);
+                (i as f64, at + (within + repeat).sqrt() * rng.sample::<f64, _>(StandardNormal))
+            })
+            .collect()
+    }
+
+    #[test]
+    fn zeros_that_err_by_their_records_alone_have_next_to_no_more() {
+        let mean = (0..40).map(|seed| components(&[zeros(20, 1.0, 0.0, 0.0, seed)], 1.0)).fold((0.0, 0.0), |sum, c| {
+            (sum.0 + c.repeat / 40.0, sum.1 + c.walk / 40.0)
+        });
+        assert!(mean.0 < 0.25 && mean.1 < 0.15, "{mean:?}");
+        assert_eq!(components(&[zeros(3, 1.0, 0.0, 0.0, 1)], 1.0), Components::default());
+    }
+
+    #[test]
+    fn repeats_and_walks_are_found_apart() {
+        for (repeat, walk) in [(9.0, 0.0), (0.0, 4.0)] {
+            let mean = (0..40)
+                .map(|seed| components(&[zeros(30, 1.0, repeat, walk, seed)], 1.0))
+                .fold((0.0, 0.0), |sum, c| (sum.0 + c.repeat / 40.0, sum.1 + c.walk / 40.0));
+            let is_near = |found: f64, truth: f64| (found - truth).abs() < 0.4 * truth + 0.5;
+            assert!(is_near(mean.0, repeat) && is_near(mean.1, walk), "{repeat} {walk}: {mean:?}");
+        }
+    }
+}
