@@ -5,13 +5,10 @@ use glidepolar_input::printable;
 
 use crate::campaign::Rejected;
 use crate::derivatives::Derivatives;
+use crate::fits::STEEPEST_PER_RAD;
 use crate::results::{HullResults, RunResults};
 use crate::series::robust_sd;
 use crate::trend::{COEFFICIENTS, Lines};
-
-/// Slender bodies have lift and moment slopes of one to two per radian on their frontal area (2 by slender-body theory);
-/// with angles in radians taken for degrees they come out 57 times as large.
-const STEEPEST_PER_RAD: f64 = 12.0;
 
 /// Whether the slopes have signs that physics forbids, and which entry of the manifest would explain them.
 ///

@@ -23,7 +23,7 @@ use indicatif::{ProgressBar, ProgressStyle};
     tank-reduce pmm_runs                               reduce a campaign; results in tank_out\n  \
     tank-reduce pmm_runs --diagnose                    and say what is wrong in it, and why\n  \
     tank-reduce points.csv --hull hull.toml --json -   reduce a table of points\n\
-    Exit code: 0 done, 1 it could not be written, 2 the input cannot be used.")]
+    Exit code: 0 done, 1 no usable result or it could not be written, 2 the input cannot be used.")]
 pub struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
@@ -109,7 +109,11 @@ impl Reduce {
             output::print(&results);
         }
         warn(&results.warnings);
-        self.output.write_json(&results.reduction())
+        self.output.write_json(&results.reduction())?;
+        if !results.is_usable() {
+            return Err(CliError::Failed("no usable result: no hull has a fit; the warnings say why".to_owned()));
+        }
+        Ok(())
     }
 
     fn reduce_campaign(&self, folder: &Path) -> Result<glidepolar_tank::Results, CliError> {

@@ -35,6 +35,9 @@ pub struct DemoArgs {
     /// Size to aim at in MB (10^6 bytes), by more runs and finer sampling
     #[arg(long, value_name = "MB")]
     size_mb: Option<f64>,
+    /// Replace an earlier synthetic campaign even where its files were edited
+    #[arg(long)]
+    force: bool,
     /// Print nothing but errors
     #[arg(long)]
     quiet: bool,
@@ -64,6 +67,7 @@ pub fn run(args: DemoArgs) -> Result<(), Error> {
         hulls: args.hull,
         noise: args.noise,
         statics_only: args.statics_only,
+        force: args.force,
         variety: if args.vary { Variety::Drawn } else { Variety::Phoenix },
         size_mb: args.size_mb,
     };

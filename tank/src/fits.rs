@@ -64,19 +64,40 @@ pub struct RangePoint {
     pub fit: HullFit,
 }
 
-/// Why a sweep could not be fitted.
+/// Why a sweep has no fit.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error(
-    "points within {range_deg} deg: {found}, at {angles} different angles; expected at least 3 points at three angles or more"
-)]
-pub struct TooFewPoints {
-    /// Different angles among them.
-    pub angles: usize,
-    /// Points in the range.
-    pub found: usize,
-    /// The range \[deg\].
-    pub range_deg: f64,
+pub enum NoFit {
+    /// Too few points lie in the range.
+    #[error(
+        "points within {range_deg} deg: {found}, at {angles} different angles; expected at least 3 points at three angles or more"
+    )]
+    TooFewPoints {
+        /// Different angles among them.
+        angles: usize,
+        /// Points in the range.
+        found: usize,
+        /// The range \[deg\].
+        range_deg: f64,
+    },
+    /// The angles are those of a sweep in radians.
+    #[error(
+        "slope {name} = {per_rad:.1} per rad with angles up to {widest_deg:.3} deg: impossible for a bare hull; the angles look like radians, expected yaw_deg in degrees, in runs.csv and in the runs' files"
+    )]
+    Radians {
+        /// The slope.
+        name: &'static str,
+        /// Its value \[1/rad\].
+        per_rad: f64,
+        /// Widest angle \[deg\].
+        widest_deg: f64,
+    },
 }
+
+/// Slender bodies have lift and moment slopes of one to two per radian on their frontal area (2 by slender-body theory);
+/// with angles in radians taken for degrees they come out 57 times as large.
+pub const STEEPEST_PER_RAD: f64 = 12.0;
+/// No drift angle in radians is wider than a right angle.
+const WIDEST_RAD: f64 = std::f64::consts::FRAC_PI_2;
 
 /// Angles closer than this are one setting.
 const SAME_DEG: f64 = 0.25;
@@ -84,16 +105,19 @@ const SAME_DEG: f64 = 0.25;
 /// Fits a sweep within a range of angles.
 ///
 /// # Errors
-/// Where too few points lie within the range.
-pub fn fit(sweep: &Sweep, range_deg: f64) -> Result<SweepFit, TooFewPoints> {
+/// Where too few points lie within the range, or their angles are in radians.
+pub fn fit(sweep: &Sweep, range_deg: f64) -> Result<SweepFit, NoFit> {
     let rows = sweep.within_deg(range_deg);
     let angles = distinct(rows.iter().map(|i| sweep.points[*i].nominal_yaw_deg), |a, b| (a - b).abs() < SAME_DEG);
-    let too_few = || TooFewPoints { found: rows.len(), angles, range_deg };
+    let too_few = || NoFit::TooFewPoints { found: rows.len(), angles, range_deg };
     // Points at one setting differ in angle by its scatter, and a fit would follow that.
     if angles < 3 {
         return Err(too_few());
     }
     let fits = coefficients(sweep, &rows).ok_or_else(too_few)?;
+    if let Some(radians) = in_radians(sweep, &fits) {
+        return Err(radians);
+    }
     let slope = |coefficient| zero_drift::slope(sweep, coefficient).ok_or_else(too_few);
     Ok(SweepFit {
         range_deg,
@@ -108,6 +132,14 @@ pub fn fit(sweep: &Sweep, range_deg: f64) -> Result<SweepFit, TooFewPoints> {
         rows,
         fits,
     })
+}
+
+/// Angles that are so narrow, and slopes so steep, as radians taken for degrees make them.
+fn in_radians(sweep: &Sweep, fits: &[Fit; 3]) -> Option<NoFit> {
+    let widest_deg = sweep.points.iter().map(|point| point.yaw_deg.abs()).fold(0.0, f64::max);
+    let slopes = [("a", fits[0].parameters[0]), ("d", fits[2].parameters[0])];
+    let (name, per_rad) = slopes.into_iter().find(|(_, slope)| slope.abs() > STEEPEST_PER_RAD)?;
+    (widest_deg < WIDEST_RAD).then_some(NoFit::Radians { name, per_rad, widest_deg })
 }
 
 /// How the points of a sweep are weighted: by their own errors and the scatter between runs where these are known.

@@ -15,7 +15,9 @@ use crate::hull::Hull;
 use crate::readings::{self, Readings, Useful};
 use crate::results::{BalanceSummary, HullResults, Results, RunResults};
 use crate::series::{Mean3, median};
-use crate::statics::{self, Common, SteadyRun};
+use crate::shared::Common;
+use crate::statics;
+use crate::steady_run::SteadyRun;
 use crate::sweep::Sweep;
 use crate::tare::{Tare, TareRun};
 use crate::zeros::Zeros;
@@ -337,7 +339,7 @@ fn note_steps(run: &SteadyRun, results: &mut [RunResults]) {
 fn hull_results(
     hull: Hull,
     sweep: Sweep,
-    fit: Result<fits::SweepFit, fits::TooFewPoints>,
+    fit: Result<fits::SweepFit, fits::NoFit>,
     dynamic: Option<Derivatives>,
 ) -> HullResults {
     let estimates = fit.as_ref().ok().map(|fit| &fit.estimates);

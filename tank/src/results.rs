@@ -4,16 +4,11 @@ use glidepolar_hull::hull_tests::{ReducedHull, Reduction, SCHEMA, Trend};
 use glidepolar_inference::Diagnosis;
 
 use crate::campaign::{Kind, Rejected, Run};
-use crate::derivatives::{Comparison, Derivatives};
 use crate::diagnose::{self, Diagnoses};
-use crate::fits::{SweepFit, TooFewPoints};
-use crate::hull::Hull;
+pub use crate::hull_results::HullResults;
 use crate::readings::Trace;
-use crate::statics::Steps;
-use crate::sweep::Sweep;
-use crate::theory::Theory;
+use crate::steady_run::Steps;
 use crate::trend::Lines;
-use crate::water::Water;
 
 /// Everything that one reduction found.
 #[derive(Debug, Clone)]
@@ -40,29 +35,6 @@ pub struct Results {
     pub steady: diagnose::Data,
     /// What they depart from, where that was asked for.
     pub diagnoses: Option<Diagnoses>,
-}
-
-/// One hull.
-#[derive(Debug, Clone)]
-pub struct HullResults {
-    /// The hull.
-    pub hull: Hull,
-    /// Its steady points.
-    pub sweep: Sweep,
-    /// The fits to them.
-    pub fit: Result<SweepFit, TooFewPoints>,
-    /// Runs (or points) that were reduced.
-    pub n_runs: usize,
-    /// Oscillations and turns, where there were any.
-    pub dynamic: Option<Derivatives>,
-    /// Sweep against oscillation.
-    pub comparisons: Vec<Comparison>,
-    /// Theory beside measurement.
-    pub theory: Vec<Theory>,
-    /// The water, where it is known.
-    pub water: Option<Water>,
-    /// Frontal area over the tank's cross-section, where that is known.
-    pub blockage: Option<f64>,
 }
 
 /// One run.
@@ -107,6 +79,11 @@ impl RunResults {
 }
 
 impl Results {
+    /// Whether any hull has coefficients or derivatives.
+    pub fn is_usable(&self) -> bool {
+        self.hulls.iter().any(|hull| hull.fit.is_ok() || hull.dynamic.is_some())
+    }
+
     /// Asks what the steady runs depart from, and keeps the answer.
     pub fn diagnose(&mut self) {
         let diagnoses = Diagnoses::of(&self.steady, &self.hulls);

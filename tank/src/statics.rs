@@ -4,67 +4,16 @@
 use glidepolar_hull::coefficients::BalanceForce;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
-use crate::campaign::{Balance, Kind, Run};
+use crate::campaign::{Kind, Run};
 use crate::hull::Hull;
 use crate::motion::Motion;
 use crate::readings::{Readings, Steady};
 use crate::run_variance;
-use crate::shared::{Influence, SharedKind};
+use crate::influence::Influence;
+use crate::shared::{Common, SharedKind};
+use crate::steady_run::{SteadyRun, Steps};
 use crate::sweep::{Point, SharedErrors, Sweep};
-use crate::tare::{Tare, TareRun};
-use crate::zeros::{ZeroOfRun, Zeros};
-
-/// One steady run, reduced as far as the force of the water.
-#[derive(Debug, Clone)]
-pub struct SteadyRun<'a> {
-    /// The run.
-    pub run: &'a Run,
-    /// Its means.
-    pub steady: &'a Steady,
-    /// Its zero.
-    pub zero: ZeroOfRun,
-    /// How the moment centre moves.
-    pub motion: Motion,
-    /// Dynamic pressure \[Pa\].
-    pub dynamic_pressure_Pa: f64,
-    /// The steps.
-    pub steps: Steps,
-    /// Covariance of the force from within the run.
-    pub covariance: Matrix3<f64>,
-}
-
-/// What became of the readings: AF, SF, YM about the moment centre.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Steps {
-    /// Mean reading.
-    pub reading: Vector3<f64>,
-    /// Zero at the time of the run.
-    pub zero: Vector3<f64>,
-    /// Force after zero and interaction.
-    pub force: Vector3<f64>,
-    /// Force of the strut, taken away.
-    pub tare: Vector3<f64>,
-    /// Inertia, added.
-    pub inertia: Vector3<f64>,
-}
-
-impl Steps {
-    /// The force of the water on the hull.
-    pub fn water(&self) -> Vector3<f64> {
-        self.force - self.tare + self.inertia
-    }
-}
-
-/// What all runs of a campaign have in common.
-#[derive(Debug, Clone)]
-pub struct Common<'a> {
-    /// The balance.
-    pub balance: &'a Balance,
-    /// The zeros.
-    pub zeros: &'a Zeros,
-    /// The strut, where it was towed alone.
-    pub tare: Option<&'a Tare>,
-}
+use crate::tare::TareRun;
 
 impl Common<'_> {
     /// Takes a steady run as far as the force of the water; none if it has no zero. `hull` is none for the strut alone.

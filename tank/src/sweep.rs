@@ -1,7 +1,7 @@
 //! A hull's steady drift points: what the fits start from, wherever the points came from.
 
 use crate::regression::Shared;
-use crate::shared::Influence;
+use crate::influence::Influence;
 
 /// The three coefficients, in the order in which everything here keeps them.
 pub const NAMES: [&str; 3] = ["CL", "CD", "CM"];

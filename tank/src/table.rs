@@ -143,9 +143,22 @@ fn wrong_width(file: &Path, row: &Row, width: usize) -> InputError {
     }
 }
 
+/// Other names of the yaw angle of a steady run.
+const DRIFT_ANGLES: [&str; 8] =
+    ["beta_deg", "beta", "drift_deg", "drift_angle_deg", "alpha_deg", "alpha", "aoa_deg", "angle_of_attack_deg"];
+
 /// A column that should be there and is not, with the one that may have been meant.
 pub fn missing_column(place: Place, missing: &str, header: &[String]) -> InputError {
     let error = InputError::new(place, format!("column {missing} is missing"));
+    let other_name = header.iter().find(|name| {
+        missing == "yaw_deg" && DRIFT_ANGLES.contains(&name.trim().to_ascii_lowercase().as_str())
+    });
+    if let Some(name) = other_name {
+        return error.help(format!(
+            "{} is a drift angle or an angle of attack: rename it to yaw_deg, degrees, positive bow to starboard (drift angles beta are often counted the other way: turn their sign)",
+            printable(name)
+        ));
+    }
     match nearest(missing, header.iter().map(String::as_str)) {
         Some(near) => error.help(format!("is it the one named {}? rename it to {missing}", printable(near))),
         None => error.help(format!("found the columns {}", printable(&header.join(", ")))),

@@ -11,7 +11,7 @@ use crate::motion::Motion;
 use crate::regression::{Fit, Problem, Scatter, Shared};
 use crate::run_variance;
 use crate::series::distinct;
-use crate::shared::{self, Influence};
+use crate::influence::{self, Influence};
 
 /// The strut's force.
 #[derive(Debug, Clone)]
@@ -82,7 +82,7 @@ impl Tare {
             for (mut column, run) in response.column_iter_mut().zip(runs) {
                 column /= run.dynamic_pressure_Pa;
             }
-            let root = shared::root(&fit.covariance);
+            let root = influence::root(&fit.covariance);
             Some(Channel { terms, fit, response, root })
         };
         let channels = [channel(0)?, channel(1)?, channel(2)?];

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 use crate::campaign::{Kind, Run};
 use crate::readings::{Readings, Useful};
 use crate::series::Mean3;
-use crate::shared;
+use crate::influence;
 use crate::zero_noise;
 
 /// Share of the first mode `sin(pi x)` in a walk between two fixed points, per unit of time: `2/pi^2` (Karhunen and Loeve);
@@ -86,7 +86,7 @@ impl Zeros {
         (0..3).for_each(|channel| covariance[(channel, channel)] += between[channel].repeat);
         let walk = Vector3::from(between.map(|components| components.walk));
         let covariance = DMatrix::from_column_slice(3, 3, covariance.as_slice());
-        let root = Matrix3::from_column_slice(shared::root(&covariance).as_slice());
+        let root = Matrix3::from_column_slice(influence::root(&covariance).as_slice());
         Zeros { zeros, root, dof, walk, in_time }
     }
 

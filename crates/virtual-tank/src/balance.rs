@@ -125,7 +125,8 @@ impl Balance {
     pub(super) fn reading(&self, load: Loads, zero: &[f64; 3], hidden: &Hidden) -> [f64; 3] {
         // AF counts aft; a moment centre further aft sees the side force on a longer lever ahead of it.
         let force = Vector3::new(-load.x, load.y, load.n + hidden.moment_centre_error_m * load.y);
-        let force = Vector3::new(force.x + hidden.af_from_sf * force.y, force.y, force.z);
+        let side = force.y / (1.0 + hidden.softening_per_n * force.y.abs());
+        let force = Vector3::new(force.x + hidden.af_from_sf * force.y, side, force.z);
         let shown = self.to_reading * force;
         [shown.x + zero[0], shown.y + zero[1], shown.z + zero[2]]
     }

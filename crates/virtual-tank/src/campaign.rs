@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use super::balance::Balance;
-
+use super::digest::Digest;
 use super::folder::NewFolder;
 use super::hull::{Hull, draw_hulls};
 use super::motion::Kind;
@@ -69,15 +69,19 @@ pub fn write_campaign_watched(
         intervals_s: (interval(world.rates_hz.0 * refinement), interval(world.rates_hz.1 * refinement)),
     };
 
-    let folder = NewFolder::begin(place)?;
-    let data_bytes = write_runs(&tank, &runs, options.seed, folder.path(), watch)?;
+    let folder = NewFolder::begin(place, options.force)?;
+    let (data_bytes, digest) = write_runs(&tank, &runs, options.seed, folder.path(), watch)?;
     let hulls: Vec<&Hull> = chosen.iter().map(|&index| &hulls[index]).collect();
+    paperwork::write_manifest(folder.path(), options.seed, &hulls, &balance, &runs)?;
+    paperwork::write_runs_table(folder.path(), &runs)?;
+    let digest = digest.plus(Digest::of_paperwork(folder.path())?);
     let truth = Truth {
         schema: SCHEMA.to_owned(),
         synthetic: true,
         seed: options.seed,
         noise: options.noise,
         data_bytes,
+        digest: digest.to_string(),
         trend: trend(&tank.hulls[0], &tank.hulls[PHOENIX.len() - 1]),
         noise_levels: levels,
         effects: stated,
@@ -86,8 +90,6 @@ pub fn write_campaign_watched(
         runs: runs.iter().enumerate().map(|(number, run)| run_truth(number, run, &tank)).collect(),
     };
     paperwork::write_truth(folder.path(), &truth)?;
-    paperwork::write_manifest(folder.path(), options.seed, &hulls, &balance, &runs)?;
-    paperwork::write_runs_table(folder.path(), &runs)?;
     folder.finish()?;
     Ok(truth)
 }
@@ -149,20 +151,23 @@ fn write_runs(
     seed: u64,
     folder: &Path,
     watch: &(dyn Fn(Progress) + Sync),
-) -> Result<u64, Error> {
+) -> Result<(u64, Digest), Error> {
     let data = folder.join("data");
     fs::create_dir(&data).map_err(|source| io_error(&data, "create the folder", source))?;
-    let (done, bytes) = (AtomicUsize::new(0), AtomicU64::new(0));
+    let (done, bytes, digest) = (AtomicUsize::new(0), AtomicU64::new(0), AtomicU64::new(0));
     runs.par_iter().enumerate().try_for_each_init(Vec::new, |buffer, (number, run)| {
         let mut stream = Stream::new(seed, Purpose::Run(number));
         tank.write_run(run, &mut stream, buffer);
-        let file = data.join(format!("{}.csv", run_id(number)));
+        let name = format!("{}.csv", run_id(number));
+        let file = data.join(&name);
+        // The sum does not depend on the order in which threads come to their ends.
+        digest.fetch_add(Digest::of(&name, buffer).0, Ordering::Relaxed);
         fs::write(&file, &*buffer).map_err(|source| io_error(&file, "write", source))?;
         bytes.fetch_add(buffer.len() as u64, Ordering::Relaxed);
         watch(Progress { runs_done: done.fetch_add(1, Ordering::Relaxed) + 1, runs: runs.len() });
         Ok(())
     })?;
-    Ok(bytes.into_inner())
+    Ok((bytes.into_inner(), Digest(digest.into_inner())))
 }
 
 fn trend(first: &Hull, last: &Hull) -> Trend {

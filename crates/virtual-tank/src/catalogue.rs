@@ -4,7 +4,7 @@
 
 use std::fmt::Write as _;
 
-use super::effects::{Bubble, CHANNELS, Gyre, Hidden, RectifiedVibration, Transition, WarmUp, Weed, WrongTemperature};
+use super::effects::{Bubble, CHANNELS, Gyre, Hidden, RectifiedVibration, Transition, Wall, WarmUp, Weed, WrongTemperature};
 use super::random::Stream;
 
 /// Every effect by name. `none` is accepted too and hides nothing.
@@ -168,8 +168,8 @@ pub const CATALOGUE: &[Entry] = &[
         },
     },
     Entry {
-        name: "uncatalogued-wave-hump",
-        parameter: "wave_hump_cd",
+        name: "free_surface",
+        parameter: "wave_drag_cd",
         unit: "",
         meaning: "wave-making drag of a hull too close to the surface, humps at Froude numbers 0.34 and 0.50; size is the greater hump in CD",
         bounds: (0.0, 0.2),
@@ -257,14 +257,14 @@ pub const CATALOGUE: &[Entry] = &[
         },
     },
     Entry {
-        name: "uncatalogued-blockage",
-        parameter: "blockage_per_rad2",
-        unit: "1/rad^2",
-        meaning: "the walls speed the flow up by the model's wake: dynamic pressure grows by this times alpha^2 times speed over 2 m/s",
-        bounds: (0.0, 5.0),
-        draw: Draw::Between(0.3, 1.0),
+        name: "blockage",
+        parameter: "blockage_section_ratio",
+        unit: "",
+        meaning: "the water must pass the model within the tank's section: size is the frontal area over that section; across the tank the model takes up more",
+        bounds: (0.0, 0.05),
+        draw: Draw::Between(0.005, 0.015),
         act: |hidden, size, _| {
-            hidden.blockage_per_rad2 = size;
+            hidden.blockage_section_ratio = size;
             String::new()
         },
     },
@@ -316,6 +316,81 @@ pub const CATALOGUE: &[Entry] = &[
         act: |hidden, _, _| {
             hidden.flipped[2] = true;
             "channel YM".to_owned()
+        },
+    },
+    Entry {
+        name: "wall_interference",
+        parameter: "wall_side_force",
+        unit: "",
+        meaning: "a wall nearer on one side draws the model: side force coefficient on frontal area, acting an arm ahead of the centre of buoyancy",
+        bounds: (-0.3, 0.3),
+        draw: Draw::EitherSign(0.008, 0.03),
+        act: |hidden, size, stream| {
+            let arm_lengths = stream.sign() * stream.between(0.1, 0.5);
+            hidden.wall = Some(Wall { side_force: size, arm_lengths });
+            format!("{arm_lengths:.3} lengths ahead")
+        },
+    },
+    Entry {
+        name: "strut_interference",
+        parameter: "strut_interference_per_rad2",
+        unit: "1/rad^2",
+        meaning: "the strut's wake pushes the hull where it is held: normal-force coefficient per sin(alpha)|sin(alpha)| on frontal area, at the moment centre",
+        bounds: (-20.0, 20.0),
+        draw: Draw::EitherSign(0.5, 1.5),
+        act: |hidden, size, _| {
+            hidden.strut_interference_per_rad2 = size;
+            String::new()
+        },
+    },
+    Entry {
+        name: "balance_hysteresis",
+        parameter: "hysteresis_share",
+        unit: "",
+        meaning: "share of the last run's steady load that the balance still shows, until the next load or the next day",
+        bounds: (-0.2, 0.2),
+        draw: Draw::Between(0.01, 0.03),
+        act: |hidden, size, _| {
+            hidden.hysteresis_share = size;
+            String::new()
+        },
+    },
+    Entry {
+        name: "uncatalogued-soft-balance",
+        parameter: "softening_per_N",
+        unit: "1/N",
+        meaning: "SF reads less than in proportion: reading = force / (1 + this |force|)",
+        bounds: (0.0, 0.05),
+        draw: Draw::Between(0.002, 0.006),
+        act: |hidden, size, _| {
+            hidden.softening_per_n = size;
+            String::new()
+        },
+    },
+    Entry {
+        name: "uncatalogued-strut-lock-in",
+        parameter: "lock_in_cd",
+        unit: "",
+        meaning: "the strut with a model below it rings with its vortices about one speed: CD gains this there, alike at all angles, at one speed whatever the hull",
+        bounds: (0.0, 0.2),
+        draw: Draw::Between(0.01, 0.03),
+        act: |hidden, size, stream| {
+            let transition = Transition { drag_saved: size, speed_m_s: stream.between(1.4, 2.6) };
+            hidden.lock_in = Some(transition);
+            format!("at {:.2} m/s", transition.speed_m_s)
+        },
+    },
+    Entry {
+        name: "uncatalogued-stall",
+        parameter: "stall_lift_loss",
+        unit: "",
+        meaning: "CL lost beyond one angle on both sides, where the flow leaves the tail; CM loses a third of it",
+        bounds: (0.0, 0.5),
+        draw: Draw::Between(0.03, 0.08),
+        act: |hidden, size, stream| {
+            let onset_rad = stream.between(7.0, 11.0).to_radians();
+            hidden.stall = Some(Bubble { lift_loss: size, onset_rad, side: 1.0 });
+            format!("beyond {:.2} deg", onset_rad.to_degrees())
         },
     },
 ];

@@ -52,7 +52,13 @@ pub(super) struct Hidden {
     pub residual_current: f64,
     pub weed: Option<Weed>,
     pub vibration: Option<RectifiedVibration>,
-    pub blockage_per_rad2: f64,
+    pub blockage_section_ratio: f64,
+    pub wall: Option<Wall>,
+    pub strut_interference_per_rad2: f64,
+    pub hysteresis_share: f64,
+    pub softening_per_n: f64,
+    pub lock_in: Option<Transition>,
+    pub stall: Option<Bubble>,
     pub transition: Option<Transition>,
     pub flipped: [bool; 3],
 }
@@ -104,6 +110,14 @@ pub(super) struct RectifiedVibration {
     pub phase_rad: f64,
 }
 
+/// A wall that draws the model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Wall {
+    pub side_force: f64,
+    /// Of its centre ahead of the centre of buoyancy, overall lengths.
+    pub arm_lengths: f64,
+}
+
 /// A boundary layer that stays laminar further aft below one speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Transition {
@@ -131,7 +145,13 @@ impl Default for Hidden {
             residual_current: 0.0,
             weed: None,
             vibration: None,
-            blockage_per_rad2: 0.0,
+            blockage_section_ratio: 0.0,
+            wall: None,
+            strut_interference_per_rad2: 0.0,
+            hysteresis_share: 0.0,
+            softening_per_n: 0.0,
+            lock_in: None,
+            stall: None,
             transition: None,
             flipped: [false; 3],
         }

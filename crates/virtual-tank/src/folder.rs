@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 
+use super::digest::Digest;
 use super::truth::Truth;
 use super::{Error, io_error};
 
@@ -19,9 +20,10 @@ impl NewFolder {
     /// Begins a folder that is to stand at `place`.
     ///
     /// # Errors
-    /// If something else than an empty folder or an earlier virtual campaign is there, or nothing can be written.
-    pub(super) fn begin(place: &Path) -> Result<Self, Error> {
-        let place = check(place)?;
+    /// If something else than an empty folder or an earlier virtual campaign is there, if that was edited and `force` does not
+    /// say that it goes all the same, or if nothing can be written.
+    pub(super) fn begin(place: &Path, force: bool) -> Result<Self, Error> {
+        let place = check(place, force)?;
         let parent = place.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
         fs::create_dir_all(parent).map_err(|source| io_error(parent, "create the folder", source))?;
         let mut builder = tempfile::Builder::new();
@@ -66,7 +68,7 @@ impl NewFolder {
 }
 
 /// The place, if a campaign may be written there.
-fn check(place: &Path) -> Result<PathBuf, Error> {
+fn check(place: &Path, force: bool) -> Result<PathBuf, Error> {
     let Ok(place) = place.canonicalize() else {
         return Ok(place.to_owned());
     };
@@ -95,8 +97,18 @@ fn check(place: &Path) -> Result<PathBuf, Error> {
         Some(name) => {
             Err(Error::FolderInUse { path: place, found: format!("beside a virtual campaign it holds {name}") })
         }
+        None if !force && is_edited(&place, &truth) => {
+            let found = "the virtual campaign in it was edited since it was written (--force replaces it)".to_owned();
+            Err(Error::FolderInUse { path: place, found })
+        }
         None => Ok(place),
     }
+}
+
+/// Whether any file is not as it was written, or is gone.
+fn is_edited(place: &Path, truth: &Truth) -> bool {
+    let runs: Vec<String> = truth.runs.iter().map(|run| format!("{}.csv", run.id)).collect();
+    Digest::of_campaign(place, &runs).map_or(true, |digest| digest.to_string() != truth.digest)
 }
 
 fn names(folder: &Path) -> io::Result<Vec<String>> {

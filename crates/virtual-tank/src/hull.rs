@@ -163,8 +163,7 @@ impl Hull {
         let alpha = sine.atan2(cosine);
 
         let (lift, drag, moment) = self.static_law(alpha, speed, flow.extra_cd, water, hidden);
-        let blockage = 1.0 + hidden.blockage_per_rad2 * alpha * alpha * speed / REFERENCE_SPEED_M_S;
-        let pressure_area = half_rho * speed2 * blockage * frontal_area();
+        let pressure_area = half_rho * speed2 * self.blockage(sine, cosine, hidden) * frontal_area();
         let d = &self.derivatives;
         let l3 = half_rho * length.powi(3);
         let (l4, l5) = (l3 * length, l3 * length * length);
@@ -177,6 +176,11 @@ impl Hull {
             y += half_rho * hidden.crossflow_per_rad2 * dy;
             n += half_rho * hidden.crossflow_per_rad2 * dn;
         }
+        if let Some(wall) = hidden.wall {
+            let drawn = half_rho * speed2 * frontal_area() * wall.side_force;
+            y += drawn;
+            n += drawn * wall.arm_lengths * length;
+        }
         x *= flow.development;
         y *= flow.development;
         n *= flow.development;
@@ -185,7 +189,20 @@ impl Hull {
         x += l3 * (self.xudot * flow.udot - d.yvdot * v * flow.r) - l4 * d.yrdot * flow.r * flow.r;
         y += l3 * d.yvdot * vdot + l4 * d.yrdot * flow.rdot;
         n += l4 * d.nvdot * vdot + l5 * d.nrdot * flow.rdot;
-        Loads { x, y, n: n - lever * y }
+        // The strut's wake acts where the strut holds the model: no moment there.
+        let wake = half_rho * frontal_area() * hidden.strut_interference_per_rad2 * flow.v * flow.v.abs();
+        Loads { x, y: y - wake * flow.development, n: n - lever * y }
+    }
+
+    /// Dynamic pressure past the model over that far ahead of it: continuity in what the model leaves of the tank's section.
+    /// Across the tank it takes up its side area, nine tenths of length times diameter.
+    fn blockage(&self, sine: f64, cosine: f64, hidden: &Hidden) -> f64 {
+        if hidden.blockage_section_ratio == 0.0 {
+            return 1.0;
+        }
+        let side_over_front = 0.9 * self.row.loa_m * super::outline::DIAMETER_M / frontal_area();
+        let taken = hidden.blockage_section_ratio * (cosine.abs() + side_over_front * sine.abs());
+        1.0 / (1.0 - taken).powi(2)
     }
 
     /// CL, CD and CM about the centre of buoyancy in steady straight motion.
@@ -212,7 +229,16 @@ impl Hull {
         if let Some(transition) = hidden.transition {
             drag -= 0.5 * transition.drag_saved * (1.0 - ((speed - transition.speed_m_s) / 0.1).tanh());
         }
-        (lift, drag, d * side * alpha)
+        if let Some(lock_in) = hidden.lock_in {
+            drag += lock_in.drag_saved * (-((speed - lock_in.speed_m_s) / 0.35).powi(2)).exp();
+        }
+        let mut moment = d * side * alpha;
+        if let Some(stall) = hidden.stall {
+            let beyond = 0.5 * (1.0 + ((alpha.abs() - stall.onset_rad) / 1.0f64.to_radians()).tanh());
+            lift -= alpha.signum() * stall.lift_loss * beyond;
+            moment -= alpha.signum() * stall.lift_loss / 3.0 * beyond;
+        }
+        (lift, drag, moment)
     }
 
     /// b at this speed over b at 2 m/s and 15 C: the ITTC-57 line Cf = 0.075/(log10 Re - 2)^2 raised to the power that

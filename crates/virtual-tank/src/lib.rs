@@ -11,6 +11,7 @@ mod balance;
 mod campaign;
 mod catalogue;
 mod decimal;
+mod digest;
 mod effects;
 mod folder;
 mod hull;
@@ -57,6 +58,8 @@ pub struct Options {
     pub statics_only: bool,
     /// The same tank for every seed, or another for each.
     pub variety: Variety,
+    /// Whether an earlier virtual campaign is replaced even where its files were edited.
+    pub force: bool,
     /// Total size to aim at, 10^6 bytes, by more passes and finer sampling; a default campaign when absent.
     pub size_mb: Option<f64>,
 }
@@ -70,6 +73,7 @@ impl Default for Options {
             noise: 1.0,
             statics_only: false,
             variety: Variety::Phoenix,
+            force: false,
             size_mb: None,
         }
     }

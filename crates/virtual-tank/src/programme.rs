@@ -26,6 +26,8 @@ pub(super) struct PlannedRun {
     /// Time since the end of the run before, and its speed.
     pub wait_s: f64,
     pub speed_before_m_s: f64,
+    /// The last run of the day that loaded the balance: its hull and what it was told to do.
+    pub loaded_before: Option<(Option<usize>, Command)>,
     /// True yaw less set yaw, this run's own.
     pub yaw_error_deg: f64,
     /// True speed over set speed, this run's own.
@@ -61,6 +63,7 @@ pub(super) fn plan(wishes: Wishes<'_>, world: &World, hidden: &Hidden, stream: &
         day: 0,
         hours: 0.0,
         speed_before_m_s: 0.0,
+        loaded_before: None,
         temperature: (0.0, 0.0, 0.0),
         day_temperature: 0.0,
         runs: Vec::new(),
@@ -147,6 +150,7 @@ struct Crew<'a> {
     day: usize,
     hours: f64,
     speed_before_m_s: f64,
+    loaded_before: Option<(Option<usize>, Command)>,
     /// Mean, swing and phase of the tank's temperature.
     temperature: (f64, f64, f64),
     day_temperature: f64,
@@ -158,6 +162,7 @@ impl Crew<'_> {
         self.day = day;
         self.hours = 0.1;
         self.speed_before_m_s = 0.0;
+        self.loaded_before = None;
         let (mean, swing, phase) = self.temperature;
         let slow = (day as f64 * std::f64::consts::TAU / 23.0 + phase).sin();
         self.day_temperature = mean + swing * slow + 0.1 * self.stream.normal();
@@ -185,6 +190,7 @@ impl Crew<'_> {
         } else {
             self.hours += HULL_CHANGE_H;
             self.speed_before_m_s = 0.0;
+            self.loaded_before = None;
         }
     }
 
@@ -210,12 +216,16 @@ impl Crew<'_> {
             recorded_temperature_c: (temperature_c * 100.0).round() / 100.0,
             wait_s,
             speed_before_m_s: self.speed_before_m_s,
+            loaded_before: self.loaded_before,
             yaw_error_deg: if moving { self.world.levels.yaw_setting_deg * yaw_draw } else { 0.0 },
             speed_ratio: if moving { 1.0 + self.world.levels.speed_setting * speed_draw } else { 1.0 },
             extra_cd: 0.0,
             note: note.to_owned(),
         });
         self.hours += command.times().end / 3600.0;
+        if moving {
+            self.loaded_before = Some((hull, command));
+        }
         // A zero run lets the water settle further: the current left over is that of the run before it.
         self.speed_before_m_s =
             if moving { command.speed_m_s } else { self.speed_before_m_s * (-wait_s / 360.0).exp() };

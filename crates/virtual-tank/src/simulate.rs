@@ -40,6 +40,23 @@ impl Tank<'_> {
         if matches!(kind, Kind::Sway | Kind::Yaw) { self.intervals_s.1 } else { self.intervals_s.0 }
     }
 
+    /// What the balance still shows of the last steady load.
+    fn kept_of_last_load(&self, run: &PlannedRun) -> [f64; 3] {
+        let steady = |command: &super::motion::Command| matches!(command.kind, Kind::Static | Kind::Tare);
+        let last = run.loaded_before.filter(|(_, command)| self.hidden.hysteresis_share != 0.0 && steady(command));
+        let Some((hull, command)) = last else { return [0.0; 3] };
+        let water = Water::fresh(run.temperature_c);
+        let (sine, cosine) = command.yaw_deg.to_radians().sin_cos();
+        let (u, v) = (command.speed_m_s * cosine, -command.speed_m_s * sine);
+        let mut load = self.balance.strut.force_of_water(u, v, &water);
+        if let Some(hull) = hull {
+            let flow = Flow { u, v, development: 1.0, ..Flow::default() };
+            load = load + self.hulls[hull].force_of_water(&flow, &water, self.hidden);
+        }
+        let shown = self.balance.reading(load, &[0.0; 3], self.hidden);
+        shown.map(|value| self.hidden.hysteresis_share * value)
+    }
+
     /// Writes the file of one run into `buffer`.
     pub(super) fn write_run(&self, run: &PlannedRun, stream: &mut Stream, buffer: &mut Vec<u8>) {
         buffer.clear();
@@ -90,9 +107,11 @@ struct Experiment<'a> {
 impl<'a> Experiment<'a> {
     fn new(tank: &'a Tank<'a>, run: &'a PlannedRun, interval: f64, stream: &mut Stream) -> Self {
         let (hidden, times) = (tank.hidden, run.command.times());
-        let begin = tank.balance.zero(run.day, run.hours, hidden);
+        let mut begin = tank.balance.zero(run.day, run.hours, hidden);
         let end = tank.balance.zero(run.day, run.hours + times.end / 3600.0, hidden);
         let growth = [0, 1, 2].map(|i| (end[i] - begin[i]) / times.end);
+        let kept = tank.kept_of_last_load(run);
+        (0..3).for_each(|i| begin[i] += kept[i]);
         Self {
             tank,
             run,

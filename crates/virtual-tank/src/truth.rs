@@ -26,6 +26,9 @@ pub struct Truth {
     pub noise: f64,
     /// Total of the runs' files, bytes.
     pub data_bytes: u64,
+    /// Digest of the campaign's files as they were written, to tell whether anybody edited them since.
+    #[serde(default)]
+    pub digest: String,
     /// Changes per unit of length to diameter ratio; exact, since a, b, c, d are straight lines in it.
     pub trend: Trend,
     /// Levels of the noise.

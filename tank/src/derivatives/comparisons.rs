@@ -11,7 +11,7 @@ use crate::fits::SweepFit;
 use crate::harmonics::{Harmonics, Series};
 use crate::hull::Hull;
 use crate::regression::{Fit, Scatter, student_p_value};
-use crate::statics::Common;
+use crate::shared::Common;
 use crate::zero_drift::Slope;
 
 /// Per run: the first harmonics with every other term taken from the common fit, solved for the run's own damping and

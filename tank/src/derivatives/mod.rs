@@ -24,7 +24,8 @@ use crate::fits::SweepFit;
 use crate::harmonics::Harmonics;
 use crate::hull::Hull;
 use crate::regression::{Fit, Shared};
-use crate::statics::{Common, SteadyRun};
+use crate::shared::Common;
+use crate::steady_run::SteadyRun;
 use model::Model;
 use observations::Observation;
 

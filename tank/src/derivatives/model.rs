@@ -7,8 +7,8 @@ use super::Form;
 use super::observations::Observation;
 use crate::campaign::Kind;
 use crate::regression::{Fit, Problem, Scatter, Shared};
-use crate::shared::Influence;
-use crate::statics::Common;
+use crate::influence::Influence;
+use crate::shared::Common;
 
 /// Amplitudes must differ by this factor to tell a nonlinear term.
 const AMPLITUDE_RATIO: f64 = 1.3;

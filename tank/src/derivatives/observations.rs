@@ -9,8 +9,9 @@ use crate::campaign::{Kind, Run};
 use crate::harmonics::{HARMONICS, Harmonics, Series, TERMS};
 use crate::hull::Hull;
 use crate::motion::Motion;
-use crate::shared::{Influence, SharedKind};
-use crate::statics::{Common, SteadyRun};
+use crate::influence::Influence;
+use crate::shared::{Common, SharedKind};
+use crate::steady_run::SteadyRun;
 
 /// Phases at which one cycle is worked out.
 const PHASES: usize = 96;

@@ -7,7 +7,7 @@ use glidepolar_inference::{Cause, Diagnosis, Gain, Verdict};
 
 use super::data::Data;
 use super::drift::Days;
-use crate::results::HullResults;
+use crate::hull_results::HullResults;
 use crate::series::median;
 
 /// Thousands of cubic metres change their temperature by tenths of a degree from day to day: this is no tank \[K\].

@@ -4,8 +4,9 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix3xX, Vector3};
 
 use crate::hull::Hull;
-use crate::shared::{Influence, SharedKind};
-use crate::statics::{Common, SteadyRun};
+use crate::influence::Influence;
+use crate::shared::{Common, SharedKind};
+use crate::steady_run::SteadyRun;
 use crate::sweep::{Point, Sweep};
 use crate::tare::Tare;
 use crate::water::Water;

@@ -13,7 +13,7 @@ use super::data::Data;
 use super::mechanisms::Reach;
 use super::problem::{Shape, TankProblem};
 use super::{Diagnoses, HullDiagnosis, runs_left, unseen};
-use crate::results::HullResults;
+use crate::hull_results::HullResults;
 use crate::sweep::NAMES;
 
 /// A size of one hull's own is told of that hull where chance would show it less often than this.

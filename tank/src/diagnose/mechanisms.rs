@@ -2,7 +2,7 @@
 //! table. An entry is a name, its physics in a line with the source, its size, where it shows, and how widely it acts.
 //! To add one: an entry here, its term in `model`. Knows no data.
 
-use super::model::{STATION, Term};
+use super::model::{STATION, Term, WAVE_TOP, WAVE_WIDTH};
 
 /// How far a mechanism reaches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,6 +15,8 @@ pub enum Reach {
     Day,
     /// A channel's zero in the course of the days.
     Drift,
+    /// A run by the load of the run before.
+    Before,
     /// Steady drift runs cannot show it: the fitted coefficients absorb it.
     Absorbed,
 }
@@ -272,6 +274,129 @@ pub const IN_TANK: &[Mechanism] = &[
         reach: Reach::Hull,
         regime: "lift and moment, one side against the other",
         shown_by: "the same angles on both sides",
+    },
+    Mechanism {
+        name: "blockage",
+        physics: "Walls and bottom speed the water up past a model that stands across the tank: the dynamic pressure grows with the section that it and its wake take up",
+        source: "Maskell 1963, ARC R&M 3400; Tamura 1972, SNAJ 131, 17-28",
+        parameters: &[
+            Parameter {
+                name: "blockage_per_rad",
+                unit: "1/rad",
+                term: Term::BlockageLinear,
+                neutral: 0.0,
+                usual: Usual::Is(0.3),
+                bounds: (-0.5, 3.0),
+            },
+            Parameter {
+                name: "blockage_per_rad2",
+                unit: "1/rad^2",
+                term: Term::BlockageSquare,
+                neutral: 0.0,
+                usual: Usual::Is(1.0),
+                bounds: (-2.0, 6.0),
+            },
+        ],
+        told_as: &[],
+        reach: Reach::Campaign,
+        regime: "lift, drag and moment alike, the more the larger the angle, on both sides",
+        shown_by: "angles of 10 degrees and more, models of different length",
+    },
+    Mechanism {
+        name: "free_surface",
+        physics: "Waves: a bump of drag where the hull's length fits the waves of its speed",
+        source: "Havelock 1931, Proc. Roy. Soc. A 131, 275-285",
+        parameters: &[
+            Parameter {
+                name: "wave_drag_cd",
+                unit: "1",
+                term: Term::WaveDrag,
+                neutral: 0.0,
+                usual: Usual::Is(0.02),
+                bounds: (0.0, 0.3),
+            },
+            Parameter {
+                name: "wave_froude_number",
+                unit: "1",
+                term: Term::WaveTop,
+                neutral: WAVE_TOP,
+                usual: Usual::Is(0.05),
+                bounds: (0.3, 0.7),
+            },
+            Parameter {
+                name: "wave_width",
+                unit: "1",
+                term: Term::WaveWidth,
+                neutral: WAVE_WIDTH,
+                usual: Usual::Is(0.03),
+                bounds: (0.03, 0.3),
+            },
+        ],
+        told_as: &[],
+        reach: Reach::Campaign,
+        regime: "drag about one Froude number on the length, alike at all angles",
+        shown_by: "several tow speeds with hulls of several lengths",
+    },
+    Mechanism {
+        name: "wall_interference",
+        physics: "A wall nearer on one side draws the model: a side force and a moment in proportion to the dynamic pressure, alike at all angles",
+        source: "Norrbin 1974, 10th Symposium on Naval Hydrodynamics",
+        parameters: &[
+            Parameter {
+                name: "wall_side_force",
+                unit: "1",
+                term: Term::WallSide,
+                neutral: 0.0,
+                usual: Usual::Is(0.02),
+                bounds: (-0.3, 0.3),
+            },
+            Parameter {
+                name: "wall_moment",
+                unit: "1",
+                term: Term::WallMoment,
+                neutral: 0.0,
+                usual: Usual::Is(0.02),
+                bounds: (-0.3, 0.3),
+            },
+        ],
+        told_as: &[],
+        reach: Reach::Campaign,
+        regime: "lift and moment at zero angle, not in proportion to their slopes, at every speed",
+        shown_by: "the same angles on both sides with several hulls, at two speeds or more",
+    },
+    Mechanism {
+        name: "strut_interference",
+        physics: "The strut's wake and its junction push the hull where it is held: a side force at the moment centre in proportion to sin(alpha)|sin(alpha)|, which no run of the strut alone shows",
+        source: "Hoerner 1965, Fluid-dynamic drag, chapter 8",
+        parameters: &[Parameter {
+            name: "strut_interference_per_rad2",
+            unit: "1/rad^2",
+            term: Term::StrutInterference,
+            neutral: 0.0,
+            usual: Usual::Is(1.0),
+            bounds: (-20.0, 20.0),
+        }],
+        told_as: &[],
+        reach: Reach::Campaign,
+        regime: "large angles, opposite on the two sides, in lift and not in the moment about where the model is held",
+        shown_by: "a second strut without a function, or the model held by its tail",
+    },
+    Mechanism {
+        name: "balance_hysteresis",
+        physics: "The balance keeps a share of the last load: the zero of a run depends on the run before",
+        source: "ISO 376, reversibility of force transducers; ITTC 7.5-02-06-02",
+        parameters: &[Parameter {
+            name: "hysteresis_share",
+            unit: "1",
+            term: Term::None,
+            neutral: 0.0,
+            usual: Usual::Is(0.01),
+            bounds: (-0.2, 0.2),
+        }],
+        told_as: &[],
+        reach: Reach::Before,
+        regime: "runs after large loads, opposite after the two sides",
+        shown_by: "random order of the runs, no zero between most of them",
     },
     Mechanism {
         name: "speed_scale",

@@ -21,7 +21,7 @@ mod zero_runs;
 use glidepolar_hull::hull_tests::ExtendedFit;
 use glidepolar_inference::{Diagnosis, Outcome, diagnose_in_full};
 
-use crate::results::HullResults;
+use crate::hull_results::HullResults;
 pub use data::{Data, SteadyData, Tared, ZeroRun, ZeroTimes, zero_times};
 pub use findings::CHANNEL;
 use mechanisms::{IN_TANK, Mechanism, Reach};

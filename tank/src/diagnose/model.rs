@@ -8,7 +8,7 @@ use nalgebra::{Const, Matrix3, U1};
 use num_dual::{Derivative, DualSVec64};
 
 /// How many numbers a run's reading depends on.
-pub const TERMS: usize = 18;
+pub const TERMS: usize = 26;
 
 type Dual = DualSVec64<TERMS>;
 
@@ -16,6 +16,12 @@ type Dual = DualSVec64<TERMS>;
 /// share is negative, so the whole acts between them. Planforms have their centre within a tenth of the length of it, a
 /// separated stern moves SUBOFF's aft by a fifth.
 pub const STATION: f64 = 0.35;
+
+/// The main hump of wave drag lies near a Froude number of 0.5, where the hull is half a wavelength and a bit more, and is a
+/// fifth of that wide (Havelock 1931, Proc. Roy. Soc. A 131, 275-285, for a submerged spheroid).
+pub const WAVE_TOP: f64 = 0.5;
+/// See [`WAVE_TOP`].
+pub const WAVE_WIDTH: f64 = 0.1;
 
 /// A number that a run's reading depends on, by its place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,6 +59,22 @@ pub enum Term {
     StrutAxial,
     /// Side force of the strut over dynamic pressure and sine of the angle \[m2\].
     StrutSide,
+    /// Relative rise of the dynamic pressure per sine of the angle, whichever side.
+    BlockageLinear,
+    /// The same per its square.
+    BlockageSquare,
+    /// Height of a bump of drag in the Froude number on the length.
+    WaveDrag,
+    /// Froude number at its top.
+    WaveTop,
+    /// Its width: half the distance between the points of 1/e.
+    WaveWidth,
+    /// Side force of the walls as a coefficient, alike at all angles.
+    WallSide,
+    /// Their moment about the centre of buoyancy as a coefficient.
+    WallMoment,
+    /// Side force of the strut's wake on the hull at the moment centre, per sin|sin|.
+    StrutInterference,
     /// Enters elsewhere.
     None,
 }
@@ -77,6 +99,14 @@ impl Term {
             Term::StrutAxial => 15,
             Term::StrutSide => 16,
             Term::CrossflowSuction => 17,
+            Term::BlockageLinear => 18,
+            Term::BlockageSquare => 19,
+            Term::WaveDrag => 20,
+            Term::WaveTop => 21,
+            Term::WaveWidth => 22,
+            Term::WallSide => 23,
+            Term::WallMoment => 24,
+            Term::StrutInterference => 25,
             Term::None => usize::MAX,
         }
     }
@@ -89,6 +119,8 @@ pub type Values = [f64; TERMS];
 pub fn neutral() -> Values {
     let mut values = [0.0; TERMS];
     values[Term::Asymmetry.place()] = 1.0;
+    values[Term::WaveTop.place()] = WAVE_TOP;
+    values[Term::WaveWidth.place()] = WAVE_WIDTH;
     values
 }
 
@@ -101,6 +133,8 @@ pub struct Setting {
     pub pressure_Pa: f64,
     /// Reynolds number on the length by the same.
     pub reynolds: f64,
+    /// Froude number on the length; none where the speed is not known.
+    pub froude: Option<f64>,
     /// Reynolds number at which b is stated.
     pub reference_reynolds: f64,
     /// Relative change of the density per degree \[1/K\].
@@ -140,26 +174,28 @@ fn coefficients<T: Number>(setting: &Setting, p: &[T; TERMS]) -> [T; 3] {
     let true_reynolds = (at(Term::Temperature) * setting.viscosity_per_K + 1.0) * setting.reynolds;
     let b = at(Term::B) * friction_ratio(true_reynolds, setting.reference_reynolds, at(Term::DragExponent));
     let lift = at(Term::A) * side * alpha;
-    let drag = b + at(Term::C) * alpha * alpha;
+    let drag = b + at(Term::C) * alpha * alpha + wave_drag(setting, p);
     let across = sine * sine.abs();
     let (fore, aft) = (at(Term::CrossflowFore), at(Term::CrossflowAft));
-    let normal = lift * cosine + drag * sine + (fore + aft) * across;
+    let normal = lift * cosine + drag * sine + (fore + aft) * across + at(Term::WallSide);
     let axial = drag * cosine - lift * sine - at(Term::CrossflowSuction) * (fore + aft) * across * sine;
-    let moment = at(Term::D) * side * alpha + (fore - aft) * across * STATION;
+    let moment = at(Term::D) * side * alpha + (fore - aft) * across * STATION + at(Term::WallMoment);
 
     // The rig. A temperature entered too high makes the water too light on paper.
     let pressure = (at(Term::Temperature) * (-setting.density_per_K) + 1.0) * setting.pressure_Pa;
-    let scale = pressure * setting.area_m2;
+    let blockage = (at(Term::BlockageSquare) * sine.abs() + at(Term::BlockageLinear)) * sine.abs() + 1.0;
+    let scale = pressure * blockage * setting.area_m2;
     let side_N = scale * normal + pressure * at(Term::StrutSide) * sine;
     let axial_N = scale * axial + pressure * at(Term::StrutAxial) * cosine;
     let hull = BalanceForce { axial_N, side_N, yaw_N_m: scale * moment * setting.length_m };
     let about_mc = hull.moved(number(setting.cb_m), number(setting.mc_m));
+    let interference_N = pressure * at(Term::StrutInterference) * across * setting.area_m2;
     let zero = |channel: usize| {
         (0..3).map(|j| at(Term::Zero(j)) * setting.interaction[(channel, j)]).fold(number(0.0), |sum, x| sum + x)
     };
     let shown = BalanceForce {
         axial_N: axial_N + at(Term::AxialFromSide) * side_N + zero(0),
-        side_N: side_N + zero(1),
+        side_N: side_N + interference_N + zero(1),
         yaw_N_m: about_mc.yaw_N_m + at(Term::MomentCentre) * side_N + zero(2),
     };
 
@@ -170,6 +206,18 @@ fn coefficients<T: Number>(setting: &Setting, p: &[T; TERMS]) -> [T; 3] {
         number(setting.length_m),
     );
     [c.lift, c.drag, c.moment]
+}
+
+/// Drag of waves: a bump in the Froude number.
+fn wave_drag<T: Number>(setting: &Setting, p: &[T; TERMS]) -> T {
+    let at = |term: Term| p[term.place()];
+    match setting.froude {
+        Some(froude) => {
+            let off = (T::constant(froude) - at(Term::WaveTop)) / at(Term::WaveWidth);
+            at(Term::WaveDrag) * (-(off * off)).exp()
+        }
+        None => T::constant(0.0),
+    }
 }
 
 /// b at a Reynolds number over b at the reference: the ITTC-57 line `0.075/(lg Re - 2)^2`, raised to the power that makes
@@ -192,6 +240,7 @@ mod tests {
             yaw_rad: yaw_deg.to_radians(),
             pressure_Pa: 1998.0,
             reynolds: 3.0e6,
+            froude: Some(0.42),
             reference_reynolds: 3.0e6,
             density_per_K: -1.5e-4,
             viscosity_per_K: -0.025,
@@ -232,6 +281,12 @@ mod tests {
         values[Term::DragExponent.place()] = -0.1;
         values[Term::Temperature.place()] = 2.0;
         values[Term::Asymmetry.place()] = 1.1;
+        values[Term::BlockageLinear.place()] = 0.2;
+        values[Term::BlockageSquare.place()] = 0.5;
+        values[Term::WaveDrag.place()] = 0.02;
+        values[Term::WallSide.place()] = 0.01;
+        values[Term::WallMoment.place()] = -0.02;
+        values[Term::StrutInterference.place()] = 0.7;
         let setting = Setting { reynolds: 1.6e6, ..setting(-9.0) };
         let exact = reduced(&setting, &values);
         for term in 0..TERMS {

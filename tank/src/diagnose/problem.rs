@@ -3,7 +3,7 @@
 
 use glidepolar_inference::smooth::Kind;
 use glidepolar_inference::{Candidate, Covariate, Evidence, Headline, Point, Problem, Quantity};
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::data::{Data, SteadyData, Tared, ZeroTimes};
 use super::decorrelate::{Decorrelation, RunErrors};
@@ -12,7 +12,7 @@ use super::mechanisms::{IN_TANK, Mechanism, Parameter, Reach, Usual};
 use super::model::{self, Setting, Term, Values};
 use super::reduced::{run_errors, settings, start_of};
 use super::zero_runs::allowed_rates;
-use crate::results::HullResults;
+use crate::hull_results::HullResults;
 use crate::series::median;
 use crate::sweep::NAMES;
 
@@ -24,6 +24,11 @@ const LEAST: [f64; 4] = [0.5, 0.05, 0.5, 0.5];
 const MOMENT_CENTRE_BELIEF: f64 = 0.02;
 /// A strut that was never tared has this axial and side force, over the dynamic pressure, as a share of the frontal area.
 const STRUT_BELIEF: [f64; 2] = [0.1, 0.3];
+/// A run is not its own predecessor \[s\].
+const SAME_TIME_S: f64 = 1.0;
+/// Fewest different speeds, and fewest different Froude numbers, of which a bump of drag is no mere slope.
+const FEWEST_SPEEDS: usize = 3;
+const FEWEST_FROUDE: usize = 5;
 /// Speeds closer than this are one \[1\].
 const SAME_SPEED: f64 = 0.05;
 /// Time constants from which the search for a settling zero starts \[h\].
@@ -44,6 +49,8 @@ pub struct TankProblem<'a> {
     shapes: Vec<Shape>,
     /// Terms of the strut that its tare leaves open, in the baseline.
     strut: &'static [Term],
+    /// For each run, what a whole share of the last load adds to CL, CD, CM.
+    before: Vec<Vector3<f64>>,
 }
 
 /// How a candidate acts.
@@ -57,13 +64,15 @@ pub enum Shape {
     Day(&'static Mechanism, usize),
     /// A zero that settles: channel.
     Drift(&'static Mechanism, usize),
+    /// A zero by the last load.
+    Before(&'static Mechanism),
 }
 
 impl Shape {
     /// The mechanism.
     pub fn mechanism(&self) -> &'static Mechanism {
         match self {
-            Shape::All(m) | Shape::EachHull(m) | Shape::Day(m, _) | Shape::Drift(m, _) => m,
+            Shape::All(m) | Shape::EachHull(m) | Shape::Day(m, _) | Shape::Drift(m, _) | Shape::Before(m) => m,
         }
     }
 }
@@ -115,7 +124,9 @@ impl<'a> TankProblem<'a> {
             candidates: Vec::new(),
             shapes: Vec::new(),
             strut,
+            before: Vec::new(),
         };
+        problem.before = problem.loads_before();
         problem.find_candidates();
         problem
     }
@@ -162,7 +173,7 @@ impl<'a> TankProblem<'a> {
             Shape::All(_) => Some(parameter),
             Shape::EachHull(m) => Some(m.parameters.len() * self.data.runs[run].hull + parameter),
             Shape::Day(_, day) => (self.days.of_run(run) == Some(*day)).then_some(parameter),
-            Shape::Drift(..) => None,
+            Shape::Drift(..) | Shape::Before(_) => None,
         }
     }
 
@@ -175,6 +186,9 @@ impl<'a> TankProblem<'a> {
             {
                 let (net, _) = self.drift(run, *channel, sizes[1]);
                 sum += net * sizes[0];
+            }
+            if let Shape::Before(_) = shape {
+                sum += self.before[run] * sizes[0];
             }
         }
         sum
@@ -198,8 +212,39 @@ impl<'a> TankProblem<'a> {
         (map * Vector3::from(force.map(|f| f.0)), map * Vector3::from(force.map(|f| f.1)))
     }
 
+    /// What the balance would show of the last load if it kept it whole, less what the zeros of the run took along, as CL, CD,
+    /// CM. Loads of other than steady runs are not known; a zero run leaves what was there.
+    fn loads_before(&self) -> Vec<Vector3<f64>> {
+        let readings: Vec<(f64, Vector3<f64>)> = self
+            .order
+            .iter()
+            .map(|run| {
+                let force = self.force(*run);
+                let to_reading = self.data.runs[*run].interaction.try_inverse().unwrap_or_else(Matrix3::identity);
+                (self.data.runs[*run].zeros.time_s, to_reading * force)
+            })
+            .collect();
+        let last = |time_s: f64| {
+            readings.iter().rev().find(|(at, _)| *at < time_s - SAME_TIME_S).map_or(Vector3::zeros(), |(_, load)| *load)
+        };
+        (0..self.data.runs.len())
+            .map(|run| {
+                let data = &self.data.runs[run];
+                let of_zeros: Vector3<f64> =
+                    data.zeros.zeros.iter().map(|(time_s, weight)| last(*time_s) * *weight).sum();
+                self.map(run) * data.interaction * (last(data.zeros.time_s) - of_zeros)
+            })
+            .collect()
+    }
+
+    /// Force about the moment centre: AF, SF, YM.
+    fn force(&self, run: usize) -> Vector3<f64> {
+        let c = Vector3::from(self.data.runs[run].point.coefficients);
+        self.map(run).try_inverse().map_or_else(Vector3::zeros, |inverse| inverse * c)
+    }
+
     /// AF, SF, YM about the moment centre to CL, CD, CM.
-    fn map(&self, run: usize) -> nalgebra::Matrix3<f64> {
+    fn map(&self, run: usize) -> Matrix3<f64> {
         let s = &self.settings[run];
         let column = |axial_N: f64, side_N: f64, yaw_N_m: f64| {
             let c = glidepolar_hull::coefficients::BalanceForce { axial_N, side_N, yaw_N_m }
@@ -208,7 +253,7 @@ impl<'a> TankProblem<'a> {
                 .coefficients(s.pressure_Pa, s.area_m2, s.length_m);
             Vector3::new(c.lift, c.drag, c.moment)
         };
-        nalgebra::Matrix3::from_columns(&[column(1.0, 0.0, 0.0), column(0.0, 1.0, 0.0), column(0.0, 0.0, 1.0)])
+        Matrix3::from_columns(&[column(1.0, 0.0, 0.0), column(0.0, 1.0, 0.0), column(0.0, 0.0, 1.0)])
     }
 
     fn find_candidates(&mut self) {
@@ -232,6 +277,7 @@ impl<'a> TankProblem<'a> {
                     }
                 }
                 Reach::Drift => (0..3).for_each(|channel| self.add(Shape::Drift(mechanism, channel))),
+                Reach::Before => self.add(Shape::Before(mechanism)),
                 Reach::Absorbed => {}
             }
         }
@@ -248,12 +294,23 @@ impl<'a> TankProblem<'a> {
         match mechanism.name {
             "reynolds_drag" if one_speed => Some("all runs were made at one speed, and b absorbs it"),
             "axial_force_zero" if one_speed => Some("all runs were made at one speed, and b absorbs it"),
+            "free_surface" if speeds.len() < runs.len() => Some("the speeds are not known"),
+            "free_surface" if self.distinct_froude() < FEWEST_FROUDE || distinct_speeds(&speeds) < FEWEST_SPEEDS => {
+                Some("too few speeds and lengths of hull: it is a slope with Reynolds number as well")
+            }
+            "wall_interference" if one_sided => Some("only one side was towed"),
+            "balance_hysteresis" if !self.data.is_raw => Some("the points came reduced, without their order"),
+            "balance_hysteresis" if !self.data.in_time => Some("the runs do not say when they were made"),
             "zero_drift" if !self.data.is_raw => Some("the points came reduced, without their zeros"),
             "zero_drift" if !self.data.in_time => Some("the runs do not say when they were made"),
             "water_temperature" if self.days.count() < 2 => Some("all runs were made on one day"),
             "port_starboard_asymmetry" | "interaction" if one_sided => Some("only one side was towed"),
             _ => None,
         }
+    }
+
+    fn distinct_froude(&self) -> usize {
+        distinct_speeds(&self.settings.iter().filter_map(|setting| setting.froude).collect::<Vec<_>>())
     }
 
     fn add(&mut self, shape: Shape) {
@@ -290,11 +347,7 @@ impl<'a> TankProblem<'a> {
 
     /// Largest magnitude of a channel's force about the moment centre.
     fn largest(&self, channel: usize) -> f64 {
-        let force = |run: usize| {
-            let c = Vector3::from(self.data.runs[run].point.coefficients);
-            self.map(run).try_inverse().map_or(0.0, |inverse| (inverse * c)[channel].abs())
-        };
-        (0..self.data.runs.len()).map(force).fold(f64::MIN_POSITIVE, f64::max)
+        (0..self.data.runs.len()).map(|run| self.force(run)[channel].abs()).fold(f64::MIN_POSITIVE, f64::max)
     }
 
     /// Residuals and sensitivities with rows whose errors are independent.
@@ -413,6 +466,9 @@ impl Problem for TankProblem<'_> {
                         columns[(k * n + i, 1)] = sizes[0] * by_time[k];
                     }
                 }
+                if let Shape::Before(_) = shape {
+                    (0..3).for_each(|k| columns[(k * n + i, 0)] = self.before[run][k]);
+                }
             }
         }
         let residual = self.independent(residual, &mut baseline, &mut candidates);
@@ -432,6 +488,10 @@ impl Problem for TankProblem<'_> {
             covariates: self.covariates(),
         }
     }
+}
+
+fn distinct_speeds(speeds: &[f64]) -> usize {
+    crate::series::distinct(speeds.iter().copied(), |a, b| (a / b - 1.0).abs() < SAME_SPEED)
 }
 
 fn range(values: &[f64]) -> (f64, f64) {

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, Vector3};
 use super::data::{Data, SteadyData};
 use super::decorrelate::RunErrors;
 use super::model::Setting;
-use crate::results::HullResults;
+use crate::hull_results::HullResults;
 use crate::series::median;
 
 /// a, b, c, d that the reduction found; what is usual for a hull that it could not fit.
@@ -35,6 +35,7 @@ pub(super) fn settings(data: &Data) -> Vec<Setting> {
                 yaw_rad: run.point.alpha_rad(),
                 pressure_Pa: run.pressure_Pa,
                 reynolds: run.reynolds,
+                froude: run.point.speed_m_s.map(|speed| speed / (9.81 * hull.geometry.loa_m).sqrt()),
                 reference_reynolds: reference_reynolds * hull.geometry.loa_m / mean_length(data),
                 density_per_K: change(&|t| water_at(t).map_or(1.0, |w| w.density_kg_m3)),
                 viscosity_per_K: change(&|t| water_at(t).map_or(1.0, |w| w.kinematic_viscosity_m2_s)),

@@ -53,6 +53,7 @@ pub fn campaign_with_noise(
         noise,
         size_mb: None,
         variety: virtual_tank::Variety::Phoenix,
+        force: false,
     };
     let truth = virtual_tank::write_campaign(&folder.path().join("runs"), &options).unwrap();
     let results = reduce(&folder.path().join("runs"));

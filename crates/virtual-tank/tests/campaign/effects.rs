@@ -208,7 +208,7 @@ fn weed_stays_until_the_hull_is_changed() {
 fn waves_and_currents_of_the_tank() {
     // Froude numbers 0.23, 0.34, 0.46, 0.58, 0.69: two humps and calm water on either side.
     let mut humps = vec![0.0; 6];
-    compare("uncatalogued-wave-hump=0.02", |without, with, row| {
+    compare("free_surface=0.02", |without, with, row| {
         if row.kind == "static" && row.yaw_deg == Some(0.0) {
             humps[(2.0 * row.speed) as usize - 1] = with.coefficients(row)[1] - without.coefficients(row)[1];
         }

@@ -52,6 +52,21 @@ fn an_earlier_campaign_is_replaced_whole() {
 }
 
 #[test]
+fn an_edited_campaign_is_replaced_on_demand_only() {
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path().join("pmm_runs");
+    write_campaign(&folder, &small()).unwrap();
+    let file = folder.join("runs.csv");
+    let edited = fs::read_to_string(&file).unwrap().replacen("synthetic", "repeat this one", 1);
+    fs::write(&file, &edited).unwrap();
+    let error = write_campaign(&folder, &small()).unwrap_err();
+    assert!(error.to_string().contains("edited") && error.to_string().contains("--force"), "{error}");
+    assert_eq!(fs::read_to_string(&file).unwrap(), edited);
+    write_campaign(&folder, &Options { force: true, ..small() }).unwrap();
+    assert_ne!(fs::read_to_string(&file).unwrap(), edited);
+}
+
+#[test]
 fn a_campaign_with_a_users_own_files_in_it_is_not_replaced() {
     let place = tempfile::tempdir().unwrap();
     for own in ["notes.txt", "data/mine.csv"] {
