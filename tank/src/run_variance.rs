@@ -4,8 +4,8 @@
 
 use std::collections::BTreeMap;
 
-/// Degrees of freedom of a run's own variance, about: four to six squares.
-pub const OWN_DOF: f64 = 5.0;
+/// Degrees of freedom of a run's own variance: four squares at least.
+pub const OWN_DOF: f64 = 4.0;
 /// Weight of what runs at one speed share against a run's own, in degrees of freedom.
 const SPEED_DOF: f64 = 30.0;
 /// Weight of the trend over all speeds against the mean of the runs at one, in degrees of freedom.

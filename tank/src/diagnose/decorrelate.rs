@@ -63,6 +63,10 @@ impl Decorrelation {
                 (0..3).for_each(|k| scaled[(k * n + i, j)] = effect[k]);
             }
         }
+        let sd_of_rows = (0..3).flat_map(|k| sd.iter().map(move |sd| sd[k])).collect();
+        if errors == 0 {
+            return Decorrelation { blocks, directions: scaled, shrinkage: Vec::new(), sd: sd_of_rows };
+        }
         let eigen = (scaled.transpose() * &scaled).symmetric_eigen();
         let kept: Vec<usize> = (0..errors).filter(|j| eigen.eigenvalues[*j] > SMALL * SMALL).collect();
         let mut directions = scaled * eigen.eigenvectors.select_columns(&kept);
@@ -70,8 +74,7 @@ impl Decorrelation {
             column.unscale_mut(eigen.eigenvalues[*j].sqrt());
         }
         let shrinkage = kept.iter().map(|j| 1.0 - 1.0 / (1.0 + eigen.eigenvalues[*j]).sqrt()).collect();
-        let sd = (0..3).flat_map(|k| sd.iter().map(move |sd| sd[k])).collect();
-        Decorrelation { blocks, directions, shrinkage, sd }
+        Decorrelation { blocks, directions, shrinkage, sd: sd_of_rows }
     }
 
     /// Standard deviation of each row once it is independent: that of its run's own errors.
