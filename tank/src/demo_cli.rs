@@ -4,7 +4,9 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use glidepolar_tank::virtual_tank::{EffectRequest, Error, Options, Progress, Variety, catalogue_text, write_campaign_watched};
+use glidepolar_tank::virtual_tank::{
+    EffectRequest, Error, Options, Progress, Variety, catalogue_text, write_campaign_watched,
+};
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// Write a synthetic campaign of the five Phoenix hulls, with stated truth, to try the reduction on.

@@ -180,13 +180,18 @@ impl<'a> Reduction<'a> {
             }
             tare
         };
-        steady.tared = tare.as_ref().map_or(Tared::Never, |tare| if tare.is_ahead_alone { Tared::Ahead } else { Tared::AtAngles });
-        steady.zero_runs = zeros.zeros.iter().map(|zero| diagnose::ZeroRun {
-            when_s: zero.when,
-            hull: zero.hull,
-            reading: zero.reading,
-            variance: (zeros.root * zeros.root.transpose()).diagonal(),
-        }).collect();
+        steady.tared =
+            tare.as_ref().map_or(Tared::Never, |tare| if tare.is_ahead_alone { Tared::Ahead } else { Tared::AtAngles });
+        steady.zero_runs = zeros
+            .zeros
+            .iter()
+            .map(|zero| diagnose::ZeroRun {
+                when_s: zero.when,
+                hull: zero.hull,
+                reading: zero.reading,
+                variance: (zeros.root * zeros.root.transpose()).diagonal(),
+            })
+            .collect();
         let common = Common { balance, zeros: &zeros, tare: tare.as_ref() };
         self.check_tare_range(tare.as_ref());
         let mut run_results = self.run_results();

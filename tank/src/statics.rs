@@ -6,10 +6,10 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use crate::campaign::{Kind, Run};
 use crate::hull::Hull;
+use crate::influence::Influence;
 use crate::motion::Motion;
 use crate::readings::{Readings, Steady};
 use crate::run_variance;
-use crate::influence::Influence;
 use crate::shared::{Common, SharedKind};
 use crate::steady_run::{SteadyRun, Steps};
 use crate::sweep::{Point, SharedErrors, Sweep};

@@ -150,9 +150,9 @@ const DRIFT_ANGLES: [&str; 8] =
 /// A column that should be there and is not, with the one that may have been meant.
 pub fn missing_column(place: Place, missing: &str, header: &[String]) -> InputError {
     let error = InputError::new(place, format!("column {missing} is missing"));
-    let other_name = header.iter().find(|name| {
-        missing == "yaw_deg" && DRIFT_ANGLES.contains(&name.trim().to_ascii_lowercase().as_str())
-    });
+    let other_name = header
+        .iter()
+        .find(|name| missing == "yaw_deg" && DRIFT_ANGLES.contains(&name.trim().to_ascii_lowercase().as_str()));
     if let Some(name) = other_name {
         return error.help(format!(
             "{} is a drift angle or an angle of attack: rename it to yaw_deg, degrees, positive bow to starboard (drift angles beta are often counted the other way: turn their sign)",

@@ -7,11 +7,11 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
+use crate::influence::{self, Influence};
 use crate::motion::Motion;
 use crate::regression::{Fit, Problem, Scatter, Shared};
 use crate::run_variance;
 use crate::series::distinct;
-use crate::influence::{self, Influence};
 
 /// The strut's force.
 #[derive(Debug, Clone)]

@@ -43,8 +43,10 @@ pub fn components(stretches: &[Stretch], within: f64) -> Components {
     let mut found = Vec::new();
     for repeat in VARIANCES {
         for walk in VARIANCES {
-            let likelihood: f64 =
-                cut.iter().map(|contrasts| contrasts.log_likelihood(within, repeat * within, walk * within / gap)).sum();
+            let likelihood: f64 = cut
+                .iter()
+                .map(|contrasts| contrasts.log_likelihood(within, repeat * within, walk * within / gap))
+                .sum();
             found.push((likelihood + prior(repeat).ln() + prior(walk).ln(), repeat, walk));
         }
     }
@@ -118,9 +120,9 @@ mod tests {
 
     #[test]
     fn zeros_that_err_by_their_records_alone_have_next_to_no_more() {
-        let mean = (0..40).map(|seed| components(&[zeros(20, 1.0, 0.0, 0.0, seed)], 1.0)).fold((0.0, 0.0), |sum, c| {
-            (sum.0 + c.repeat / 40.0, sum.1 + c.walk / 40.0)
-        });
+        let mean = (0..40)
+            .map(|seed| components(&[zeros(20, 1.0, 0.0, 0.0, seed)], 1.0))
+            .fold((0.0, 0.0), |sum, c| (sum.0 + c.repeat / 40.0, sum.1 + c.walk / 40.0));
         assert!(mean.0 < 0.25 && mean.1 < 0.15, "{mean:?}");
         assert_eq!(components(&[zeros(3, 1.0, 0.0, 0.0, 1)], 1.0), Components::default());
     }

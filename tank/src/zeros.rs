@@ -3,9 +3,9 @@
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use crate::campaign::{Kind, Run};
+use crate::influence;
 use crate::readings::{Readings, Useful};
 use crate::series::Mean3;
-use crate::influence;
 use crate::zero_noise;
 
 /// Share of the first mode `sin(pi x)` in a walk between two fixed points, per unit of time: `2/pi^2` (Karhunen and Loeve);

@@ -186,7 +186,7 @@ fn what_steady_runs_cannot_show_is_said_to_be_unseen_and_nothing_is_named() {
 
 #[test]
 fn an_effect_without_a_name_gets_none() {
-    for effect in ["uncatalogued-separation-bubble", "uncatalogued-stall", "uncatalogued-soft-balance"] {
+    for effect in ["uncatalogued-separation-bubble", "uncatalogued-stall", "uncatalogued-weed"] {
         let name = blind(effect, 31).first();
         assert!(["none", "unexplained"].contains(&name.as_str()), "{effect} was called {name}");
     }

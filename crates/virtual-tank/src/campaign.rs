@@ -58,8 +58,7 @@ pub fn write_campaign_watched(
     };
     let (runs, refinement) = size(options.size_mb, world.rates_hz, runs_of)?;
     let days = runs.last().map_or(1, |run| run.day + 1);
-    let mut balance =
-        Balance::draw(&mut Stream::new(options.seed, Purpose::Balance), days, &hidden, world.zero_drift);
+    let mut balance = Balance::draw(&mut Stream::new(options.seed, Purpose::Balance), days, &hidden, world.zero_drift);
     balance.walk(world.zero_walk, &mut Stream::new(options.seed, Purpose::Walk));
     let tank = Tank {
         hulls: &hulls,

@@ -4,7 +4,9 @@
 
 use std::fmt::Write as _;
 
-use super::effects::{Bubble, CHANNELS, Gyre, Hidden, RectifiedVibration, Transition, Wall, WarmUp, Weed, WrongTemperature};
+use super::effects::{
+    Bubble, CHANNELS, Gyre, Hidden, RectifiedVibration, Transition, Wall, WarmUp, Weed, WrongTemperature,
+};
 use super::random::Stream;
 
 /// Every effect by name. `none` is accepted too and hides nothing.

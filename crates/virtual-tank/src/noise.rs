@@ -109,8 +109,16 @@ impl<'a> Disturbance<'a> {
         }
         let unevenness =
             levels.unevenness_hz.map(|hz| Line::new(hz * (1.0 + 0.1 * stream.between(-1.0, 1.0)), interval_s, stream));
-        let flicker = if levels.flicker == [0.0; 3] { [[0.0; 5]; 3] } else { [[0.0; 5]; 3].map(|row| row.map(|_: f64| stream.normal())) };
-        let offset = if levels.repeatability == [0.0; 3] { [0.0; 3] } else { levels.repeatability.map(|sd| sd * stream.normal()) };
+        let flicker = if levels.flicker == [0.0; 3] {
+            [[0.0; 5]; 3]
+        } else {
+            [[0.0; 5]; 3].map(|row| row.map(|_: f64| stream.normal()))
+        };
+        let offset = if levels.repeatability == [0.0; 3] {
+            [0.0; 3]
+        } else {
+            levels.repeatability.map(|sd| sd * stream.normal())
+        };
         Self {
             levels,
             memory,
@@ -133,7 +141,8 @@ impl<'a> Disturbance<'a> {
         for (i, force) in forces.iter_mut().enumerate() {
             self.slow[i] = self.memory * self.slow[i] + self.innovation * stream.normal();
             let shaking: f64 = self.vibration[i].iter_mut().map(Line::next).sum();
-            let white = if levels.contamination > 0.0 { contaminated(levels.contamination, stream) } else { stream.normal() };
+            let white =
+                if levels.contamination > 0.0 { contaminated(levels.contamination, stream) } else { stream.normal() };
             *force = (levels.slow_at_rest[i] + levels.slow_under_way[i] * flow) * self.slow[i]
                 + levels.white[i] * white
                 + levels.vibration[i] * speed_share * model_share * shaking

@@ -118,7 +118,12 @@ fn tare_runs(world: &World) -> Vec<Job> {
 
 fn static_runs(world: &World) -> Vec<Job> {
     let run = |(speed, yaw): &(f64, f64), note: &str| (towed(Kind::Static, *speed, *yaw), note.to_owned());
-    world.sweep.iter().map(|point| run(point, "")).chain(world.repeats.iter().map(|point| run(point, "repeat"))).collect()
+    world
+        .sweep
+        .iter()
+        .map(|point| run(point, ""))
+        .chain(world.repeats.iter().map(|point| run(point, "repeat")))
+        .collect()
 }
 
 fn oscillating_runs() -> Vec<Job> {

@@ -19,6 +19,9 @@ pub enum Variety {
     Drawn,
 }
 
+/// Speed and yaw angle of some runs, m/s and deg.
+pub(super) type Points = Vec<(f64, f64)>;
+
 /// In which order a hull's runs are made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Order {
@@ -43,11 +46,11 @@ pub(super) struct World {
     /// Waiting time between runs, s.
     pub wait_s: (f64, f64),
     /// Speed and yaw angle of every drift run.
-    pub sweep: Vec<(f64, f64)>,
+    pub sweep: Points,
     /// The same for those that are made twice.
-    pub repeats: Vec<(f64, f64)>,
+    pub repeats: Points,
     /// The same for the strut alone.
-    pub tare: Vec<(f64, f64)>,
+    pub tare: Points,
     pub order: Order,
     /// Warming of the water within a day, K/h.
     pub warming_K_per_hour: f64,
@@ -76,7 +79,7 @@ impl World {
 
     /// A good tank with the programme of the Phoenix series.
     fn phoenix(noise: f64) -> Self {
-        let mut sweep: Vec<(f64, f64)> = PHOENIX_ANGLES_DEG.iter().map(|yaw| (2.0, *yaw)).collect();
+        let mut sweep: Points = PHOENIX_ANGLES_DEG.iter().map(|yaw| (2.0, *yaw)).collect();
         sweep.extend([1.0, 3.0].iter().flat_map(|speed| PHOENIX_REPEATS_DEG.iter().map(|yaw| (*speed, *yaw))));
         sweep.extend([(1.5, 0.0), (2.5, 0.0)]);
         Self {
@@ -134,7 +137,7 @@ impl World {
 }
 
 /// Speeds, angles and repeats of a hull's drift runs.
-fn programme(stream: &mut Stream) -> (Vec<(f64, f64)>, Vec<(f64, f64)>) {
+fn programme(stream: &mut Stream) -> (Points, Points) {
     let widest = [10.0, 12.0, 16.0, 20.0][stream.index(4)];
     let steps = 3 + stream.index(6);
     let half: Vec<f64> = (1..=steps).map(|i| (widest * i as f64 / steps as f64 * 2.0).round() / 2.0).collect();
@@ -142,7 +145,7 @@ fn programme(stream: &mut Stream) -> (Vec<(f64, f64)>, Vec<(f64, f64)>) {
     angles.push(0.0);
     angles.extend(&half);
     let main = [1.5, 2.0, 2.5][stream.index(3)];
-    let mut sweep: Vec<(f64, f64)> = angles.iter().map(|yaw| (main, *yaw)).collect();
+    let mut sweep: Points = angles.iter().map(|yaw| (main, *yaw)).collect();
     let others: Vec<f64> =
         [1.0, 1.5, 2.0, 2.5, 3.0].into_iter().filter(|speed| *speed != main && chance(stream, 0.5)).collect();
     // Now and then the whole sweep at every speed, usually a few angles of it.
@@ -157,9 +160,9 @@ fn programme(stream: &mut Stream) -> (Vec<(f64, f64)>, Vec<(f64, f64)>) {
 }
 
 /// The strut: at every speed and angle, at every speed straight ahead, or not at all.
-fn tare_programme(sweep: &[(f64, f64)], stream: &mut Stream) -> Vec<(f64, f64)> {
+fn tare_programme(sweep: &[(f64, f64)], stream: &mut Stream) -> Points {
     let kind = stream.between(0.0, 1.0);
-    let mut ahead: Vec<(f64, f64)> = Vec::new();
+    let mut ahead: Points = Vec::new();
     for (speed, _) in sweep {
         if !ahead.contains(&(*speed, 0.0)) {
             ahead.push((*speed, 0.0));

@@ -6,8 +6,8 @@ use nalgebra::{DMatrix, DVector};
 use super::Form;
 use super::observations::Observation;
 use crate::campaign::Kind;
-use crate::regression::{Fit, Problem, Scatter, Shared};
 use crate::influence::Influence;
+use crate::regression::{Fit, Problem, Scatter, Shared};
 use crate::shared::Common;
 
 /// Amplitudes must differ by this factor to tell a nonlinear term.

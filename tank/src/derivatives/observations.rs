@@ -8,8 +8,8 @@ use super::{BetweenRuns, SteadySlopes};
 use crate::campaign::{Kind, Run};
 use crate::harmonics::{HARMONICS, Harmonics, Series, TERMS};
 use crate::hull::Hull;
-use crate::motion::Motion;
 use crate::influence::Influence;
+use crate::motion::Motion;
 use crate::shared::{Common, SharedKind};
 use crate::steady_run::SteadyRun;
 

@@ -140,9 +140,11 @@ impl Data {
                 zeros: zero_times(common, run),
                 tare_weights,
                 rig_errors: beside(errors.collect()),
-                zero_errors: common
-                    .influence(SharedKind::Zeros, run)
-                    .through(&DMatrix::from_column_slice(3, 3, map.as_slice())),
+                zero_errors: common.influence(SharedKind::Zeros, run).through(&DMatrix::from_column_slice(
+                    3,
+                    3,
+                    map.as_slice(),
+                )),
                 point: point.clone(),
             });
         }

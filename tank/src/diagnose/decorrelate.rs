@@ -46,9 +46,12 @@ impl Decorrelation {
             .iter()
             .zip(&sd)
             .map(|(run, sd)| {
-                let correlation = Matrix3::from_fn(|i, j| {
-                    if i == j { 1.0 } else { run.setting[i] * run.setting[j] / (sd[i] * sd[j]) }
-                });
+                let correlation =
+                    Matrix3::from_fn(
+                        |i, j| {
+                            if i == j { 1.0 } else { run.setting[i] * run.setting[j] / (sd[i] * sd[j]) }
+                        },
+                    );
                 let eigen = correlation.symmetric_eigen();
                 let roots = Matrix3::from_diagonal(&eigen.eigenvalues.map(|value| 1.0 / value.max(1e-6).sqrt()));
                 eigen.eigenvectors * roots * eigen.eigenvectors.transpose()

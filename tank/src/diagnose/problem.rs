@@ -335,7 +335,8 @@ impl<'a> TankProblem<'a> {
             for time_constant_h in TIME_CONSTANTS_H {
                 candidate.neutral[1] = time_constant_h;
                 let drift = Drift { time_constant_h };
-                candidate.bounds[0] = allowed_rates(self.data, &self.days, channel, &drift).unwrap_or(mechanism.parameters[0].bounds);
+                candidate.bounds[0] =
+                    allowed_rates(self.data, &self.days, channel, &drift).unwrap_or(mechanism.parameters[0].bounds);
                 self.candidates.push(candidate.clone());
                 self.shapes.push(shape.clone());
             }

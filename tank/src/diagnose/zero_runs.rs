@@ -24,11 +24,17 @@ pub fn allowed_rates(data: &Data, days: &Days, channel: usize, drift: &Drift) ->
     let design = DMatrix::from_fn(zeros.len(), columns, |i, j| match j {
         0 => drift.at(hours[i]).0,
         j if j <= levels.len() => f64::from(u8::from(levels[j - 1] == keys[i])),
-        j => if day(i) == Some(j - 1 - levels.len()) { hours[i] } else { 0.0 },
+        j => {
+            if day(i) == Some(j - 1 - levels.len()) {
+                hours[i]
+            } else {
+                0.0
+            }
+        }
     });
     let observed = DVector::from_iterator(zeros.len(), zeros.iter().map(|zero| zero.reading[channel]));
     // Some columns may be alike: a day with one level and two zeros.
-    let others = glidepolar::noise::orthonormal(design.columns(1, columns - 1).into_owned());
+    let others = glidepolar_inference::noise::orthonormal(design.columns(1, columns - 1).into_owned());
     let outside = |column: DVector<f64>| {
         let once = &column - &others * others.tr_mul(&column);
         &once - &others * others.tr_mul(&once)
@@ -43,7 +49,7 @@ pub fn allowed_rates(data: &Data, days: &Days, channel: usize, drift: &Drift) ->
     let rate = trace.dot(&left) / size;
     let scatter = (&left - trace * rate).norm_squared() / dof as f64;
     let stated = zeros.iter().map(|zero| zero.variance[channel]).sum::<f64>() / zeros.len() as f64;
-    let student = glidepolar::estimate::student_975(dof as f64) / 1.96;
+    let student = glidepolar_inference::estimate::student_975(dof as f64) / 1.96;
     let half = STANDARD_ERRORS * student * (scatter.max(stated) / size).sqrt();
     Some((rate - half, rate + half))
 }
