@@ -1,6 +1,7 @@
 //! A campaign's steady runs as the engine sees them: rows of CL, CD, CM, a baseline of every hull's own a, b, c, d, and the
 //! mechanisms that these runs could show.
 
+use glidepolar_inference::relevance::SHARE_OF_SCATTER;
 use glidepolar_inference::smooth::Kind;
 use glidepolar_inference::{Candidate, Covariate, Evidence, Headline, Point, Problem, Quantity};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
@@ -24,6 +25,9 @@ const LEAST: [f64; 4] = [0.5, 0.05, 0.5, 0.5];
 const MOMENT_CENTRE_BELIEF: f64 = 0.02;
 /// A strut that was never tared has this axial and side force, over the dynamic pressure, as a share of the frontal area.
 const STRUT_BELIEF: [f64; 2] = [0.1, 0.3];
+/// A misfit smaller than this share of the largest CL, CD or CM changes no use of them: tanks state one per cent as what they
+/// can hope for (ITTC 7.5-02-06-02).
+const RELEVANT_SHARE: f64 = 0.01;
 /// A run is not its own predecessor \[s\].
 const SAME_TIME_S: f64 = 1.0;
 /// Fewest different speeds, and fewest different Froude numbers, of which a bump of drag is no mere slope.
@@ -428,6 +432,12 @@ impl Problem for TankProblem<'_> {
 
     fn most_chance(&self) -> f64 {
         1e-4
+    }
+
+    fn relevance(&self, quantity: &Quantity, scatter: f64) -> f64 {
+        let k = NAMES.iter().position(|name| *name == quantity.name).unwrap_or(0);
+        let largest = self.data.runs.iter().map(|run| run.point.coefficients[k].abs()).fold(0.0, f64::max);
+        (SHARE_OF_SCATTER * scatter).max(RELEVANT_SHARE * largest)
     }
 
     fn evidence(&self, point: &Point) -> Evidence {
