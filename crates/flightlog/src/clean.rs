@@ -38,11 +38,15 @@ const MOST_PITCH_RAD: f64 = 1.6;
 /// A density less 1000 kg/m3, as it is often written, of any water \[kg/m3\].
 const LESS_1000_KG_M3: std::ops::RangeInclusive<f64> = 0.5..=100.0;
 
+/// A density in g/cm3 of any water, from fresh and warm to salt under pressure \[g/cm3\].
+const G_CM3: std::ops::RangeInclusive<f64> = 0.95..=1.1;
+
 /// Values that look like another unit than that of their column: such values are taken out, and what is left cannot show it.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct OtherUnits {
     pitch: Share,
     density: Share,
+    density_g_cm3: Share,
 }
 
 /// How many of the values read are of a kind.
@@ -56,12 +60,20 @@ impl OtherUnits {
     /// Counts the values of one more piece.
     pub(super) fn count(&mut self, log: &FlightLog) {
         self.pitch.count(log.column(Channel::Pitch), |pitch| pitch.abs() > MOST_PITCH_RAD);
-        self.density.count(log.column(Channel::Density), |density| LESS_1000_KG_M3.contains(&density));
+        let is_g_cm3 = |density: f64| G_CM3.contains(&density);
+        let density = log.column(Channel::Density);
+        self.density.count(density, |density| LESS_1000_KG_M3.contains(&density) && !is_g_cm3(density));
+        self.density_g_cm3.count(density, is_g_cm3);
     }
 
     /// The share of the pitch angles beyond 90 deg.
     pub(super) fn pitch_beyond(&self) -> f64 {
         self.pitch.share()
+    }
+
+    /// The share of the densities that are in g/cm3.
+    pub(super) fn density_g_cm3(&self) -> f64 {
+        self.density_g_cm3.share()
     }
 
     /// The share of the densities that are less 1000 kg/m3.

@@ -1,11 +1,17 @@
 //! Flight logs in CSV: names of columns carry the units, an empty cell is a missing value, `#` opens a comment. Read in
 //! pieces, so that a log may be longer than the memory.
+//!
+//! Cells are separated by commas, semicolons or tabs, as the line of names shows; where commas do not separate, they may be
+//! the decimal mark. Times are seconds, or dates. Names that Slocum, Seaglider, SeaExplorer and OG1 use are known.
 
 use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::channels::{CHANNELS, Channel, FlightLog};
 use super::columns::Columns;
+use super::dates::unix_s;
+use super::units::Conversion;
 use glidepolar_input::{InputError, Place, nearest, printable};
 
 /// A CSV log that is being read.
@@ -21,7 +27,7 @@ pub struct CsvLog {
 struct Column {
     cell: usize,
     channel: Channel,
-    factor: f64,
+    conversion: Conversion,
 }
 
 impl CsvLog {
@@ -56,11 +62,13 @@ impl CsvLog {
             row.clear();
             for column in &self.columns {
                 let cell = self.record.get(column.cell).unwrap_or(b"");
-                let value = number(cell).ok_or_else(|| {
+                let date = || unix_s(std::str::from_utf8(cell).ok()?).filter(|_| column.channel == Channel::Time);
+                let read = number(cell).map(|value| column.conversion.of(value)).or_else(date);
+                let value = read.ok_or_else(|| {
                     let place = Place::line(&self.path, line).column(column.cell + 1);
                     not_a_number(place, &self.header[column.cell], cell)
                 })?;
-                row.push((column.channel, value * column.factor));
+                row.push((column.channel, value));
             }
             piece.push(&row);
         }
@@ -68,10 +76,26 @@ impl CsvLog {
     }
 }
 
-/// A reader for the dialect: commas, `#` comments, blanks around cells allowed.
+/// A reader for the dialect: `#` comments, blanks around cells allowed, cells separated as in the line of names.
 pub(super) fn reader(path: &Path) -> Result<::csv::Reader<File>, InputError> {
+    let separator = separator(path)?;
     let file = File::open(path).map_err(|error| InputError::io(path, &error))?;
-    Ok(::csv::ReaderBuilder::new().comment(Some(b'#')).trim(::csv::Trim::All).flexible(true).from_reader(file))
+    let mut builder = ::csv::ReaderBuilder::new();
+    builder.comment(Some(b'#')).trim(::csv::Trim::All).flexible(true).delimiter(separator);
+    Ok(builder.from_reader(file))
+}
+
+/// What separates the names in the first line that is no comment: tabs before semicolons before commas, since a name may
+/// hold the latter.
+fn separator(path: &Path) -> Result<u8, InputError> {
+    /// Longest beginning that is looked into.
+    const LONGEST: u64 = 1 << 16;
+    let mut start = Vec::new();
+    let file = File::open(path).map_err(|error| InputError::io(path, &error))?;
+    file.take(LONGEST).read_to_end(&mut start).map_err(|error| InputError::io(path, &error))?;
+    let lines = start.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
+    let names = lines.into_iter().find(|line| !line.is_empty() && !line.starts_with(b"#")).unwrap_or_default();
+    Ok([b'\t', b';'].into_iter().find(|separator| names.contains(separator)).unwrap_or(b','))
 }
 
 /// The names of the columns.
@@ -81,11 +105,6 @@ pub(super) fn header(path: &Path, reader: &mut ::csv::Reader<File>) -> Result<Ve
         .iter()
         .map(|cell| String::from_utf8_lossy(cell).trim_start_matches('\u{feff}').trim_matches('"').to_owned())
         .collect();
-    if names.len() < 2 && names.iter().any(|name| name.contains(';') || name.contains('\t')) {
-        let place = Place::line(path, 1);
-        return Err(InputError::new(place, "cells are not separated by commas")
-            .help("write the file with `,` between cells and `.` in numbers"));
-    }
     if names.iter().all(|name| name.is_empty()) {
         return Err(InputError::new(Place::file(path), "the file is empty, expected a line of column names"));
     }
@@ -111,19 +130,37 @@ fn find_columns(path: &Path, header: &[String], wanted: &Columns) -> Result<Vec<
                     None => error.help(format!("the columns are: {}", listed(header))),
                 }
             })?;
-            let factor = info.aliases.iter().find(|(alias, _)| same_unit(alias, name)).map_or(1.0, |alias| alias.1);
-            columns.push(Column { cell, channel: info.channel, factor });
+            let by_name = || {
+                let alias = info.aliases.iter().find(|(alias, _)| same_unit(alias, name)).map(|alias| alias.1);
+                Conversion::by(alias.or_else(|| maker_factor(info.channel, name)).unwrap_or(1.0))
+            };
+            let conversion = wanted.unit(info.channel).unwrap_or_else(by_name);
+            columns.push(Column { cell, channel: info.channel, conversion });
             continue;
         }
-        let names = std::iter::once((info.name, 1.0)).chain(info.aliases.iter().copied());
+        let makers =
+            MAKERS.iter().filter(|(channel, ..)| *channel == info.channel).map(|(_, name, factor)| (*name, *factor));
+        let names = std::iter::once((info.name, 1.0)).chain(info.aliases.iter().copied()).chain(makers);
         if let Some((cell, factor)) = names.filter_map(|(name, factor)| Some((position(name)?, factor))).next() {
-            columns.push(Column { cell, channel: info.channel, factor });
+            let conversion = wanted.unit(info.channel).unwrap_or(Conversion::by(factor));
+            columns.push(Column { cell, channel: info.channel, conversion });
         }
     }
     let has = |channel: Channel| columns.iter().any(|column| column.channel == channel);
     let need = |what: &str, names: &str| {
-        InputError::new(Place::line(path, 1), format!("no {what}: expected a column {names}"))
-            .help(format!("the columns are: {}", listed(header)))
+        let error = InputError::new(Place::line(path, 1), format!("no {what}: expected a column {names}"));
+        let alike = header.iter().find(|name| name.to_lowercase().starts_with(what.split(' ').next().unwrap_or(what)));
+        match alike {
+            // A name without a unit says too little.
+            Some(name) => {
+                let channel = names.trim_start_matches('`').split('`').next().unwrap_or("");
+                error.help(format!(
+                    "is it `{}`? state it by --column {channel}={0}, with its unit in the first name",
+                    printable(name)
+                ))
+            }
+            None => error.help(format!("the columns are: {}", listed(header))),
+        }
     };
     if !has(Channel::Time) {
         return Err(need("time", "`time_s`"));
@@ -138,6 +175,78 @@ fn find_columns(path: &Path, header: &[String], wanted: &Columns) -> Result<Vec<
         return Err(need("ballast volume", "`vbd_cc` or `vbd_m3`"));
     }
     Ok(columns)
+}
+
+const DEG: f64 = std::f64::consts::PI / 180.0;
+
+/// Names that the makers and the formats use, the factor to the unit kept here: Slocum (bar, rad, inches), Seaglider's
+/// basestation (degrees, cm), SeaExplorer (degrees, mm), OG1 (degrees).
+const MAKERS: &[(Channel, &str, f64)] = &[
+    (Channel::Time, "m_present_time", 1.0),
+    (Channel::Time, "sci_m_present_time", 1.0),
+    (Channel::Time, "Timestamp", 1.0),
+    (Channel::Time, "PLD_REALTIMECLOCK", 1.0),
+    (Channel::Time, "TIME", 1.0),
+    (Channel::Time, "time", 1.0),
+    (Channel::Time, "datetime", 1.0),
+    (Channel::Pressure, "sci_water_pressure", 10.0),
+    (Channel::Pressure, "m_pressure", 10.0),
+    (Channel::Pressure, "ctd_pressure", 1.0),
+    (Channel::Pressure, "GPCTD_PRESSURE", 1.0),
+    (Channel::Pressure, "LEGATO_PRESSURE", 1.0),
+    (Channel::Pressure, "PRES", 1.0),
+    (Channel::Pressure, "pressure", 1.0),
+    (Channel::Depth, "m_depth", 1.0),
+    (Channel::Depth, "Depth", 1.0),
+    (Channel::Depth, "DEPTH", 1.0),
+    (Channel::Depth, "GLIDER_DEPTH", 1.0),
+    (Channel::Depth, "depth", 1.0),
+    (Channel::Pitch, "m_pitch", 1.0),
+    (Channel::Pitch, "eng_pitchAng", DEG),
+    (Channel::Pitch, "Pitch", DEG),
+    (Channel::Pitch, "PITCH", DEG),
+    (Channel::Pitch, "GLIDER_PITCH", DEG),
+    (Channel::Ballast, "m_ballast_pumped", 1.0),
+    (Channel::Ballast, "m_de_oil_vol", 1.0),
+    (Channel::Ballast, "eng_vbdCC", 1.0),
+    (Channel::Ballast, "BallastPos", 1.0),
+    (Channel::Density, "DENSITY", 1.0),
+    (Channel::Density, "density", 1.0),
+    (Channel::Temperature, "sci_water_temp", 1.0),
+    (Channel::Temperature, "GPCTD_TEMPERATURE", 1.0),
+    (Channel::Temperature, "LEGATO_TEMPERATURE", 1.0),
+    (Channel::Temperature, "TEMP", 1.0),
+    (Channel::Temperature, "temperature", 1.0),
+    (Channel::Salinity, "LEGATO_SALINITY", 1.0),
+    (Channel::Salinity, "PSAL", 1.0),
+    (Channel::Salinity, "salinity", 1.0),
+    (Channel::Conductivity, "sci_water_cond", 1.0),
+    (Channel::Conductivity, "GPCTD_CONDUCTIVITY", 1.0),
+    (Channel::Conductivity, "LEGATO_CONDUCTIVITY", 0.1),
+    (Channel::Roll, "m_roll", 1.0),
+    (Channel::Roll, "eng_rollAng", DEG),
+    (Channel::Roll, "Roll", DEG),
+    (Channel::Roll, "ROLL", DEG),
+    (Channel::Roll, "GLIDER_ROLL", DEG),
+    (Channel::Heading, "m_heading", 1.0),
+    (Channel::Heading, "eng_head", DEG),
+    (Channel::Heading, "Heading", DEG),
+    (Channel::Heading, "HEADING", DEG),
+    (Channel::Rudder, "m_fin", 1.0),
+    (Channel::BatteryPosition, "m_battpos", 0.0254),
+    (Channel::BatteryPosition, "LinPos", 0.001),
+    (Channel::PitchMass, "eng_pitchCtl", 0.01),
+    (Channel::Charge, "m_coulomb_amphr_total", 1.0),
+    (Channel::Voltage, "m_battery", 1.0),
+    (Channel::Latitude, "LATITUDE", 1.0),
+    (Channel::Latitude, "latitude", 1.0),
+    (Channel::Longitude, "LONGITUDE", 1.0),
+    (Channel::Longitude, "longitude", 1.0),
+];
+
+/// What a maker's name says of the unit.
+fn maker_factor(channel: Channel, name: &str) -> Option<f64> {
+    MAKERS.iter().find(|(of, known, _)| *of == channel && *known == name).map(|(.., factor)| *factor)
 }
 
 /// Whether a name that the user gave ends in the unit of an alias, as `pitch_deg` and `pitch_corrected_deg` do.
@@ -156,7 +265,9 @@ pub(super) fn number(cell: &[u8]) -> Option<f64> {
     if text.is_empty() || text.eq_ignore_ascii_case("nan") {
         return Some(f64::NAN);
     }
-    text.parse().ok().filter(|value: &f64| value.is_finite())
+    // A comma in a cell is the decimal mark of half the world.
+    let parsed = if text.contains(',') { text.replacen(',', ".", 1).parse() } else { text.parse() };
+    parsed.ok().filter(|value: &f64| value.is_finite())
 }
 
 pub(super) fn not_a_number(place: Place, column: &str, cell: &[u8]) -> InputError {

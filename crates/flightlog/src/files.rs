@@ -214,7 +214,12 @@ impl LogFiles {
             }
             Kind::Part(_) => {}
             Kind::Glides => return glide_table::read_glide_table(path, &self.columns).map(Some),
-            Kind::TimeSeries | Kind::Csv => match open(path, &self.columns)? {
+            Kind::TimeSeries => {
+                let log = og1::read(path, &self.columns, &mut self.warnings)?;
+                self.fixes.extend(og1::fixes(path)?);
+                self.open = Some(LogPieces::Whole(Some(Box::new(log))));
+            }
+            Kind::Csv => match open(path, &self.columns)? {
                 Opened::Series(pieces) => self.open = Some(*pieces),
                 Opened::Glides(glides) => return Ok(Some(glides)),
             },

@@ -47,8 +47,9 @@ pub(super) fn values(path: &Path, file: &NcFile, name: &str) -> Result<Vec<f64>,
         let problem = format!("variable `{}` is not readable: {}", printable(name), printable(&error.to_string()));
         InputError::new(Place::file(path), problem)
     })?;
-    // Magnitudes that no instrument gives are default fill values that nobody declared.
-    Ok(array.iter().map(|&value| if value.abs() < 1e15 { value } else { f64::NAN }).collect())
+    // Magnitudes that no instrument gives are default fill values that nobody declared; nanoseconds since 1970 are 1e18.
+    let most = if units(file, name).starts_with("nanoseconds") { 5e18 } else { 1e15 };
+    Ok(array.iter().map(|&value| if value.abs() < most { value } else { f64::NAN }).collect())
 }
 
 /// The `units` attribute, lower case.

@@ -45,7 +45,11 @@ pub fn open(path: impl AsRef<Path>, columns: &Columns) -> Result<Opened, InputEr
     let path: PathBuf = path.as_ref().to_owned();
     if netcdf::is_one(&path)? {
         let is_seaglider = seaglider::is_one(&netcdf::open(&path)?);
-        let whole = if is_seaglider { seaglider::read(&path, columns)?.log } else { og1::read(&path, columns)? };
+        let whole = if is_seaglider {
+            seaglider::read(&path, columns)?.log
+        } else {
+            og1::read(&path, columns, &mut Vec::new())?
+        };
         return Ok(Opened::Series(Box::new(LogPieces::Whole(Some(Box::new(whole))))));
     }
     refuse_foreign(&path)?;

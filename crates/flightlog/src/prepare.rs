@@ -82,6 +82,11 @@ impl Preparation {
         self.other_units.pitch_beyond()
     }
 
+    /// Share of the densities read so far that look like g/cm3 and were taken out.
+    pub fn share_of_density_in_g_cm3(&self) -> f64 {
+        self.other_units.density_g_cm3()
+    }
+
     /// Share of the densities read so far that look like a density less 1000 kg/m3 and were taken out.
     pub fn share_of_density_less_1000(&self) -> f64 {
         self.other_units.density_less_1000()

@@ -129,6 +129,37 @@ fn an_og1_time_series_is_read_with_its_units() {
 }
 
 #[test]
+fn radians_that_a_file_labels_degrees_are_found_and_a_stated_unit_goes_first() {
+    let file = classic::File::new(3)
+        .variable("time", "nanoseconds since 1970-01-01", &[1.6e18, 1.600000001e18, 1.600000002e18])
+        .variable("pressure", "dbar", &[1.0, 2.0, 3.0])
+        .variable("pitch", "degrees", &[-0.45, -0.46, -0.47])
+        .variable("roll", "degrees", &[-0.05, -0.04, -0.05])
+        .variable("heading", "degrees", &[350.0, 351.0, 352.0])
+        .variable("BallastPos", "ml", &[-200.0; 3])
+        .bytes();
+    let file = OneFile::new("rosie.nc", &file);
+    let read = |unit: Option<&str>| {
+        let mut columns = Columns::default();
+        if let Some(unit) = unit {
+            columns.unit_text(unit).unwrap();
+        }
+        let mut files = LogFiles::open(std::slice::from_ref(&file.path), &columns).unwrap();
+        let Ok(Some(Piece::Series(log))) = files.next_piece(10) else { panic!("a series") };
+        (*log, files.warnings().join("\n"))
+    };
+    let (log, warning) = read(None);
+    assert_eq!(log.column(Channel::Time), [1.6e9, 1.6e9 + 1.0, 1.6e9 + 2.0]);
+    assert!((log.at(Channel::Pitch, 0) + 0.45).abs() < 1e-12 && (log.at(Channel::Roll, 0) + 0.05).abs() < 1e-12);
+    assert!((log.at(Channel::Heading, 0) - 350f64.to_radians()).abs() < 1e-12, "no radians");
+    assert!(warning.contains("rosie.nc") && warning.contains("radians") && warning.contains("--unit"), "{warning}");
+    let (log, warning) = read(Some("pitch=deg"));
+    assert!((log.at(Channel::Pitch, 0) + 0.45f64.to_radians()).abs() < 1e-12);
+    assert!(warning.is_empty(), "{warning}");
+    assert!((read(Some("pitch_rad=rad")).0.at(Channel::Pitch, 0) + 0.45).abs() < 1e-12);
+}
+
+#[test]
 fn density_is_that_of_teos_10() {
     // The tables of the UNESCO equation of state, which TEOS-10 meets within a few thousandths of a kg/m3 at SP = 35.
     for (salinity, temperature, pressure, expected) in

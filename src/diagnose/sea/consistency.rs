@@ -69,10 +69,17 @@ pub fn taken_out(log: &Preparation) -> Vec<Check> {
         let share = 100.0 * density;
         wrong(
             "unit of density",
-            format!("{share:.0} % of the densities are below 100 kg/m3: is it the density less 1000 kg/m3?"),
+            format!("{share:.0} % of the densities are below 100 kg/m3: is it the density less 1000 kg/m3? (--unit density_kg_m3=sigma)"),
         )
     });
-    pitch.into_iter().chain(density).collect()
+    let share = 100.0 * log.share_of_density_in_g_cm3();
+    let g_cm3 = (share > 100.0 * MOST).then(|| {
+        wrong(
+            "unit of density",
+            format!("{share:.0} % of the densities lie at 1: are they in g/cm3? (--unit density_kg_m3=g/cm3)"),
+        )
+    });
+    pitch.into_iter().chain(density).chain(g_cm3).collect()
 }
 
 /// Holds a log against itself. `carried_bias_kg_m3` is what the vehicle already adds to the density that is read.

@@ -30,13 +30,41 @@ fn cells_that_are_no_numbers_are_named_with_line_and_column() {
 }
 
 #[test]
-fn decimal_commas_and_foreign_separators_are_told() {
-    // With semicolons, as a spreadsheet writes them where the comma is the decimal mark.
-    let found = problem("time_s;pressure_dbar;pitch_rad;vbd_cc\n1,5;2,0;-0,4;-200\n");
-    assert!(found.contains("comma"), "{found}");
+fn semicolons_tabs_decimal_commas_and_dates_are_read() {
+    let with = |text: &str| csv(text).series().unwrap();
+    // As a spreadsheet writes it where the comma is the decimal mark.
+    let log = with("time_s;pressure_dbar;pitch_deg;vbd_cc;\n1,5;2,25;-30,0;-200;\n2;;;;\n");
+    assert_eq!((log.at(Channel::Time, 0), log.at(Channel::Pressure, 0)), (1.5, 2.25));
+    assert!((log.at(Channel::Pitch, 0) + 30f64.to_radians()).abs() < 1e-12 && log.at(Channel::Pressure, 1).is_nan());
+    let log = with("time\tPRES\tPITCH\tvbd_cc\n2023-04-18T16:49:57Z\t2.5\t-30\t-200\n");
+    assert_eq!((log.at(Channel::Time, 0), log.at(Channel::Pressure, 0)), (1_681_836_597.0, 2.5));
+    assert!((log.at(Channel::Pitch, 0) + 30f64.to_radians()).abs() < 1e-12);
+    let log = with("m_present_time,sci_water_pressure,m_pitch,m_ballast_pumped,m_battpos\n1,2.5,-0.4,-200,1\n");
+    assert_eq!((log.at(Channel::Pressure, 0), log.at(Channel::Pitch, 0)), (25.0, -0.4));
+    assert!((log.at(Channel::BatteryPosition, 0) - 0.0254).abs() < 1e-15);
+    let log = with("Timestamp;Depth;Pitch;BallastPos;LinPos;\n22/07/2019 05:24:14;9.5;8;156.4;57;\n");
+    assert_eq!((log.at(Channel::Time, 0), log.at(Channel::Ballast, 0)), (1_563_773_054.0, 156.4));
     // Decimal commas between commas: too many cells in the row.
     let found = problem(&format!("{HEADER}1,5,2,0,-0,4,-200,1025,0\n"));
     assert!(found.contains("cells, expected 5"), "{found}");
+}
+
+#[test]
+fn a_column_without_a_unit_is_pointed_to() {
+    let found = problem("time_s,pressure_dbar,pitch,vbd_cc\n1,2,3,4\n");
+    assert!(found.contains("is it `pitch`?") && found.contains("--column pitch_rad=pitch"), "{found}");
+    // Given with its unit it is read; by --unit, too.
+    let file = csv("time_s,pressure_dbar,pitch,vbd_cc\n1,2,-30,4\n");
+    for options in [&["pitch_deg=pitch"][..], &["pitch_rad=pitch", "unit"]] {
+        let mut columns = Columns::default();
+        columns.choose_text(options[0]).unwrap();
+        if options.len() > 1 {
+            columns.unit_text("pitch_rad=deg").unwrap();
+        }
+        let Ok(Opened::Series(mut series)) = open(&file.path, &columns) else { panic!("a series") };
+        let log = series.next_piece(10).unwrap().unwrap();
+        assert!((log.at(Channel::Pitch, 0) + 30f64.to_radians()).abs() < 1e-12);
+    }
 }
 
 #[test]
