@@ -34,7 +34,7 @@ struct Package {
     files: &'static [(&'static str, &'static str)],
 }
 
-const PACKAGES: [Package; 3] = [
+const PACKAGES: [Package; 4] = [
     Package {
         name: "gliderflight",
         version: "1.2.1",
@@ -54,10 +54,19 @@ const PACKAGES: [Package; 3] = [
         files: &[("tests/data/p5420", "p5420")],
     },
     Package {
+        name: "dbdreader",
+        version: "0.6.3",
+        sha256: "3b5a42601d8ce78f60f8a1497e4ffeef41f1d1b9260998b2f3c6df577b9ab3d5",
+        what: "Slocum binary files of seven gliders, plain and compressed, some of them damaged, with their lists of sensors",
+        licence: "GPL-3.0-or-later",
+        folder: "dbdreader",
+        files: &[("dbdreader/data/", ""), ("LICENSE", "LICENSE"), ("COPYING", "COPYING")],
+    },
+    Package {
         name: "pyglider",
         version: "0.0.9",
         sha256: "435d2ad5bf5b79607dbe3671246444ae2366118fae00dd55b68f2345f96c345d",
-        what: "Slocum G3 \"maria997\", Saanich Inlet, June 2022, binary; Slocum \"rosie713\" and a SeaExplorer as NetCDF",
+        what: "Slocum G3 \"maria997\", Saanich Inlet, June 2022, binary; Slocum \"rosie713\" and a SeaExplorer as NetCDF; files of three SeaExplorers",
         licence: "Apache-2.0",
         folder: "pyglider",
         files: &[
@@ -67,6 +76,9 @@ const PACKAGES: [Package; 3] = [
             ("tests/expected/example-slocum/L0-timeseries/", "rosie713/"),
             ("tests/expected/example-slocum/L0-timeseries-og10/", "rosie713-og10/"),
             ("tests/data/l0-timeseries/", "eva035/"),
+            ("tests/example-data/example-seaexplorer/realtime_raw/", "sea035/"),
+            ("tests/example-data/example-seaexplorer-legato-flntu-arod-ad2cp/realtime_raw/", "sea063/"),
+            ("tests/example-data/example-seaexplorer-raw/delayed_raw/", "sea046/"),
             ("LICENSE", "LICENSE"),
         ],
     },
