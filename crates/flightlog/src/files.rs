@@ -181,12 +181,21 @@ impl LogFiles {
         &self.notes
     }
 
-    /// Positions at the surface that the files hold, in the order of time: complete at the end.
+    /// Positions at the surface that the files hold, the first and the last of each surfacing, in the order of time: complete
+    /// at the end.
     pub fn fixes(&self) -> Vec<GpsFix> {
         let mut fixes = self.fixes.clone();
         fixes.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
         fixes.dedup();
-        fixes
+        let follows = |one: Option<&GpsFix>, other: Option<&GpsFix>| match (one, other) {
+            (Some(one), Some(other)) => other.time_s - one.time_s <= SAME_SURFACING_S,
+            _ => false,
+        };
+        let is_between = |i: usize| {
+            follows(i.checked_sub(1).and_then(|j| fixes.get(j)), fixes.get(i))
+                && follows(fixes.get(i), fixes.get(i + 1))
+        };
+        (0..fixes.len()).filter(|i| !is_between(*i)).map(|i| fixes[i]).collect()
     }
 
     /// What the last dive's file says of the vehicle; Seaglider only.
@@ -293,6 +302,9 @@ fn probe(path: &Path, columns: &Columns) -> Result<Source, InputError> {
     let start_s = if start_s > FIRST_UNIX_S { start_s } else { f64::NAN };
     Ok(source(Kind::Csv, String::new(), start_s))
 }
+
+/// Fixes that follow one another within this time are of one surfacing: a dive takes longer \[s\].
+const SAME_SURFACING_S: f64 = 300.0;
 
 /// A time above this counts from 1970, not from the start of a mission: three years.
 const FIRST_UNIX_S: f64 = 1e8;

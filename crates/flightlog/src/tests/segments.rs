@@ -211,6 +211,25 @@ fn vehicle_and_payload_files_of_a_seaexplorer_are_one_log_gzipped_or_not() {
 }
 
 #[test]
+fn of_each_surfacing_the_first_and_the_last_fix_are_kept() {
+    let folder = Folder::new();
+    let row = |minute: u32, second: u32, state: u32, lat: f64| {
+        format!(
+            "22/07/2019 05:{minute:02}:{second:02};{state};0;0;0;0;0;1.0;;;{lat:.3};-13036.000;0;0;0;0;0;0;0;0;0;0;\n"
+        )
+    };
+    let mut text = GLI.to_owned();
+    (0..6).for_each(|i| text += &row(0, 10 * i, 116, 4854.0 + 0.01 * f64::from(i)));
+    text += &row(20, 0, 100, 4854.5);
+    (0..3).for_each(|i| text += &row(40, 20 * i, 116, 4855.0 + 0.01 * f64::from(i)));
+    let path = folder.write("sea035.12.gli.sub.3", text.as_bytes());
+    let (_, files) = whole(std::slice::from_ref(&path), &Columns::default()).unwrap();
+    let lats: Vec<f64> =
+        files.fixes().iter().map(|fix| ((fix.lat_deg - 48.0) * 60.0 * 100.0).round() / 100.0).collect();
+    assert_eq!(lats, [54.0, 54.05, 55.0, 55.02]);
+}
+
+#[test]
 fn damaged_seaexplorer_files_are_read_as_far_as_they_go() {
     let folder = Folder::new();
     let text = gli();
