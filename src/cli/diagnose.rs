@@ -56,7 +56,8 @@ pub struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let vehicle = Vehicle::load(&arguments.vehicle)?;
-    let log = arguments.reading.read(&arguments.logs, &vehicle)?;
+    let mut log = arguments.reading.read(&arguments.logs, &vehicle)?;
+    let vehicle = log.located(vehicle)?;
     let trim = TrimChoice::of(arguments.trim, &vehicle);
     let lift_slope = arguments.pin_lift.as_ref().map(|text| lift_slope(text.as_deref())).transpose()?;
     let quantities = LEAST_RELEVANT.map(|(name, _)| name);
@@ -90,6 +91,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         write_whole(path, extended.to_toml().as_bytes(), replace)?;
     }
     if arguments.output.shows_tables() {
+        println!("{}", log.steady_share());
         print(&found.told.diagnosis, &found.problem, trim.sentence());
     }
     warn(&found.told.diagnosis.warnings);

@@ -1,6 +1,6 @@
 //! `glidepolar export-fmu`: a vehicle as a ready FMU, without a compiler.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use glidepolar_archive::{Archive, Limits};
@@ -21,7 +21,7 @@ use crate::water::WaterColumn;
 pub struct Arguments {
     /// Vehicle file, or the name of a built-in vehicle
     vehicle: String,
-    /// The archive to write; an earlier one of this program is replaced
+    /// The archive to write; one that this program wrote and nobody changed is replaced
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Version of the standard
@@ -76,18 +76,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     }
     let mut bytes = std::io::Cursor::new(Vec::new());
     packed.write_to(&mut bytes).map_err(|error| CliError::Failed(error.to_string()))?;
-    let replace = if arguments.force || is_own(&arguments.output) { Replace::Any } else { Replace::Own };
+    let replace = if arguments.force { Replace::Any } else { Replace::Own };
     write_whole(&arguments.output, bytes.get_ref(), replace)?;
     if !arguments.quiet {
         let (file, version) = (arguments.output.display(), arguments.fmi.version().replace('"', ""));
         println!("{file}: {}, {version}", printable(&vehicle.name));
     }
     Ok(())
-}
-
-/// Whether there is an FMU of this program already.
-fn is_own(path: &Path) -> bool {
-    let description = |archive: Archive| archive.get("modelDescription.xml").map(<[u8]>::to_vec);
-    let found = Archive::read(path, &Limits::default()).ok().and_then(description);
-    found.is_some_and(|text| String::from_utf8_lossy(&text).contains("generationTool=\"glidepolar\""))
 }

@@ -100,6 +100,9 @@ fn usual_net_mass_kg(parameters: &Parameters<f64>, water: &Surroundings<f64>) ->
     0.5 * parameters.net_mass_kg(parameters.ballast_min_m3, water)
 }
 
+/// Lines of a polar on the terminal at most.
+const MOST_LINES: usize = 18;
+
 /// Every whole degree of pitch at which this net mass glides within the laws of lift and drag.
 fn polar(
     parameters: &Parameters<f64>,
@@ -140,9 +143,69 @@ struct Limits {
 #[derive(Debug, Serialize)]
 struct Polar {
     net_mass_kg: f64,
+    best_glide_ratio: Optimum,
+    minimum_sink: Optimum,
     glides: Vec<Row>,
-    furthest: Row,
-    longest: Row,
+}
+
+/// An optimum over pitch at one net mass.
+#[derive(Debug, Clone, Serialize)]
+struct Optimum {
+    #[serde(flatten)]
+    row: Row,
+    /// Nothing better lies between the neighbours of this pitch. Else it is the edge of what was looked at, and no optimum:
+    /// beyond it lie other laws of lift and drag, or pitches of another sign.
+    is_within_range: bool,
+}
+
+/// Angle of attack up to which hulls are usually towed: beyond it the coefficients are extrapolated \[deg\].
+const USUALLY_TOWED_TO_DEG: f64 = 10.0;
+
+impl Optimum {
+    /// The least of a figure over the glides of a polar, between the whole degrees where it lies within them.
+    fn of(
+        size: fn(&SteadyGlide<f64>) -> f64,
+        glides: &[SteadyGlide<f64>],
+        parameters: &Parameters<f64>,
+        water: &Surroundings<f64>,
+    ) -> Option<Optimum> {
+        let at = (0..glides.len()).min_by(|&i, &j| size(&glides[i]).total_cmp(&size(&glides[j])))?;
+        let row = |glide: &SteadyGlide<f64>| Row::new(parameters, glide);
+        if at == 0 || at + 1 == glides.len() {
+            return Some(Optimum { row: row(&glides[at]), is_within_range: false });
+        }
+        // Golden section between the neighbours: a thousandth of a degree.
+        let net_mass_kg = glides[at].net_mass_kg;
+        let glide = |pitch_rad: f64| at_pitch(parameters, water, Attitude { pitch_rad, net_mass_kg }).ok();
+        let of = |pitch_rad: f64| glide(pitch_rad).map_or(f64::INFINITY, |glide| size(&glide));
+        let (mut low, mut high) = (glides[at - 1].pitch_rad, glides[at + 1].pitch_rad);
+        const SHARE: f64 = 0.618_033_988_749_895;
+        while (high - low).abs() > 2e-5 {
+            let (a, b) = (high - SHARE * (high - low), low + SHARE * (high - low));
+            if of(a) < of(b) { high = b } else { low = a }
+        }
+        let best = glide(0.5 * (low + high)).filter(|glide| size(glide) <= size(&glides[at])).unwrap_or(glides[at]);
+        Some(Optimum { row: row(&best), is_within_range: true })
+    }
+
+    fn print(&self, name: &str) {
+        let row = &self.row;
+        let alpha_deg = row.angle_of_attack_deg.abs();
+        println!(
+            "{name}: {:.2} at pitch {:.1} deg, angle of attack {alpha_deg:.1} deg, {:.3} m/s along, {:.3} m/s {}{}",
+            row.horizontal_velocity_m_s.abs() / row.vertical_velocity_m_s.abs(),
+            row.pitch_deg,
+            row.horizontal_velocity_m_s.abs(),
+            row.vertical_velocity_m_s.abs(),
+            if row.vertical_velocity_m_s > 0.0 { "down" } else { "up" },
+            if self.is_within_range { "" } else { "; the edge of the range of pitch, not an optimum" },
+        );
+        if alpha_deg > USUALLY_TOWED_TO_DEG {
+            println!(
+                "  {alpha_deg:.1} deg is beyond the {USUALLY_TOWED_TO_DEG:.0} deg to which hulls are usually towed: lift and drag are extrapolated"
+            );
+        }
+    }
 }
 
 /// One glide.
@@ -210,10 +273,11 @@ impl Report {
     ) -> Self {
         let rows: Vec<Row> = glides.iter().map(|glide| Row::new(parameters, glide)).collect();
         let limits = shallowest(parameters, water, rows[0].speed_m_s);
-        let least = |size: fn(&Row) -> f64| rows.iter().min_by(|a, b| size(a).total_cmp(&size(b))).cloned();
-        let polar = match (least(|row| row.glide_angle_rad.abs()), least(|row| row.vertical_velocity_m_s.abs())) {
-            (Some(furthest), Some(longest)) if rows.len() > 1 => {
-                Some(Polar { net_mass_kg: rows[0].net_mass_kg, glides: rows.clone(), furthest, longest })
+        let least = |size| Optimum::of(size, glides, parameters, water);
+        let polar = match (least(|glide| glide.glide_angle_rad.abs()), least(|glide| glide.vertical_velocity_m_s.abs()))
+        {
+            (Some(best_glide_ratio), Some(minimum_sink)) if rows.len() > 1 => {
+                Some(Polar { net_mass_kg: rows[0].net_mass_kg, best_glide_ratio, minimum_sink, glides: rows.clone() })
             }
             _ => None,
         };
@@ -254,9 +318,14 @@ impl Report {
         }
         if let Some(polar) = &self.polar {
             println!("net mass {:.4} kg", polar.net_mass_kg);
+            polar.best_glide_ratio.print("Best glide ratio");
+            polar.minimum_sink.print("Minimum sink, with a glide ratio of");
+            println!();
             println!("  pitch   path   AOA    speed  horizontal  down    moving mass");
             println!("   deg     deg   deg    m/s       m/s      m/s         mm");
-            for row in &polar.glides {
+            // Every glide is in the JSON and on the page; a screen takes some.
+            let every = polar.glides.len().div_ceil(MOST_LINES);
+            for row in polar.glides.iter().step_by(every) {
                 println!(
                     "{:7.1} {:7.2} {:5.2} {:8.4} {:9.4} {:9.4} {:11.2}",
                     row.pitch_deg,
@@ -268,10 +337,6 @@ impl Report {
                     row.moving_mass_m * 1e3
                 );
             }
-            println!(
-                "furthest for its depth: pitch {:.1} deg; longest: pitch {:.1} deg",
-                polar.furthest.pitch_deg, polar.longest.pitch_deg
-            );
         }
     }
 }

@@ -33,10 +33,18 @@ pub(super) fn page(
     if let [glide] = glides {
         report = report.finding(sentence("This glide", glide));
     } else {
-        let best = |size: fn(&Glide) -> f64| glides.iter().min_by(|a, b| size(a).total_cmp(&size(b)));
-        let furthest = best(|g| g.glide_angle_rad.abs()).map(|g| sentence("Furthest for its depth", g));
-        let longest = best(|g| g.vertical_velocity_m_s.abs()).map(|g| sentence("Longest in the water", g));
-        report.findings.extend(furthest.into_iter().chain(longest));
+        let best = |name: &str, size: fn(&Glide) -> f64| {
+            let at = (0..glides.len()).min_by(|&i, &j| size(&glides[i]).total_cmp(&size(&glides[j])))?;
+            let is_edge = at == 0 || at + 1 == glides.len();
+            let name = if is_edge {
+                format!("{name} (the edge of the range of pitch, not an optimum)")
+            } else {
+                name.to_owned()
+            };
+            Some(sentence(&name, &glides[at]))
+        };
+        let ratio = best("Best glide ratio", |g| g.glide_angle_rad.abs());
+        report.findings.extend(ratio.into_iter().chain(best("Minimum sink", |g| g.vertical_velocity_m_s.abs())));
     }
     let most = glides.iter().map(|g| g.angle_of_attack_rad.to_degrees().abs()).fold(0.0, f64::max);
     if most > SMALL_ANGLE_DEG {

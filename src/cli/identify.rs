@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::reading::{Log, Reading};
-use super::{CliError, Output, identify_page, vehicle_input, warn};
+use super::{CliError, Output, identify_page, identify_write, vehicle_input, warn};
 use crate::identify::{Given, Identification, IdentifyError, Report, Request, Trim, Unsteady, identify, paper_form};
 use crate::log::Shorten;
 use crate::output::OutputFolder;
@@ -17,7 +17,8 @@ use crate::vehicle::Vehicle;
 #[command(after_help = "Examples:\n  \
     glidepolar identify p5420*.nc --vehicle seaglider\n  \
     glidepolar identify flight.csv --vehicle slocum-graver --speed-column U_dvl_m_s\n  \
-    glidepolar identify flight.csv --vehicle my-glider.toml --free hull_compressibility_per_Pa\n\n\
+    glidepolar identify flight.csv --vehicle my-glider.toml --free hull_compressibility_per_Pa\n  \
+    glidepolar identify flight.csv --vehicle my-glider.toml --write identified.toml\n\n\
     LOG is a CSV file, Seaglider basestation files of consecutive dives, a Slocum or OG1 NetCDF time series, or a table\n\
     with one row per descent or ascent.")]
 pub struct Arguments {
@@ -44,6 +45,9 @@ pub struct Arguments {
     /// Fly the dives through time, with added mass: turns and accelerating samples take part
     #[arg(long)]
     unsteady: bool,
+    /// Write the identified vehicle, with the standard errors of what was fitted, to FILE
+    #[arg(long, value_name = "OUT.toml", help_heading = "Output", conflicts_with = "unsteady")]
+    write: Option<PathBuf>,
     /// Write report.html with its figures, and the tables as CSV, into this folder
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
@@ -83,8 +87,9 @@ impl TrimChoice {
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let vehicle = Vehicle::load(&arguments.vehicle)?;
     let how = if arguments.unsteady { Shorten::Dives } else { Shorten::Means };
-    let log = arguments.reading.read_shortened(&arguments.logs, &vehicle, how)?;
-    let warnings = log.warnings(&vehicle)?;
+    let mut log = arguments.reading.read_shortened(&arguments.logs, &vehicle, how)?;
+    let vehicle = log.located(vehicle)?;
+    let mut warnings = log.corrected(&vehicle)?;
     let trim = TrimChoice::of(arguments.trim, &vehicle);
     if arguments.method == Method::Iterative {
         return iterative(arguments, &vehicle, log, warnings, trim);
@@ -99,17 +104,32 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         )));
     }
     let request = Request { trim, free: arguments.free.clone(), pin: pins(&arguments.pin)?, unsteady };
+    let steady = log.steady_share();
     let found = identify(&vehicle, &log.observations, &request)?;
     let mut report = found.report(&vehicle, log.w_filter, log.notes);
-    report.warnings.extend(warnings);
+    warnings.append(&mut report.warnings);
+    report.warnings = warnings;
+    let identified = match &arguments.write {
+        Some(path) => {
+            let identified = identify_write::identified(&vehicle, &found, &report)?;
+            arguments.output.check(path, identified.to_toml().as_bytes())?;
+            Some((path, identified))
+        }
+        None => None,
+    };
     if arguments.output.shows_tables() {
+        println!("{steady}");
         print(&report, &found);
+        identify_write::print_for_seagliders(&vehicle, &found, &report);
     }
     warn(&report.warnings);
     if let Some(out) = &arguments.out {
         let mut folder = arguments.output.folder(out)?;
         let page = identify_page::of_joint(&vehicle, &found, &report, &log.observations, &mut folder)?;
         write_page(arguments, page, folder)?;
+    }
+    if let Some((path, identified)) = &identified {
+        arguments.output.write(path, identified.to_toml().as_bytes())?;
     }
     arguments.output.write_json(&report)
 }
@@ -216,6 +236,12 @@ impl From<IdentifyError> for CliError {
 fn print(report: &Report, found: &Identification) {
     let kind = if report.unsteady.is_some() { "samples" } else { "steady samples" };
     println!("{} glides, {} {kind}, {} dives", report.n_glides, report.n_samples, found.dives.len());
+    if let Some(speed) = report.rows.get("speed").filter(|rows| rows.rows > 0) {
+        println!(
+            "measured speed: {} values on {} stretches of {} dives, worth {:.0} independent ones",
+            speed.values, speed.rows, speed.dives, speed.independent
+        );
+    }
     println!("baseline: {}", report.trim_meaning);
     println!();
     println!("{:<30} {:>12} {:>11}   {:>12} {:>12}  unit", "parameter", "value", "se", "95 % from", "to");

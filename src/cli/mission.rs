@@ -30,6 +30,9 @@ pub(super) struct MissionArguments {
     /// Write the mission as the glider's own flight log to FILE (CSV)
     #[arg(long, value_name = "FILE", requires = "mission")]
     pub log: Option<PathBuf>,
+    /// Write a fix at the start and the end of each stay at the surface to FILE (CSV), the course due north from 0 N 0 E
+    #[arg(long, value_name = "FILE", requires = "mission")]
+    pub fixes: Option<PathBuf>,
     /// Write report.html and its figures to DIR, of a mission its table of legs, too
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     pub out: Option<PathBuf>,
@@ -53,7 +56,7 @@ pub(super) fn run(
     let parameters = vehicle.parameters()?;
     let mut mission = Mission::load(file)?;
     mission.duration_s = mission.duration_s.min(frame.stop_s.unwrap_or(f64::INFINITY));
-    let mut tables = Tables::begin(frame.csv.is_some(), arguments.log.is_some());
+    let mut tables = Tables::begin(frame.csv.is_some(), arguments.log.is_some(), arguments.fixes.is_some());
     let mut trace = Trace::new();
     let interval_s = frame.interval_s.unwrap_or(INTERVAL_S);
     let flight = fly_mission(&parameters, &mission, interval_s, frame.tolerance, |moment| {
@@ -63,7 +66,12 @@ pub(super) fn run(
         }
         true
     })?;
-    let tables = [frame.csv.zip(tables.history), arguments.log.as_deref().zip(tables.log)];
+    tables.last_fix();
+    let tables = [
+        frame.csv.zip(tables.history),
+        arguments.log.as_deref().zip(tables.log),
+        arguments.fixes.as_deref().zip(tables.fixes),
+    ];
     for (path, table) in tables.iter().flatten() {
         frame.output.check(path, table.as_bytes())?;
     }
@@ -95,31 +103,61 @@ pub(super) fn print_keys() {
     }
 }
 
+/// Radius of curvature of the meridian at the equator, WGS 84 \[m\]: within 1e-4 over 100 km of it.
+const MERIDIAN_RADIUS_M: f64 = 6_335_439.327;
+
+/// The column of the way over ground in a row of the time history.
+const X: usize = 2;
+
 /// The tables that are filled while the mission is flown.
 struct Tables {
     history: Option<String>,
     log: Option<String>,
+    fixes: Option<String>,
     dive: u64,
     before: LegKind,
+    /// Time and way of the moment before \[s, m\].
+    last: Option<(f64, f64)>,
 }
 
-const LOG_COLUMNS: &str = "time_s,dive,pressure_dbar,depth_m,pitch_rad,vbd_cc,battpos_m,density_kg_m3,temperature_C";
+const LOG_COLUMNS: &str =
+    "time_s,dive,pressure_dbar,depth_m,pitch_rad,heading_rad,vbd_cc,battpos_m,density_kg_m3,temperature_C";
 
 impl Tables {
-    fn begin(history: bool, log: bool) -> Self {
+    fn begin(history: bool, log: bool, fixes: bool) -> Self {
         Tables {
             history: history.then(|| format!("{},{},leg\n", COLUMNS.join(","), MISSION_COLUMNS.join(","))),
             log: log.then(|| {
                 format!("# simulated by glidepolar; pitch and pressure as the glider reads them\n{LOG_COLUMNS}\n")
             }),
+            fixes: fixes.then(|| "# simulated by glidepolar\ntime_s,lat_deg,lon_deg\n".to_owned()),
             dive: 0,
             before: LegKind::Surface,
+            last: None,
+        }
+    }
+
+    /// A fix at the moment before, due north of 0 N 0 E.
+    fn last_fix(&mut self) {
+        if let (Some(fixes), Some((time_s, x_m))) =
+            (&mut self.fixes, self.last.filter(|_| self.before == LegKind::Surface))
+        {
+            let _ = writeln!(fixes, "{time_s:.1},{:.7},0", (x_m / MERIDIAN_RADIUS_M).to_degrees());
         }
     }
 
     fn add(&mut self, moment: &Moment) {
         self.dive += u64::from(self.before == LegKind::Surface && moment.leg == LegKind::Descent);
+        // Where the glider comes up, and where it leaves.
+        if moment.leg != LegKind::Surface {
+            self.last_fix();
+        }
+        let came_up = self.before != LegKind::Surface && moment.leg == LegKind::Surface;
         self.before = moment.leg;
+        self.last = Some((moment.row[0], moment.row[X]));
+        if came_up {
+            self.last_fix();
+        }
         // Writing to a string cannot fail.
         if let Some(history) = &mut self.history {
             for value in moment.row.iter().chain(&moment.around) {
@@ -133,7 +171,7 @@ impl Tables {
             let (time, depth, battery) = (moment.row[0], moment.row[1], moment.row[13]);
             let _ = writeln!(
                 log,
-                "{time:.3},{},{pressure:.4},{depth:.4},{pitch:.6},{:.3},{battery:.6},{density:.5},{temperature:.4}",
+                "{time:.3},{},{pressure:.4},{depth:.4},{pitch:.6},0,{:.3},{battery:.6},{density:.5},{temperature:.4}",
                 self.dive,
                 ballast_m3 * 1e6
             );
@@ -204,6 +242,9 @@ struct Report<'a> {
     pumpings: u64,
     pitch_moves: u64,
     groundings: u64,
+    /// Whether the vehicle has what pump and hotel draw; else their energies are nothing for want of figures.
+    has_pump_figures: bool,
+    has_hotel_figures: bool,
     pump_Wh: f64,
     hotel_Wh: f64,
     legs: &'a [Leg],
@@ -258,6 +299,7 @@ impl<'a> Report<'a> {
         let by = |turn: Turn| flight.legs.iter().filter(move |leg| leg.ended_by == turn).count();
         let mut turns = flight.legs.iter().filter(|leg| matches!(leg.ended_by, Turn::MaxDepth | Turn::Altimeter));
         let first = turns.next();
+        let has = |key: &str| vehicle.get(key).is_some_and(|value| value > 0.0);
         Report {
             schema: "glidepolar.mission/1",
             vehicle: &vehicle.name,
@@ -276,6 +318,8 @@ impl<'a> Report<'a> {
             pumpings: flight.pumpings,
             pitch_moves: flight.pitch_moves,
             groundings: flight.groundings,
+            has_pump_figures: ["energy.pump_J_per_cc", "energy.pump_J_per_dbar_cc"].iter().any(|key| has(key)),
+            has_hotel_figures: has("energy.hotel_W"),
             pump_Wh: flight.pump_J / 3600.0,
             hotel_Wh: flight.hotel_J / 3600.0,
             legs: &flight.legs,
@@ -296,9 +340,15 @@ impl<'a> Report<'a> {
         if let (Some(first), Some(last)) = (self.first_turn_m, self.last_turn_m) {
             println!("       first turn at {first:.1} m, last at {last:.1} m");
         }
+        let energy = |known: bool, energy_Wh: f64| {
+            if known { format!("{energy_Wh:.2} Wh") } else { "not known: the vehicle has no figures of it".to_owned() }
+        };
         println!(
-            "  {:>4} pumpings, {} moves of the moving mass; pump {:.2} Wh, hotel {:.2} Wh",
-            self.pumpings, self.pitch_moves, self.pump_Wh, self.hotel_Wh
+            "  {:>4} pumpings, {} moves of the moving mass; pump {}, hotel {}",
+            self.pumpings,
+            self.pitch_moves,
+            energy(self.has_pump_figures, self.pump_Wh),
+            energy(self.has_hotel_figures, self.hotel_Wh)
         );
         match self.ended_by {
             Ending::TooShallow => println!("  ended early: the water is too shallow to dive"),

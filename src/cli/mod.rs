@@ -16,6 +16,7 @@ macro_rules! println {
 }
 
 pub mod assemble;
+pub mod compare;
 pub mod diagnose;
 mod diagnose_page;
 mod diagnose_words;
@@ -27,6 +28,7 @@ mod history_page;
 pub mod identify;
 mod identify_figures;
 mod identify_page;
+mod identify_write;
 mod mission;
 mod mission_page;
 pub mod plan;
@@ -66,6 +68,7 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Glide(glide::Arguments),
+    Compare(compare::Arguments),
     Simulate(simulate::Arguments),
     Identify(identify::Arguments),
     Diagnose(diagnose::Arguments),
@@ -157,6 +160,7 @@ pub fn main() -> ExitCode {
 pub fn run(cli: Cli) -> Result<(), CliError> {
     match cli.command {
         Command::Assemble(arguments) => assemble::run(&arguments),
+        Command::Compare(arguments) => compare::run(&arguments),
         Command::Completions(arguments) => arguments.run(Cli::command()),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::ExportFmu(arguments) => export_fmu::run(&arguments),

@@ -7,10 +7,10 @@ use serde::Serialize;
 
 use super::plan_page::{self, Calibrated, Planned};
 use super::plan_tables::{read_dives, read_strokes};
-use super::{Changes, CliError, Output, vehicle_input, water_density};
+use super::{Changes, CliError, Output, vehicle_input, warn, water_density};
 use crate::estimate::Estimate;
 use crate::plan::calibrate::{DiveFit, PumpFit, Stroke, fit_dives, fit_pump};
-use crate::plan::{Ask, Dive, Outlook, PlanError, Sensor, outlook};
+use crate::plan::{Ask, Dive, Outlook, PlanError, Sensor, UNSTATED_SPEED_ERROR, outlook, states_polar_errors};
 use crate::report::InputFile;
 use crate::simulate::mission::LegOrder;
 use crate::vehicle::Vehicle;
@@ -48,10 +48,10 @@ pub struct Arguments {
     /// Pitch of both legs, down and up [deg]
     #[arg(long, value_name = "T", default_value_t = 25.0, allow_negative_numbers = true)]
     pitch_deg: f64,
-    /// Ballast volume on descents; default: the smallest [cm3]
+    /// Ballast volume on descents; default: half of the smallest, as pilots fly to save energy [cm3]
     #[arg(long, value_name = "V", allow_negative_numbers = true)]
     ballast_down_cc: Option<f64>,
-    /// Ballast volume on ascents; default: the largest [cm3]
+    /// Ballast volume on ascents; default: half of the largest [cm3]
     #[arg(long, value_name = "V", allow_negative_numbers = true)]
     ballast_up_cc: Option<f64>,
     /// Ballast volume at the surface; default: as on ascents [cm3]
@@ -122,6 +122,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if arguments.output.shows_tables() {
         report.print();
     }
+    warn(report.plan.iter().flat_map(|plan| &plan.warnings));
     arguments.output.write_json(&report)
 }
 
@@ -150,6 +151,10 @@ fn calibrate(arguments: &Arguments, vehicle: &mut Vehicle) -> Result<Option<Cali
     Ok(Some(Calibration { pump, dives, strokes }))
 }
 
+/// Share of the ballast engine that a dive uses where nothing else is said. A pump costs as the volume, speed comes as its
+/// root: nobody flies a long voyage on the whole engine, which is there for dense water and emergencies.
+const USUAL_STROKE: f64 = 0.5;
+
 fn plan(arguments: &Arguments, vehicle: &Vehicle, depth_m: f64) -> Result<Plan, CliError> {
     let a = arguments;
     let above_zero = [
@@ -173,8 +178,8 @@ fn plan(arguments: &Arguments, vehicle: &Vehicle, depth_m: f64) -> Result<Plan, 
     }
     let battery_J = battery_J(a, vehicle)?;
     let parameters = vehicle.parameters()?;
-    let down_m3 = a.ballast_down_cc.map_or(parameters.ballast_min_m3, |cc| cc * 1e-6);
-    let up_m3 = a.ballast_up_cc.map_or(parameters.ballast_max_m3, |cc| cc * 1e-6);
+    let down_m3 = a.ballast_down_cc.map_or(USUAL_STROKE * parameters.ballast_min_m3, |cc| cc * 1e-6);
+    let up_m3 = a.ballast_up_cc.map_or(USUAL_STROKE * parameters.ballast_max_m3, |cc| cc * 1e-6);
     let surface_m3 = a.surface_ballast_cc.map_or(up_m3, |cc| cc * 1e-6);
     let engine_m3 = parameters.ballast_min_m3..=parameters.ballast_max_m3;
     // Of what the engine cannot hold a plan would say nothing: the model stops at its limits.
@@ -211,7 +216,21 @@ fn plan(arguments: &Arguments, vehicle: &Vehicle, depth_m: f64) -> Result<Plan, 
     let without = outlook(vehicle, &ask)?;
     let sensor_costs_days = with_sensor.as_ref().map(|with| without.days.value - with.days.value);
     let ask = Ask { sensor, ..ask };
-    Ok(Plan { ask, battery_Wh: battery_J / 3600.0, outlook: without, with_sensor, sensor_costs_days })
+    let mut warnings = Vec::new();
+    if let Some(days) = a.days.filter(|days| without.days.value < days - 1e-6) {
+        warnings.push(format!(
+            "the battery is empty after {:.1} of the {days} days that were asked for",
+            without.days.value
+        ));
+    }
+    if !states_polar_errors(vehicle) {
+        warnings.push(format!(
+            "{} states no errors of its polar: {:.0} % of the speed are taken for one standard error",
+            vehicle.name,
+            100.0 * UNSTATED_SPEED_ERROR
+        ));
+    }
+    Ok(Plan { ask, battery_Wh: battery_J / 3600.0, outlook: without, with_sensor, sensor_costs_days, warnings })
 }
 
 fn battery_J(a: &Arguments, vehicle: &Vehicle) -> Result<f64, CliError> {
@@ -270,6 +289,7 @@ struct Plan {
     with_sensor: Option<Outlook>,
     #[serde(skip_serializing_if = "Option::is_none")]
     sensor_costs_days: Option<f64>,
+    warnings: Vec<String>,
 }
 
 impl Report {
@@ -296,6 +316,15 @@ impl Report {
         }
         if let Some(plan) = &self.plan {
             println!("{}, {:.0} Wh (values with 95 % intervals)", self.vehicle, plan.battery_Wh);
+            let dive = &plan.ask.dive;
+            println!(
+                "dives to {:.0} m, pitch {:.1} deg down and {:.1} deg up, ballast {:.0} cc down and {:.0} cc up",
+                dive.depth_m,
+                dive.descent.pitch_rad.to_degrees(),
+                dive.ascent.pitch_rad.to_degrees(),
+                dive.descent.ballast_m3 * 1e6,
+                dive.ascent.ballast_m3 * 1e6
+            );
             let Outlook { dive_duration_h, dive_distance_km, dive_energy_kJ, .. } = &plan.outlook;
             line("a dive lasts", dive_duration_h, 2);
             line("takes the glider", dive_distance_km, 2);
@@ -328,5 +357,11 @@ fn voyage(outlook: &Outlook) {
 fn line(name: &str, estimate: &Estimate, decimals: usize) {
     let [low, high] = estimate.ci95;
     let unit = if estimate.unit == "1" { "" } else { &estimate.unit };
+    // What follows from what was asked for, as a battery that is used up, has no error: only rounding.
+    if high - low <= 1e-9 * estimate.value.abs().max(1.0) {
+        let value = if estimate.value.abs() < 1e-9 { 0.0 } else { estimate.value };
+        println!("  {name:<24} {value:>10.decimals$} {unit}");
+        return;
+    }
     println!("  {name:<24} {:>10.decimals$} {unit} ({low:.decimals$} to {high:.decimals$})", estimate.value);
 }

@@ -9,7 +9,7 @@ use clap::Args;
 
 use super::{CliError, water_density};
 use crate::diagnose::sea::SeaError;
-use crate::diagnose::sea::consistency;
+use crate::diagnose::sea::consistency::{self, DensityError};
 use crate::diagnose::{Check, Checked};
 use crate::input::{InputError, Place};
 use crate::log::{
@@ -51,29 +51,74 @@ pub struct Log {
     pub notes: Vec<String>,
     /// Files that were left out.
     pub of_files: Vec<String>,
+    /// Steady samples and all samples on legs, before a long log was shortened.
+    pub steady: [usize; 2],
+    /// Acceleration of gravity where the log was recorded; nothing without a position \[m/s2\].
+    pub gravity_m_s2: Option<f64>,
 }
 
 impl Log {
-    /// Holds the log against itself: what is wrong and does no more than shift the results comes back as warnings.
+    /// The vehicle where the log was recorded: with the acceleration of gravity there, unless its file states one.
+    pub fn located(&mut self, vehicle: Vehicle) -> Result<Vehicle, CliError> {
+        let mut here = vehicle;
+        if states_gravity(&here) {
+            return Ok(here);
+        }
+        match self.gravity_m_s2 {
+            Some(gravity_m_s2) => {
+                here.set("mass.gravity_m_s2", (gravity_m_s2 * 1e5).round() / 1e5)?;
+                self.notes.push(format!("g = {gravity_m_s2:.4} m/s2 by the latitude of the log"));
+            }
+            None => self.notes.push("g = 9.81 m/s2: the log has no position".to_owned()),
+        }
+        Ok(here)
+    }
+
+    /// The share of the samples on legs that are steady, in a sentence.
+    pub fn steady_share(&self) -> String {
+        let [steady, all] = self.steady;
+        format!("{steady} of {all} samples on legs are steady ({:.0} %)", 100.0 * steady as f64 / all.max(1) as f64)
+    }
+
+    /// Corrects a density whose error the log's own temperature, salinity and pressure show, as `diagnose` does; what was
+    /// done comes back as warnings.
     ///
     /// # Errors
     /// Where the log contradicts itself so that nothing follows from it, in the words of `diagnose`.
-    pub fn warnings(&self, vehicle: &Vehicle) -> Result<Vec<String>, CliError> {
+    pub fn corrected(&mut self, vehicle: &Vehicle) -> Result<Vec<String>, CliError> {
+        let (warnings, error) = self.checked(vehicle)?;
+        if let Some(error) = error {
+            let carried_kg_m3 = vehicle.glide_parameters().density_bias_kg_m3;
+            self.observations = consistency::mended(&self.observations, error, carried_kg_m3);
+        }
+        Ok(warnings)
+    }
+
+    /// Holds the log against itself: what is wrong and can be corrected comes back as warnings, and the error of the density.
+    ///
+    /// # Errors
+    /// Where the log contradicts itself so that nothing follows from it, in the words of `diagnose`.
+    pub fn checked(&self, vehicle: &Vehicle) -> Result<(Vec<String>, Option<DensityError>), CliError> {
         let bias_kg_m3 = vehicle.glide_parameters().density_bias_kg_m3;
-        let (checks, _) = consistency::checks(&self.observations, bias_kg_m3);
+        let (checks, error) = consistency::checks(&self.observations, bias_kg_m3);
         if checks.iter().any(|check| check.outcome == Checked::Wrong) {
             return Err(refused(checks, &self.notes));
         }
-        // Only `diagnose` mends: a glide polar that followed from another density than the log's would not be the log's.
         let found = checks.iter().filter(|check| check.outcome == Checked::Mended);
-        let warning = |check: &Check| {
-            format!(
-                "{}: {}; it is used as it was read: run `glidepolar diagnose`, which says what that changes",
-                check.check, check.says
-            )
-        };
-        Ok(self.of_files.iter().cloned().chain(found.map(warning)).collect())
+        let warning = |check: &Check| format!("{}: {}; corrected before anything else", check.check, check.says);
+        Ok((self.of_files.iter().cloned().chain(found.map(warning)).collect(), error))
     }
+}
+
+/// Whether the vehicle's file states its acceleration of gravity.
+fn states_gravity(vehicle: &Vehicle) -> bool {
+    vehicle.sections.mass.gravity_m_s2.is_some()
+}
+
+/// Acceleration of gravity at the surface of the sea \[m/s2\], by the normal gravity of GRS 80 (Moritz 2000, as TEOS-10 has it).
+pub fn gravity_m_s2(latitude_deg: f64) -> f64 {
+    let sin2 = latitude_deg.to_radians().sin().powi(2);
+    9.780_327 * (1.0 + (5.279_041_4e-3 + (2.327_18e-5 + (1.262e-7 + 7e-10 * sin2) * sin2) * sin2) * sin2)
 }
 
 /// Samples of a CSV file that are read at once.
@@ -102,6 +147,7 @@ impl Reading {
         }
         let settings = Settings { half_window_s: self.half_window_s, ..settings(vehicle, self.density)? };
         let mut gathering = Gathering::new(settings, how);
+        gathering.gravity_is_known = states_gravity(vehicle);
         let mut files = LogFiles::open(logs, &columns)?;
         while let Some(piece) = files.next_piece(PIECE_ROWS)? {
             match piece {
@@ -189,6 +235,9 @@ pub struct Gathering {
     /// Channels that had a value anywhere.
     recorded: Vec<Channel>,
     rows: usize,
+    steady: [usize; 2],
+    gravity_is_known: bool,
+    gravity_m_s2: Option<f64>,
 }
 
 impl Gathering {
@@ -201,24 +250,48 @@ impl Gathering {
             has_tables: false,
             recorded: Vec::new(),
             rows: 0,
+            steady: [0; 2],
+            gravity_is_known: false,
+            gravity_m_s2: None,
+        }
+    }
+
+    fn condense(&mut self) {
+        self.steady[0] += self.batch.iter().filter(|o| o.steady).count();
+        self.steady[1] += self.batch.len();
+        self.condenser.take(&mut self.batch);
+    }
+
+    /// Gravity where the log begins, for all of it: over a hundred kilometres it changes by a ten-thousandth.
+    fn locate(&mut self, piece: &FlightLog) {
+        if self.gravity_is_known || self.gravity_m_s2.is_some() {
+            return;
+        }
+        let latitude = piece.column(Channel::Latitude).iter().find(|latitude| latitude.abs() <= 90.0);
+        if let Some(gravity) = latitude.copied().map(gravity_m_s2) {
+            self.gravity_m_s2 = Some(gravity);
+            self.preparation.set_gravity(gravity);
         }
     }
 
     /// Takes the next piece of a time series.
     pub fn push(&mut self, piece: FlightLog) {
         self.rows += piece.len();
+        self.locate(&piece);
         for info in CHANNELS.iter().filter(|info| piece.has(info.channel)) {
             if !self.recorded.contains(&info.channel) {
                 self.recorded.push(info.channel);
             }
         }
         self.preparation.push(piece, &mut self.batch);
-        self.condenser.take(&mut self.batch);
+        self.condense();
     }
 
     /// Takes a table of glides.
     pub fn push_glides(&mut self, mut glides: Vec<Observation>) {
         self.has_tables = true;
+        self.steady[0] += glides.iter().filter(|o| o.steady).count();
+        self.steady[1] += glides.len();
         self.condenser.take(&mut glides);
     }
 
@@ -252,7 +325,7 @@ impl Gathering {
     /// Where a column is in another unit than it says, so that its values were taken out.
     pub fn finish(mut self) -> Result<Log, CliError> {
         self.preparation.finish(&mut self.batch);
-        self.condenser.take(&mut self.batch);
+        self.condense();
         let (mut observations, shortened) = self.condenser.finish();
         let lost = take_out_lost_speeds(&mut observations);
         let w_filter =
@@ -265,7 +338,14 @@ impl Gathering {
             self.preparation.notes().sentences().into_iter().chain(lost).chain(shortened).collect();
         let wrong = consistency::taken_out(&self.preparation);
         if wrong.is_empty() {
-            Ok(Log { observations, w_filter, notes, of_files: Vec::new() })
+            Ok(Log {
+                observations,
+                w_filter,
+                notes,
+                of_files: Vec::new(),
+                steady: self.steady,
+                gravity_m_s2: self.gravity_m_s2,
+            })
         } else {
             Err(refused(wrong, &notes))
         }

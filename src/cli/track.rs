@@ -10,6 +10,7 @@ use super::reading::{Gathering, columns, no_rows, settings};
 use super::table::for_each_row;
 use super::track_page::{self, Remarks};
 use super::{CliError, Output, vehicle_input, warn};
+use crate::diagnose::sea::consistency::DensityError;
 use crate::dynamics::Parameters;
 use crate::input::{InputError, Place};
 use crate::log::{CHANNELS, Channel, DBAR_PA, FlightLog, LogFiles, Piece, Shorten, in_situ_density_kg_m3};
@@ -40,12 +41,12 @@ pub struct Arguments {
     /// Vehicle file or name of a built-in vehicle
     #[arg(long, value_name = "VEHICLE")]
     vehicle: String,
-    /// Fixes (CSV)
+    /// Fixes (CSV); default: those in the files
     #[arg(long, value_name = "FILE")]
     fixes: Option<PathBuf>,
-    /// True less magnetic heading, positive to the east [deg]
-    #[arg(long, value_name = "D", default_value_t = 0.0, allow_negative_numbers = true)]
-    declination_deg: f64,
+    /// True less magnetic heading, positive to the east; default: what the files say, else 0 [deg]
+    #[arg(long, value_name = "D", allow_negative_numbers = true)]
+    declination_deg: Option<f64>,
     /// Standard error of the compass through a dive [deg]
     #[arg(long, value_name = "S", default_value_t = 3.0, allow_negative_numbers = true)]
     heading_error_deg: f64,
@@ -105,9 +106,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
             return Err(CliError::Usage(format!("{name} {value}: expected a number not below zero")));
         }
     }
-    let vehicle = Vehicle::load(&a.vehicle)?;
-    let (log, mut warnings) = read(a, &vehicle)?;
-    let samples = samples(a, &log)?;
+    let Read { log, vehicle, mut warnings, density_error, fixes: own_fixes, declination_deg } =
+        read(a, Vehicle::load(&a.vehicle)?)?;
+    let declination_deg = a.declination_deg.or(declination_deg).unwrap_or(0.0);
+    let samples = samples(a, &log, density_error)?;
     let moved: Vec<Parameters<f64>> = vehicle
         .uncertainty
         .iter()
@@ -118,13 +120,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         })
         .collect();
     let settings = Settings {
-        declination_rad: a.declination_deg.to_radians(),
+        declination_rad: declination_deg.to_radians(),
         heading_error_rad: a.heading_error_deg.to_radians(),
         speed_error: a.speed_error_percent.unwrap_or_else(|| unknown_polar_percent(&vehicle)) / 100.0,
         ..Settings::default()
     };
     let mut track = reckon(&vehicle.glide_parameters(), &moved, &samples, &settings);
-    let table = a.fixes.as_deref().map(|file| read_fixes(file, a.fixes_at)).transpose()?;
+    let table = match &a.fixes {
+        Some(file) => Some(read_fixes(file, a.fixes_at)?),
+        None if own_fixes.is_empty() => None,
+        None => Some(Fixes { fixes: own_fixes, stored: Vec::new(), middle: None }),
+    };
     let mut drifts = Vec::new();
     let mut comparison = None;
     if let Some(table) = &table {
@@ -154,7 +160,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
             vehicle: &vehicle.name,
             is_builtin: vehicle.is_builtin,
             has_uncertainty: !moved.is_empty(),
-            declination_deg: a.declination_deg,
+            declination_deg,
+            speed_error: settings.speed_error,
+            fixes: table.as_ref().map_or(&[], |table| &table.fixes),
+            drifts: &drifts,
             stored: table.as_ref().map_or(&[], |table| &table.stored),
             comparison: comparison.as_ref().map(Comparison::sentence),
         };
@@ -183,12 +192,24 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     a.output.write_json(&report)
 }
 
+/// A log as it was recorded, and what belongs to it.
+struct Read {
+    log: FlightLog,
+    /// The vehicle where the log was recorded.
+    vehicle: Vehicle,
+    warnings: Vec<String>,
+    density_error: Option<DensityError>,
+    /// Fixes and magnetic declination that the files themselves hold.
+    fixes: Vec<Fix>,
+    declination_deg: Option<f64>,
+}
+
 /// The log as it was recorded. Beside it goes the way that the other commands take to their samples, so that what they
 /// refuse is refused here, and what is doubtful comes back in words.
-fn read(a: &Arguments, vehicle: &Vehicle) -> Result<(FlightLog, Vec<String>), CliError> {
+fn read(a: &Arguments, vehicle: Vehicle) -> Result<Read, CliError> {
     let columns = columns(&a.column, &a.unit, &a.cache, None)?;
     let mut log = FlightLog::default();
-    let mut gathering = Gathering::new(settings(vehicle, a.density)?, Shorten::Means);
+    let mut gathering = Gathering::new(settings(&vehicle, a.density)?, Shorten::Means);
     let mut files = LogFiles::open(&a.logs, &columns)?;
     while let Some(piece) = files.next_piece(PIECE_ROWS)? {
         match piece {
@@ -202,13 +223,22 @@ fn read(a: &Arguments, vehicle: &Vehicle) -> Result<(FlightLog, Vec<String>), Cl
             }
         }
     }
-    let mut warnings = gathering.finish()?.warnings(vehicle)?;
+    let mut prepared = gathering.finish()?;
+    let vehicle = prepared.located(vehicle)?;
+    let (mut warnings, density_error) = prepared.checked(&vehicle)?;
     warnings.splice(0..0, files.warnings().iter().cloned());
-    Ok((log, warnings))
+    let fixes = files
+        .fixes()
+        .iter()
+        .map(|fix| Fix { time_s: fix.time_s, lat_deg: fix.lat_deg, lon_deg: fix.lon_deg })
+        .collect();
+    let declination_deg = files.calibration().and_then(|calibration| calibration.declination_deg);
+    Ok(Read { log, vehicle, warnings, density_error, fixes, declination_deg })
 }
 
 /// The log as dead reckoning needs it: slow channels kept until they are read again.
-fn samples(a: &Arguments, log: &FlightLog) -> Result<Vec<Sample>, CliError> {
+/// A density whose error the log itself shows is corrected as the other commands correct it.
+fn samples(a: &Arguments, log: &FlightLog, density_error: Option<DensityError>) -> Result<Vec<Sample>, CliError> {
     if log.is_empty() {
         return Err(no_rows(&a.logs[0]).into());
     }
@@ -243,8 +273,12 @@ fn samples(a: &Arguments, log: &FlightLog) -> Result<Vec<Sample>, CliError> {
             _ => pressure * DBAR_PA / (1025.0 * 9.81),
         };
         let salinity = value(Channel::Salinity);
+        let at_zero_pressure = density_error == Some(DensityError::AtZeroPressure);
         let density_kg_m3 = match value(Channel::Density) {
-            density if density.is_finite() => density,
+            density if density.is_finite() && !at_zero_pressure => match density_error {
+                Some(DensityError::Bias(bias_kg_m3, _)) => density + bias_kg_m3,
+                _ => density,
+            },
             _ if salinity.is_finite() && temperature_C.is_finite() && pressure.is_finite() => {
                 let (lat, lon) = (value(Channel::Latitude), value(Channel::Longitude));
                 in_situ_density_kg_m3(salinity, temperature_C, pressure, lat, lon)

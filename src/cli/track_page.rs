@@ -1,7 +1,7 @@
 //! The track as a page: what `glidepolar track --out` writes.
 
 use crate::report::{Axis, Cell, Figure, Layer, Panel, Report, Section, Table};
-use crate::track::{DiveTrack, Track};
+use crate::track::{DiveTrack, Drift, Fix, Track, displacement_m};
 
 /// Points of the track that a figure shows at most.
 const MOST_POINTS: usize = 50_000;
@@ -15,6 +15,11 @@ pub(super) struct Remarks<'a> {
     pub is_builtin: bool,
     pub has_uncertainty: bool,
     pub declination_deg: f64,
+    /// Standard error of the polar's speed beyond the vehicle's own figures, relative.
+    pub speed_error: f64,
+    /// The fixes, and the currents between each two of them.
+    pub fixes: &'a [Fix],
+    pub drifts: &'a [Drift],
     /// Currents that the table of fixes has: time of the fix, east, north.
     pub stored: &'a [(f64, f64, f64)],
     /// One sentence on how they compare.
@@ -46,11 +51,29 @@ pub(super) fn page(track: &Track, remarks: &Remarks<'_>) -> Report {
     for warning in warnings(dives, remarks) {
         report = report.warning(warning);
     }
-    let mut ways = Section::new("Way through the water").figure(way(track));
-    if currents.is_empty() {
+    if currents.is_empty() && !remarks.drifts.is_empty() {
+        let n = remarks.drifts.len() as f64;
+        let mean = |of: fn(&Drift) -> f64| remarks.drifts.iter().map(of).sum::<f64>() / n;
+        report = report.finding(format!(
+            "Currents between {} pairs of fixes, on the mean {:+.3} m/s east and {:+.3} m/s north.",
+            remarks.drifts.len(),
+            mean(|drift| drift.current.east_m_s),
+            mean(|drift| drift.current.north_m_s)
+        ));
+    }
+    let mut ways = Section::new("Way through the water").figure(way(track, remarks.fixes));
+    if remarks.fixes.is_empty() {
         ways = ways.text("Without fixes (--fixes) nothing can be said about currents: the way over ground is another.");
+    } else if currents.is_empty() && remarks.drifts.is_empty() {
+        ways = ways.text(format!(
+            "None of the {} fixes has a second one beside it within the time of the log: no current follows from them.",
+            remarks.fixes.len()
+        ));
     }
     report = report.section(ways);
+    if currents.is_empty() && !remarks.drifts.is_empty() {
+        report = report.section(Section::new("Currents between fixes").table(drift_table(remarks.drifts)));
+    }
     if !currents.is_empty() {
         report = report.section(Section::new("Currents").figure(currents_figure(&currents, remarks)));
     }
@@ -67,7 +90,14 @@ fn warnings(dives: &[DiveTrack], remarks: &Remarks<'_>) -> Vec<String> {
         );
     }
     if !remarks.has_uncertainty {
-        warnings.push("The vehicle states no [uncertainty]: the errors are those of the compass alone.".to_owned());
+        warnings.push(if remarks.speed_error > 0.0 {
+            format!(
+                "The vehicle states no [uncertainty]: the errors are those of the compass and of {:.0} % of the speed.",
+                100.0 * remarks.speed_error
+            )
+        } else {
+            "The vehicle states no [uncertainty]: the errors are those of the compass alone.".to_owned()
+        });
     }
     if remarks.declination_deg == 0.0 {
         warnings.push(
@@ -88,7 +118,41 @@ fn warnings(dives: &[DiveTrack], remarks: &Remarks<'_>) -> Vec<String> {
     warnings
 }
 
-fn way(track: &Track) -> Figure {
+/// Currents between each two fixes.
+fn drift_table(drifts: &[Drift]) -> Table {
+    let columns = ["From [h]", "To [h]", "Current east [m/s]", "Current north [m/s]"];
+    let begin = drifts.first().map_or(0.0, |drift| drift.start_s);
+    let caption =
+        "Mean currents between fixes that follow one another, with standard errors; hours since the first fix.";
+    drifts.iter().fold(Table::new(caption, columns), |table, drift| {
+        let c = &drift.current;
+        table.row([
+            Cell::fixed((drift.start_s - begin) / 3600.0, 2),
+            Cell::fixed((drift.end_s - begin) / 3600.0, 2),
+            Cell::estimate(c.east_m_s, c.east_se_m_s),
+            Cell::estimate(c.north_m_s, c.north_se_m_s),
+        ])
+    })
+}
+
+/// Fixes over ground from where the track is at the first of them.
+fn over_ground(track: &Track, fixes: &[Fix]) -> (Vec<f64>, Vec<f64>) {
+    let (Some(begin), Some(end)) = (track.points.first(), track.points.last()) else { return Default::default() };
+    let within: Vec<&Fix> =
+        fixes.iter().filter(|fix| fix.time_s >= begin.time_s - 3600.0 && fix.time_s <= end.time_s + 3600.0).collect();
+    let Some(first) = within.first() else { return Default::default() };
+    let after = track.points.partition_point(|point| point.time_s <= first.time_s);
+    let at = &track.points[after.saturating_sub(1)];
+    within
+        .iter()
+        .map(|fix| {
+            let [east_m, north_m] = displacement_m(first, fix);
+            ((at.east_m + east_m) / 1e3, (at.north_m + north_m) / 1e3)
+        })
+        .unzip()
+}
+
+fn way(track: &Track, fixes: &[Fix]) -> Figure {
     let stride = track.points.len().div_ceil(MOST_POINTS).max(1);
     let (east, north) = track.points.iter().step_by(stride).map(|p| (p.east_m / 1e3, p.north_m / 1e3)).unzip();
     let mut at = (0.0, 0.0);
@@ -100,12 +164,17 @@ fn way(track: &Track) -> Figure {
             at
         })
         .unzip();
-    let panel = Panel::new(Axis::new("North", "y", "km"))
+    let (fixed_east, fixed_north) = over_ground(track, fixes);
+    let mut panel = Panel::new(Axis::new("North", "y", "km"))
         .layer(Layer::line(east, north).label("way"))
         .layer(Layer::points(ends_east, ends_north).label("ends of dives"));
+    if !fixed_east.is_empty() {
+        panel = panel.layer(Layer::points(fixed_east, fixed_north).label("fixes, over ground"));
+    }
     Figure::new("way", Axis::new("East", "x", "km"))
         .panel(panel)
-        .caption("The way through the water from the start of the log; scales of the axes differ.")
+        .map()
+        .caption("The way through the water from the start of the log, and the fixes over ground from the first of them: what lies between is the current's.")
 }
 
 fn currents_figure(dives: &[&DiveTrack], remarks: &Remarks<'_>) -> Figure {

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::consider_parameters::{carry, doubts_of};
 use super::considered::{Carried, Doubt};
 use super::data::{Dive, by_dive};
-use super::external_values::{Pin, doubts, from_outside};
+use super::external_values::{Pin, doubts, from_outside, other_than_built_up};
 use super::holdout::hold_out;
 use super::identifiability::{ProfilePoint, is_identified, profile};
 use super::inflections::{Inflections, UNSTEADY_ONLY, Unsteady, inflections};
@@ -17,6 +17,7 @@ use super::names::{long_name, short_name};
 use super::pitch_balance::{PitchBalance, pitch_balance};
 use super::residuals::{Score, ScoreSums, residuals};
 use super::specification_test::reweighed;
+use super::speeds::Rows;
 use super::trim::Trim;
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
 use crate::log::Observation;
@@ -99,6 +100,9 @@ pub struct LegsApart {
 /// Largest c that is published of a glider, on its frontal area \[1/rad2\]: 29, of a Slocum (docs/theory/identification.md).
 const LARGEST_C: f64 = 30.0;
 
+/// Rows that say by how much the polar of ascents differs from that of descents.
+const LEG_RATIOS: [(&str, &str); 3] = [("ascent_a_ratio", "a"), ("ascent_b_ratio", "b"), ("ascent_c_ratio", "c")];
+
 /// Identifies what the log can tell of the vehicle.
 ///
 /// # Errors
@@ -113,9 +117,13 @@ pub fn identify(
         return Err(IdentifyError::NoSamples);
     }
     let mut baseline = request.trim.baseline(&vehicle.glide_parameters(), observations);
-    let has_speed = dives.iter().flat_map(|dive| &dive.observations).any(|o| o.speed_m_s.is_finite());
-
     let mut warnings = Vec::new();
+    let speeds = Rows::of_speed(&dives);
+    if let Some(few) = speeds.too_few(dives.len()) {
+        return without_speed(vehicle, observations, request, few);
+    }
+    let has_speed = speeds.rows > 0;
+
     let mut pinned = BTreeMap::new();
     let mut free: Vec<&str> = vec!["a_per_rad", "b", "c_per_rad2", "ballast_offset_kg"];
     let asked: Vec<&str> = request.free.iter().map(|name| long_name(name)).collect();
@@ -143,7 +151,7 @@ pub fn identify(
     if !has_speed && free.contains(&"a_per_rad") && !asked.contains(&"a_per_rad") {
         let (value, se, source) = from_outside(vehicle, parameter_index("a_per_rad").expect("a row of the table"));
         baseline.a_per_rad = value;
-        baseline.ascent_a_ratio = 1.0;
+        warnings.extend(other_than_built_up(vehicle));
         free.retain(|name| *name != "a_per_rad");
         let reason = "vertical velocity alone does not identify the lift slope: a larger b cancels the effect of a smaller angle \
                       of attack; a measured speed through the water would identify it"
@@ -156,17 +164,23 @@ pub fn identify(
                 .to_owned(),
         );
     }
-    // One polar for both legs: what differs between them is asked for by name.
-    for ratio in ["ascent_a_ratio", "ascent_b_ratio", "ascent_c_ratio"] {
-        let row = parameter_index(ratio).expect("a row of the table");
-        if !free.contains(&ratio) {
-            *baseline.at(row) = 1.0;
+    // A vehicle with a polar for each leg keeps the ratios of the two; what else differs between them is asked for by name.
+    for (name, of) in LEG_RATIOS {
+        let row = parameter_index(name).expect("a row of the table");
+        let ratio = *baseline.at(row);
+        if !free.contains(&name) && ratio != 1.0 && !pinned.contains_key(name) {
+            let source = format!("vehicle `{}`", vehicle.name);
+            let reason = format!("the vehicle has another {of} on ascents than on descents: their ratio is kept");
+            pinned.insert(name.to_owned(), Pin::new(ratio, None, source, reason));
         }
     }
 
     // Parameters that the data do not tell are pinned, the worst first, until all that are left can be told.
     let mut question = Question::new(baseline, &free)?;
     let mut fitted = fit(&question, &mut dives)?;
+    if let Some(few) = speeds.worth(&fitted.tally.speed).too_few(dives.len()) {
+        return without_speed(vehicle, observations, request, few);
+    }
     carry(&mut fitted, &mut &mut dives[..], &doubts(vehicle, &baseline, &pinned));
     loop {
         let unknown = (0..fitted.free.len())
@@ -258,6 +272,19 @@ pub fn identify(
     })
 }
 
+/// The identification of a log whose measured speed is too little to fit by.
+fn without_speed(
+    vehicle: &Vehicle,
+    observations: &[Observation],
+    request: &Request,
+    few: String,
+) -> Result<Identification, IdentifyError> {
+    let without: Vec<Observation> = observations.iter().map(|o| Observation { speed_m_s: f64::NAN, ..*o }).collect();
+    let mut found = identify(vehicle, &without, request)?;
+    found.warnings.insert(0, few);
+    Ok(found)
+}
+
 /// The error of the model as the steady fit has it, for another list of free parameters.
 fn model_error_of(free: &[usize], fitted: &Fit) -> Vec<f64> {
     if fitted.model_error.is_empty() {
@@ -311,7 +338,8 @@ fn legs_apart(question: &Question, joint: &Fit, dives: &[Dive]) -> Option<LegsAp
         let free = vec![parameter_index("b")?];
         let apart = Question { baseline, free, use_speed: false, ..question.clone() };
         let found = fit(&apart, &mut of_leg).ok()?;
-        Some((found.parameters.b, score(&found.parameters, &of_leg)))
+        let p = &found.parameters;
+        Some((p.b * if descends { 1.0 } else { p.ascent_b_ratio }, score(p, &of_leg)))
     };
     joint.free.contains(&offset).then_some(())?;
     let ((descent_b, descent), (ascent_b, ascent)) = (leg(true)?, leg(false)?);

@@ -2,7 +2,8 @@
 //!
 //! A bin, and where samples themselves are fitted a sample, weighs as much as the time it stands for. The water's own motion
 //! lasts for minutes: neighbours closer than that say the same thing again, and a glider that samples the upper water four
-//! times as often as the deep would otherwise have its hull constants from the upper water alone.
+//! times as often as the deep would otherwise have its hull constants from the upper water alone. A mean of few measured
+//! speeds has more of the sensor's noise in it than one of many, and weighs that much less ([`SpeedNoise`]).
 
 use std::ops::Range;
 
@@ -28,6 +29,8 @@ pub struct Dive {
     root_weights: Vec<f64>,
     /// Root of the time that each bin stands for, in the same measure.
     pub bin_root_weights: Vec<f64>,
+    /// What a few measured speeds scatter by.
+    speed_noise: SpeedNoise,
     /// Samples and bins of the dives before, so that every n-th one is one of the whole log, however short the dives.
     before: [usize; 2],
 }
@@ -39,6 +42,42 @@ pub(super) struct Stretch<'d> {
     /// The solution for the parameters tried last.
     pub guess: &'d mut Option<[f64; 2]>,
     pub root_weight: f64,
+    /// What the variance of its mean speed is beside that of the others \[m2/s2\].
+    pub speed_excess: f64,
+}
+
+/// The scatter of measured speeds inside bins: a mean of `n` of them has `s^2/n` of it, beside what whole bins scatter by.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct SpeedNoise {
+    /// Variance of one speed \[m2/s2\].
+    variance: f64,
+    /// Mean of `1/n` over the bins that have any.
+    mean_inverse: f64,
+}
+
+impl SpeedNoise {
+    fn of(dives: &[Dive]) -> SpeedNoise {
+        let (mut squares, mut freedom, mut inverses, mut bins) = (0.0, 0usize, 0.0, 0usize);
+        for dive in dives {
+            for bin in dive.bins.iter().filter(|bin| bin.speeds > 0) {
+                let speeds = dive.observations[bin.first..bin.first + bin.samples].iter().map(|o| o.speed_m_s);
+                squares += speeds.filter(|v| v.is_finite()).map(|v| (v - bin.mean.speed_m_s).powi(2)).sum::<f64>();
+                freedom += bin.speeds - 1;
+                inverses += 1.0 / bin.speeds as f64;
+                bins += 1;
+            }
+        }
+        // One speed in each bin: all of them weigh alike.
+        if freedom == 0 {
+            return SpeedNoise::default();
+        }
+        SpeedNoise { variance: squares / freedom as f64, mean_inverse: inverses / bins as f64 }
+    }
+
+    /// What the variance of this bin's mean is beside the mean of all bins \[m2/s2\].
+    fn excess(&self, bin: &Bin) -> f64 {
+        if bin.speeds == 0 { 0.0 } else { self.variance * (1.0 / bin.speeds as f64 - self.mean_inverse) }
+    }
 }
 
 impl Dive {
@@ -53,15 +92,25 @@ impl Dive {
             parts: Parts::new(&bins, &observations),
             bins,
             root_weights,
+            speed_noise: SpeedNoise::default(),
             before,
             observations,
         }
     }
 
+    /// The same dive among others that show what a few speeds scatter by.
+    fn with_speed_noise(self, speed_noise: SpeedNoise) -> Self {
+        Dive { speed_noise, ..self }
+    }
+
     /// Every `every`-th bin of the log.
     pub(super) fn stretches(&mut self, every: usize) -> impl Iterator<Item = Stretch<'_>> {
         let parts = self.bins.iter().zip(&self.inside).zip(&mut self.guesses).zip(&self.bin_root_weights);
-        let stretches = parts.map(|(((bin, inside), guess), root)| Stretch { bin, inside, guess, root_weight: *root });
+        let noise = self.speed_noise;
+        let stretches = parts.map(move |(((bin, inside), guess), root)| {
+            let speed_excess = noise.excess(bin);
+            Stretch { bin, inside, guess, root_weight: *root, speed_excess }
+        });
         stretches.skip((every - self.before[1] % every) % every).step_by(every)
     }
 
@@ -86,7 +135,8 @@ impl Dive {
         let kept = || (0..self.observations.len()).filter(|&i| keep(i, &self.observations[i]));
         let observations: Vec<Observation> = kept().map(|i| self.observations[i]).collect();
         let root_weights = kept().map(|i| self.root_weights[i]).collect();
-        (!observations.is_empty()).then(|| Dive::new(observations, root_weights, self.before))
+        (!observations.is_empty())
+            .then(|| Dive::new(observations, root_weights, self.before).with_speed_noise(self.speed_noise))
     }
 }
 
@@ -142,7 +192,9 @@ pub fn by_dive(observations: &[Observation]) -> Vec<Dive> {
         before[1] += dive.bins.len();
         dive
     };
-    dives.into_iter().zip(durations).map(placed).collect()
+    let dives: Vec<Dive> = dives.into_iter().zip(durations).map(placed).collect();
+    let speed_noise = SpeedNoise::of(&dives);
+    dives.into_iter().map(|dive| dive.with_speed_noise(speed_noise)).collect()
 }
 
 /// Runs of samples with one value of a key.

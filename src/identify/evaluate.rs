@@ -22,6 +22,17 @@ pub struct Weights {
     pub speed_m_s: f64,
 }
 
+/// A mean of many speeds has no less than this share of the usual variance: the water's own motion stays in it.
+const LEAST_VARIANCE: f64 = 0.25;
+
+impl Weights {
+    /// Root of the weight of a speed whose variance is by so much beside the usual \[m2/s2\].
+    pub(super) fn of_few_speeds(&self, excess: f64) -> f64 {
+        let usual = self.speed_m_s * self.speed_m_s;
+        if usual.is_finite() { (usual / (usual + excess).max(LEAST_VARIANCE * usual)).sqrt() } else { 1.0 }
+    }
+}
+
 /// How one quantity scatters about its prediction.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Scatter {
@@ -166,10 +177,11 @@ fn dive_rows<const N: usize>(
     every: usize,
 ) -> Tally {
     let mut rows = Rows::new(gram, n, weights);
-    for Stretch { bin, inside, guess, root_weight } in dive.stretches(every) {
+    for Stretch { bin, inside, guess, root_weight, speed_excess } in dive.stretches(every) {
         let predicted = inside.predict(glider, bin, *guess);
         *guess = predicted.map(|p: Prediction<_>| p.guess);
-        rows.glide(&bin.mean, predicted.map(|p| (p.sink_m_s, p.speed_m_s)), root_weight);
+        let root_weights = [root_weight, root_weight * weights.of_few_speeds(speed_excess)];
+        rows.glide(&bin.mean, predicted.map(|p| (p.sink_m_s, p.speed_m_s)), root_weights);
     }
     rows.close()
 }
@@ -200,11 +212,11 @@ impl<'g> Rows<'g> {
         &mut self,
         observed: &Observation,
         predicted: Option<(DualSVec64<N>, DualSVec64<N>)>,
-        root_weight: f64,
+        [of_sink, of_speed]: [f64; 2],
     ) {
-        self.first(observed.leg, observed.sink_m_s, predicted.map(|p| p.0), root_weight);
+        self.first(observed.leg, observed.sink_m_s, predicted.map(|p| p.0), of_sink);
         if observed.speed_m_s.is_finite() && self.weights.speed_m_s.is_finite() {
-            let residual = self.put(observed.speed_m_s, predicted.map(|p| p.1), root_weight, self.weights.speed_m_s);
+            let residual = self.put(observed.speed_m_s, predicted.map(|p| p.1), of_speed, self.weights.speed_m_s);
             self.tally.speed.add(residual);
             self.speed_sum += residual;
         }

@@ -46,6 +46,19 @@ pub fn built_up_lift_slope(vehicle: &Vehicle) -> Option<(Figure, &'static str)> 
     })
 }
 
+/// What to say where the vehicle's lift slope is not that of a real Slocum with its wings; nothing where it is, within two of
+/// the build-up's standard errors.
+pub(super) fn other_than_built_up(vehicle: &Vehicle) -> Option<String> {
+    let (slope, source) = built_up_lift_slope(vehicle)?;
+    let own = vehicle.glide_parameters().a_per_rad;
+    ((own - slope.value).abs() > 2.0 * slope.se).then(|| {
+        format!(
+            "the lift slope of `{}` is {own:.1} per rad, that of its paper; {source}: {:.1} +- {:.1} per rad. For the log of a real Slocum hold that one: --pin a={:.1}+-{:.1}",
+            vehicle.name, slope.value, slope.se, slope.value, slope.se
+        )
+    })
+}
+
 /// Scatter of the published `c` of the Slocum, on its frontal area \[1/rad2\]: 1.4 (Leonard and Graver 2001), 6.4 (Williams et
 /// al. 2007), 8.1 (Merckelbach et al. 2010) and 29 (the same authors' later code).
 const SLOCUM_C_SCATTER_PER_RAD2: f64 = 12.0;
@@ -91,9 +104,6 @@ pub fn unstated_error(row: &str) -> Option<f64> {
 /// What is known of a row of [`PARAMETERS`] without this log: its value, the standard error and the source.
 pub(super) fn from_outside(vehicle: &Vehicle, row: usize) -> (f64, Option<f64>, String) {
     let name = PARAMETERS[row].name;
-    if let (Some((slope, source)), "a_per_rad") = (built_up_lift_slope(vehicle), name) {
-        return (slope.value, Some(slope.se), source.to_owned());
-    }
     let value = vehicle.glide_parameters().as_array()[row];
     if is_any_slocum(vehicle) && name == "c_per_rad2" {
         let source = format!("vehicle `{}`; published for Slocums: 1.4 to 29", vehicle.name);

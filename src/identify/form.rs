@@ -11,6 +11,7 @@ use super::inflections::Comparison;
 use super::joint::Fit;
 use super::names::{long_name, short_name};
 use super::pitch_balance::{PitchBalance, PitchBalanceSummary};
+use super::speeds::Rows;
 use super::trim::Trim;
 use crate::dynamics::{PARAMETERS, parameter_index};
 use crate::hull_tests::Estimate;
@@ -34,6 +35,8 @@ pub struct Report {
     pub n_glides: usize,
     /// Steady samples; in the unsteady mode all that are flown through.
     pub n_samples: usize,
+    /// What there is of each quantity, and how many independent rows of the fit that is worth.
+    pub rows: BTreeMap<&'static str, Rows>,
     /// Identified parameters; `d` is null where it was not.
     pub parameters: BTreeMap<String, Option<Estimate>>,
     /// Their correlations.
@@ -148,6 +151,10 @@ impl Identification {
             trim_meaning: self.trim.sentence(),
             n_glides: legs.len(),
             n_samples: score.n,
+            rows: BTreeMap::from([
+                ("vertical_velocity", Rows::of_sink(&self.dives).worth(&self.fit.tally.sink)),
+                ("speed", Rows::of_speed(&self.dives).worth(&self.fit.tally.speed)),
+            ]),
             parameters,
             correlation: CorrelationTable {
                 names: fit.free.iter().map(|&row| short_name(PARAMETERS[row].name).to_owned()).collect(),

@@ -32,6 +32,7 @@ pub mod pitch_balance;
 pub mod polar_points;
 mod residuals;
 mod specification_test;
+mod speeds;
 mod trim;
 pub mod unsteady;
 mod within_bin;
@@ -49,6 +50,7 @@ pub use inflections::Unsteady;
 pub use joint::{Fit, IdentifyError, Question, fit};
 pub use model::{Inertia, Prediction, predict};
 pub use residuals::{Residual, Score, ScoreSums, residuals};
+pub use speeds::Rows;
 pub use trim::Trim;
 pub use within_bin::{Inside, Parts};
 

@@ -5,6 +5,9 @@
 //! parts at the present parameters: their inertia, averaged, is the bin's, and what their mean velocity is beside that of the
 //! mean is added to it. Slopes are those at the mean.
 //!
+//! A speed that was measured on some of the samples only is compared at those: the model's speed there, each from what was
+//! read some seconds around it, beside the speed at the bin's mean.
+//!
 //! Left out, it makes a summer's thermocline on a shelf pass for a hull that expands (docs/theory/identification.md has the figures).
 
 use std::ops::Range;
@@ -30,6 +33,10 @@ const EVEN_M3: f64 = 5e-6;
 /// Compressibility of a usual hull, which feels that much less of what pressure does to density \[1/Pa\].
 const USUAL_COMPRESSIBILITY_PER_PA: f64 = 4e-10;
 
+/// What is read within this time of a measured speed is the glide at its time \[s\]: less than the 10 to 30 s in which a
+/// glider's speed follows, so that what follows is not smoothed once more, and several samples of a pitch that has noise.
+const AROUND_S: f64 = 7.5;
+
 /// What is to be known of a bin beside its mean.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inside {
@@ -37,7 +44,7 @@ pub struct Inside {
     pub inertia: Inertia,
     /// What the mean downward velocity of the parts is beside that of the mean \[m/s\].
     pub sink_m_s: f64,
-    /// The same of the speed \[m/s\].
+    /// The same of the speed, at the times of the samples that have a measured one \[m/s\].
     pub speed_m_s: f64,
 }
 
@@ -61,6 +68,19 @@ impl Inside {
 pub struct Parts {
     means: Vec<Observation>,
     of_bin: Vec<Range<usize>>,
+    /// Where a speed was measured, of the bins in which not every sample has one.
+    at_speeds: Vec<AtSpeeds>,
+    at_speeds_of_bin: Vec<Range<usize>>,
+}
+
+/// The glide around some measured speeds that follow one another.
+#[derive(Debug, Clone)]
+struct AtSpeeds {
+    mean: Observation,
+    /// How many speeds they are.
+    speeds: f64,
+    /// The part whose inertia it has.
+    part: usize,
 }
 
 impl Parts {
@@ -71,7 +91,8 @@ impl Parts {
             let (begun, of_bin) = (parts.means.len(), &samples[bin.first..bin.first + bin.samples]);
             let is_even = range(of_bin.iter().map(felt_density_kg_m3)) < EVEN_KG_M3
                 && range(of_bin.iter().map(|o| o.ballast_m3)) < EVEN_M3;
-            let part_s = if is_even { f64::INFINITY } else { PART_S.max(lasts_s(of_bin) / MOST_PARTS) };
+            let short_s = PART_S.max(lasts_s(of_bin) / MOST_PARTS);
+            let part_s = if is_even { f64::INFINITY } else { short_s };
             let mut start = 0;
             for end in 1..=of_bin.len() {
                 if end == of_bin.len() || of_bin[end].time_s - of_bin[start].time_s >= part_s {
@@ -80,8 +101,33 @@ impl Parts {
                 }
             }
             parts.of_bin.push(begun..parts.means.len());
+            let with_speed = parts.at_speeds.len();
+            if (1..of_bin.len()).contains(&bin.speeds) {
+                parts.look_at_speeds(of_bin, begun, short_s);
+            }
+            parts.at_speeds_of_bin.push(with_speed..parts.at_speeds.len());
         }
         parts
+    }
+
+    /// Takes the glide around the speeds of a bin whose parts begin at this one, those within `short_s` together.
+    fn look_at_speeds(&mut self, of_bin: &[Observation], first_part: usize, short_s: f64) {
+        let of_speeds: Vec<usize> = (0..of_bin.len()).filter(|&i| of_bin[i].speed_m_s.is_finite()).collect();
+        for together in of_speeds.chunk_by(|&i, &j| {
+            let piece = |i: usize| ((of_bin[i].time_s - of_bin[0].time_s) / short_s).floor();
+            piece(i) == piece(j)
+        }) {
+            let around: Vec<Observation> = together.iter().map(|&i| mean(around(of_bin, i))).collect();
+            let mean = mean(&around);
+            let is_later = |part: &&Observation| part.time_s <= mean.time_s;
+            let begun = self.means[first_part..].iter().take_while(is_later).count();
+            // Parts are known by their middles: the nearer one of two.
+            let nearest = (begun.saturating_sub(1)..=begun)
+                .filter_map(|i| self.means.get(first_part + i).map(|part| (first_part + i, part)))
+                .min_by(|a, b| (a.1.time_s - mean.time_s).abs().total_cmp(&(b.1.time_s - mean.time_s).abs()));
+            let part = nearest.map_or(first_part, |(part, _)| part);
+            self.at_speeds.push(AtSpeeds { mean, speeds: together.len() as f64, part });
+        }
     }
 
     /// What happens inside each bin at these parameters; `bins` are those of [`new`](Self::new).
@@ -94,10 +140,10 @@ impl Parts {
             guess = Some(found.guess);
             Some([found.sink_m_s, found.speed_m_s])
         };
-        let mut of_bin = |bin: &Bin, parts: &Range<usize>| {
+        let mut of_bin = |bin: &Bin, parts: &Range<usize>, at_speeds: &Range<usize>| {
             let n = parts.len() as f64;
-            let of_parts = &of_parts[parts.clone()];
-            let of = |value: fn(&Inertia) -> f64| of_parts.iter().map(value).sum::<f64>() / n;
+            let of_bin = &of_parts[parts.clone()];
+            let of = |value: fn(&Inertia) -> f64| of_bin.iter().map(value).sum::<f64>() / n;
             let inertia = Inertia {
                 net_mass_kg: of(|i| i.net_mass_kg),
                 pitch_rad: of(|i| i.pitch_rad),
@@ -105,14 +151,31 @@ impl Parts {
             };
             let at_mean = fly(&bin.mean, &inertia)?;
             let mut beside = [0.0; 2];
-            for (part, inertia) in self.means[parts.clone()].iter().zip(of_parts) {
+            for (part, inertia) in self.means[parts.clone()].iter().zip(of_bin) {
                 let flown = fly(part, inertia)?;
                 (0..2).for_each(|i| beside[i] += (flown[i] - at_mean[i]) / n);
             }
+            let at_speeds = &self.at_speeds[at_speeds.clone()];
+            if !at_speeds.is_empty() {
+                let speeds: f64 = at_speeds.iter().map(|at| at.speeds).sum();
+                beside[1] = 0.0;
+                for at in at_speeds {
+                    beside[1] += (fly(&at.mean, &of_parts[at.part])?[1] - at_mean[1]) * at.speeds / speeds;
+                }
+            }
             Some(Inside { inertia, sink_m_s: beside[0], speed_m_s: beside[1] })
         };
-        bins.iter().zip(&self.of_bin).map(|(bin, parts)| of_bin(bin, parts).unwrap_or(Inside::NOTHING)).collect()
+        let of_bins = bins.iter().zip(&self.of_bin).zip(&self.at_speeds_of_bin);
+        of_bins.map(|((bin, parts), at)| of_bin(bin, parts, at).unwrap_or(Inside::NOTHING)).collect()
     }
+}
+
+/// The samples within [`AROUND_S`] of one.
+fn around(samples: &[Observation], i: usize) -> &[Observation] {
+    let is_near = |other: &&Observation| (other.time_s - samples[i].time_s).abs() <= AROUND_S;
+    let before = samples[..i].iter().rev().take_while(is_near).count();
+    let after = samples[i..].iter().take_while(is_near).count();
+    &samples[i - before..i + after.max(1)]
 }
 
 /// Density as a hull feels it that yields to pressure itself.

@@ -19,7 +19,7 @@ use crate::glide::{Attitude, GlideError, at_pitch};
 use crate::simulate::mission::LegOrder;
 
 pub use crate::assemble::Sensor;
-pub use outlook::{Ask, Outlook, PlanError, outlook};
+pub use outlook::{Ask, Outlook, PlanError, UNSTATED_SPEED_ERROR, outlook, states_polar_errors};
 
 /// Relative gain of sea water's density per gauge pressure \[1/Pa\]: the adiabatic compressibility of sea water at
 /// 10 degC, 35 and 500 dbar by TEOS-10; within 6 % over the open ocean's upper 2000 m.

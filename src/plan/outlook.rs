@@ -2,7 +2,7 @@
 //!
 //! Linear propagation: each figure with a standard error in the vehicle file moves the plan by half the difference
 //! between one standard error up and one down; independent figures add in squares. The model error is one more such
-//! figure, a factor on the energy of a dive.
+//! figure, a factor on the energy of a dive; the speed of a polar whose errors nobody stated is another.
 
 use super::{Consumers, Dive, PerDive, per_dive};
 use crate::assemble::Sensor;
@@ -70,7 +70,7 @@ const UNITS: [&str; N] = ["h", "km", "kJ", "kJ", "kJ", "kJ", "kJ", "d", "1", "1"
 /// # Errors
 /// Where a leg cannot be flown, or nothing draws on the battery.
 pub fn outlook(vehicle: &Vehicle, ask: &Ask) -> Result<Outlook, PlanError> {
-    let centre = quantities(vehicle, ask, 1.0)?;
+    let centre = quantities(vehicle, ask, 1.0, 1.0)?;
     let mut variance = [0.0; N];
     let mut add = |up: [f64; N], down: [f64; N]| {
         for (variance, (up, down)) in variance.iter_mut().zip(up.into_iter().zip(down)) {
@@ -85,11 +85,16 @@ pub fn outlook(vehicle: &Vehicle, ask: &Ask) -> Result<Outlook, PlanError> {
             let mut vehicle = vehicle.clone();
             // A key with an uncertainty is a key; the value stays what it was where it is not.
             let _ = vehicle.set(path, value + by);
-            quantities(&vehicle, ask, 1.0)
+            quantities(&vehicle, ask, 1.0, 1.0)
         };
         add(moved(se)?, moved(-se)?);
     }
-    add(quantities(vehicle, ask, 1.0 + ask.model_error)?, quantities(vehicle, ask, 1.0 - ask.model_error)?);
+    let of_energy = |factor| quantities(vehicle, ask, factor, 1.0);
+    add(of_energy(1.0 + ask.model_error)?, of_energy(1.0 - ask.model_error)?);
+    if !states_polar_errors(vehicle) {
+        let of_speed = |factor| quantities(vehicle, ask, 1.0, factor);
+        add(of_speed(1.0 + UNSTATED_SPEED_ERROR)?, of_speed(1.0 - UNSTATED_SPEED_ERROR)?);
+    }
     let [d0, d1, d2, d3, d4, d5, d6, days, dives, pumpings, distance, energy, left, percent] =
         std::array::from_fn(|i| Estimate::normal(centre[i], variance[i].sqrt(), UNITS[i]));
     Ok(Outlook {
@@ -110,7 +115,16 @@ pub fn outlook(vehicle: &Vehicle, ask: &Ask) -> Result<Outlook, PlanError> {
     })
 }
 
-fn quantities(vehicle: &Vehicle, ask: &Ask, energy_factor: f64) -> Result<[f64; N], PlanError> {
+/// Error of the speed of a polar whose errors are not stated, relative: by so much two flight models of one Seaglider, both
+/// fitted to its vertical velocity, differ in speed.
+pub const UNSTATED_SPEED_ERROR: f64 = 0.1;
+
+/// Whether the vehicle states errors of its lift and drag.
+pub fn states_polar_errors(vehicle: &Vehicle) -> bool {
+    vehicle.uncertainty.keys().any(|path| path.starts_with("hydro."))
+}
+
+fn quantities(vehicle: &Vehicle, ask: &Ask, energy_factor: f64, speed_factor: f64) -> Result<[f64; N], PlanError> {
     let get = |path: &str| vehicle.get(path).unwrap_or(0.0);
     let consumers = Consumers {
         battery_J: ask.battery_J,
@@ -119,7 +133,9 @@ fn quantities(vehicle: &Vehicle, ask: &Ask, energy_factor: f64) -> Result<[f64; 
         pitch_moves: ask.pitch_moves,
         surfacing_J: get("energy.surfacing_J"),
     };
-    let parameters = ask.sensor.carried_by(&vehicle.parameters()?);
+    let mut parameters = ask.sensor.carried_by(&vehicle.parameters()?);
+    // Forces go with area and the square of speed: the same glides, faster by the factor.
+    parameters.frontal_area_m2 /= speed_factor * speed_factor;
     let one: PerDive = per_dive(&parameters, &ask.dive, &consumers)?;
     let energy_J = one.energy_J() * energy_factor;
     if energy_J <= 0.0 {

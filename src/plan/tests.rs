@@ -113,6 +113,10 @@ fn intervals_are_the_sum_of_squares_of_what_moves_the_plan() {
         model_error: 0.05,
         sensor: Sensor::default(),
     };
+    // A polar of which no error is stated is taken for 10 % off in speed, and most of a dive is spent under way.
+    let unstated = outlook(&vehicle, &ask).unwrap().dive_duration_h;
+    assert!((0.08..0.101).contains(&(unstated.se / unstated.value)), "{unstated:?}");
+    vehicle.set("uncertainty.hydro.d_per_rad", 0.0).unwrap();
     let model_only = outlook(&vehicle, &ask).unwrap();
     // Energy and days are proportional and inversely proportional to the factor.
     assert!((model_only.dive_energy_kJ.se / model_only.dive_energy_kJ.value - 0.05).abs() < 1e-9);

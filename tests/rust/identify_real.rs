@@ -70,7 +70,12 @@ fn comet_flown_through_time_beats_steady_glides_where_it_turns() {
 
 #[test]
 fn comet_without_speed_does_not_tell_the_lift_slope() {
-    let Some(found) = run(&["identify", COMET[1], "--vehicle", "slocum-graver", COMET[6], COMET[7]]) else { return };
+    // The lift slope of that vehicle is its paper's; a winged Slocum has the one that the command names.
+    let Some(own) = run(&["identify", COMET[1], "--vehicle", "slocum-graver", COMET[6], COMET[7]]) else { return };
+    assert!((number(&own["pinned"]["a"]["value"]) - 7.242).abs() < 1e-3);
+    assert!(own["warnings"].to_string().contains("--pin a=21"), "{}", own["warnings"]);
+    let pinned = ["identify", COMET[1], "--vehicle", "slocum-graver", COMET[6], COMET[7], "--pin", "a=21.1+-2.9"];
+    let Some(found) = run(&pinned) else { return };
     assert_eq!(found["identifiable"]["a"], false);
     let pin = &found["pinned"]["a"];
     // The error of the build-up goes to b and c, most of it to c; b's interval then holds what the measured speed says.

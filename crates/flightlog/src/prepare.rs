@@ -65,6 +65,11 @@ impl Preparation {
         }
     }
 
+    /// Takes another acceleration of gravity from now on \[m/s2\].
+    pub fn set_gravity(&mut self, gravity_m_s2: f64) {
+        self.settings.gravity_m_s2 = gravity_m_s2;
+    }
+
     /// What was found in the log and done about it so far.
     pub fn notes(&self) -> &Notes {
         &self.notes
@@ -95,7 +100,7 @@ impl Preparation {
     /// The filter for the vertical velocity in a sentence.
     pub fn filter(&self) -> String {
         format!(
-            "slope of the least-squares line through the pressure within +-{} s of each sample (one sample on each side at least), over the in-situ density and g = {} m/s2",
+            "slope of the least-squares line through the pressure within +-{} s of each sample (one sample on each side at least), over the in-situ density and g = {:.4} m/s2",
             self.settings.half_window_s, self.settings.gravity_m_s2
         )
     }
@@ -171,6 +176,7 @@ impl Preparation {
         let s = self.settings.clone();
         let pressure = pressure_dbar(&log, &s);
         let keep: Vec<bool> = pressure.iter().map(|p| p.is_finite()).collect();
+        speeds_to_rows(&mut log, &keep);
         self.notes.add("rows without pressure, left out", keep.iter().filter(|&&keep| !keep).count());
         log.set(Channel::Pressure, pressure);
         log.retain(&keep);
@@ -308,6 +314,29 @@ fn pressure_dbar(log: &FlightLog, settings: &Settings) -> Vec<f64> {
             log.at(Channel::Depth, i) * density * settings.gravity_m_s2 / DBAR_PA
         })
         .collect()
+}
+
+/// Takes speeds on rows that are left out, as those of a sensor with a clock of its own, to the nearest row that is kept and
+/// has none, within a sampling interval: the model's speed is no other there.
+fn speeds_to_rows(log: &mut FlightLog, keep: &[bool]) {
+    if log.column(Channel::Speed).is_empty() || keep.iter().all(|&keep| keep) {
+        return;
+    }
+    let kept: Vec<usize> = (0..keep.len()).filter(|&i| keep[i]).collect();
+    let time = log.column(Channel::Time).to_vec();
+    let reach_s = median_step(&kept.iter().map(|&i| time[i]).collect::<Vec<_>>());
+    let speeds = log.column_mut(Channel::Speed);
+    for i in (0..keep.len()).filter(|&i| !keep[i]) {
+        if !speeds[i].is_finite() {
+            continue;
+        }
+        let after = kept.partition_point(|&row| row < i);
+        let near = kept[after.saturating_sub(1)..(after + 1).min(kept.len())].iter().copied();
+        let free = near.filter(|&row| speeds[row].is_nan() && (time[row] - time[i]).abs() <= reach_s);
+        if let Some(row) = free.min_by(|&a, &b| (time[a] - time[i]).abs().total_cmp(&(time[b] - time[i]).abs())) {
+            speeds[row] = speeds[i];
+        }
+    }
 }
 
 /// Density by TEOS-10 in each row, in situ and at p = 0; NaN where the water was not measured.

@@ -83,7 +83,7 @@ impl<'a> Layout<'a> {
         let count = figure.panels.len();
         let heights: Vec<f64> = figure.panels.iter().map(|p| height_of(p, count)).collect();
         let all = || figure.panels.iter().flat_map(|p| &p.layers);
-        let scales: Vec<Scale> = figure.panels.iter().zip(&heights).map(|(p, h)| y_scale(p, *h)).collect();
+        let mut scales: Vec<Scale> = figure.panels.iter().zip(&heights).map(|(p, h)| y_scale(p, *h)).collect();
         let labels: Vec<Vec<String>> =
             figure.panels.iter().zip(&scales).zip(&heights).map(|((p, s), h)| y_label(&p.y, s, *h)).collect();
         let lines = labels.iter().map(Vec::len).max().unwrap_or(1) as f64;
@@ -91,11 +91,21 @@ impl<'a> Layout<'a> {
 
         let points = all().any(|l| matches!(l.shape, Shape::Points { .. }));
         let room = if points { 0.04 } else { 0.0 };
-        let x = Scale::new(&figure.x, extent(all().flat_map(Layer::xs)), room, ((WIDTH - left) / 66.0) as usize);
+        let mut x = Scale::new(&figure.x, extent(all().flat_map(Layer::xs)), room, ((WIDTH - left) / 66.0) as usize);
         let share = (WIDTH - 12.0 - left) / x.ticks.len().max(1) as f64;
         let upward = !figure.x.names.is_empty() && widest([&x]) + 8.0 > share;
         let last = x.ticks.last().filter(|_| !upward).map_or(0.0, |(_, text)| width(text, TICK_SIZE, false) / 2.0);
         let right = WIDTH - (last + 2.0).clamp(12.0, 60.0);
+
+        if let (true, [y], [panel], [height]) = (figure.is_map, &mut scales[..], &figure.panels[..], &heights[..]) {
+            let per_pixel = ((x.to - x.from) / (right - left)).max((y.to - y.from) / height);
+            let about = |axis: &Axis, scale: &Scale, pixels: f64, ticks: usize| {
+                let (middle, half) = (0.5 * (scale.from + scale.to), 0.5 * per_pixel * pixels);
+                Scale::new(&axis.clone().range(middle - half, middle + half), (f64::NAN, f64::NAN), 0.0, ticks)
+            };
+            *y = about(&panel.y, y, *height, 8);
+            x = about(&figure.x, &x, right - left, ((WIDTH - left) / 66.0) as usize);
+        }
 
         let mut shown = BTreeSet::new();
         let mut top = 8.0 + if figure.title.is_some() { 24.0 } else { 0.0 };

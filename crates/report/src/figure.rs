@@ -13,6 +13,8 @@ pub struct Figure {
     pub x: Axis,
     /// From top to bottom.
     pub panels: Vec<Panel>,
+    /// Whether a length along x is as long along y, as on a map; of a figure with one panel.
+    pub is_map: bool,
 }
 
 /// One coordinate system of a figure.
@@ -117,7 +119,7 @@ pub enum Dash {
 impl Figure {
     /// A figure without panels yet.
     pub fn new(name: impl Into<String>, x: Axis) -> Self {
-        Figure { name: name.into(), title: None, caption: String::new(), x, panels: Vec::new() }
+        Figure { name: name.into(), title: None, caption: String::new(), x, panels: Vec::new(), is_map: false }
     }
 
     /// With a title above the panels.
@@ -128,6 +130,11 @@ impl Figure {
     /// With a caption.
     pub fn caption(self, caption: impl Into<String>) -> Self {
         Figure { caption: caption.into(), ..self }
+    }
+
+    /// With axes of one scale, as on a map.
+    pub fn map(self) -> Self {
+        Figure { is_map: true, ..self }
     }
 
     /// With one more panel below the others.

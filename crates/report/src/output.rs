@@ -5,6 +5,8 @@
 //! - in an [`OutputFolder`], files that the program wrote there and nobody has changed since;
 //! - single files, as [`Replace`] says.
 //!
+//! What it wrote it remembers in a small file beside it, `.glidepolar`: name, length and checksum.
+//!
 //! What stands in the way is found before the first file is written: a folder takes all files, and looks at the place of
 //! each, before it writes any.
 
@@ -12,7 +14,7 @@ use glidepolar_archive::PARTIAL;
 use glidepolar_input::{InputError, Place, printable};
 use std::collections::HashSet;
 use std::fs::{self, File};
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::io::{self, Read, Write};
 use std::path::{Component, Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
@@ -21,8 +23,8 @@ use std::time::{Duration, SystemTime};
 pub enum Replace {
     /// Nothing: the file must be new. For what people edit afterwards, as vehicle files.
     Never,
-    /// A file that is this program's by its looks: with the word `glidepolar` or `tank-reduce` within its first or last
-    /// 4 KiB, as JSON has it in its `schema`, or a table with the very columns of the new one.
+    /// A file that this program wrote, that nobody has changed since, and that is of the kind of the new one: an archive for
+    /// an archive, a result of the same schema, a table of the same columns.
     Own,
     /// Anything: the user said `--force`.
     Any,
@@ -39,11 +41,20 @@ pub fn write_whole(path: impl AsRef<Path>, bytes: &[u8], replace: Replace) -> Re
     let path = path.as_ref();
     let target = may_write(path, bytes, replace)?;
     let is_device = fs::metadata(&target).is_ok_and(|existing| !existing.is_file());
-    let written = match is_device {
-        true => File::options().write(true).open(&target).and_then(|mut f| f.write_all(bytes)),
-        false => place(&target, bytes),
-    };
-    written.map_err(|e| failed(path, &e))
+    if is_device {
+        let written = File::options().write(true).open(&target).and_then(|mut f| f.write_all(bytes));
+        return written.map_err(|e| failed(path, &e));
+    }
+    place(&target, bytes).map_err(|e| failed(path, &e))?;
+    if let (Some(folder), Some(name)) = (folder_of(&target), target.file_name().and_then(|name| name.to_str())) {
+        // A folder that keeps no record asks for --force the next time; the result is there all the same.
+        let _ = record(folder, &entry_of(name, bytes));
+    }
+    Ok(())
+}
+
+fn folder_of(file: &Path) -> Option<&Path> {
+    file.parent().map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder })
 }
 
 /// Finds out whether [`write_whole`] will write there, before anything else is written. A device or pipe is not touched:
@@ -65,7 +76,13 @@ fn may_write(path: &Path, bytes: &[u8], replace: Replace) -> Result<PathBuf, Out
         Ok(existing) if existing.is_dir() => return Err(is_folder(path)),
         Ok(existing) if !existing.is_file() => {}
         Ok(_) if replace == Replace::Never || (replace == Replace::Own && !is_own()?) => {
-            return Err(refused(path, "exists already"));
+            return Err(refused(
+                path,
+                match replace {
+                    Replace::Never => "exists already",
+                    _ => "was not written by this command, or was changed since",
+                },
+            ));
         }
         _ => {}
     }
@@ -97,10 +114,7 @@ impl OutputFolder {
             error => error,
         };
         fs::create_dir_all(&root).map_err(failed)?;
-        let written = match fs::read(root.join(RECORD)) {
-            Ok(record) => String::from_utf8_lossy(&record).lines().filter_map(entry).collect(),
-            Err(_) => HashSet::new(),
-        };
+        let written = recorded(&root);
         sweep(&root);
         Ok(OutputFolder { root, force, written, files: Vec::new() })
     }
@@ -156,14 +170,30 @@ impl OutputFolder {
     }
 
     fn record(&self, name: &str, bytes: &[u8]) -> io::Result<()> {
-        let entry = (name.to_owned(), bytes.len() as u64, crc32fast::hash(bytes));
-        if self.written.contains(&entry) {
-            return Ok(());
-        }
-        let line = format!("{:08x} {} {}\n", entry.2, entry.1, entry.0);
-        // One short write in append mode, so that several programs do not mix their lines.
-        File::options().append(true).create(true).open(self.root.join(RECORD))?.write_all(line.as_bytes())
+        let entry = entry_of(name, bytes);
+        if self.written.contains(&entry) { Ok(()) } else { record(&self.root, &entry) }
     }
+}
+
+/// Name, length and checksum of a file that was written.
+type Entry = (String, u64, u32);
+
+fn entry_of(name: &str, bytes: &[u8]) -> Entry {
+    (name.to_owned(), bytes.len() as u64, crc32fast::hash(bytes))
+}
+
+/// What the record of a folder has.
+fn recorded(folder: &Path) -> HashSet<Entry> {
+    match fs::read(folder.join(RECORD)) {
+        Ok(record) => String::from_utf8_lossy(&record).lines().filter_map(entry).collect(),
+        Err(_) => HashSet::new(),
+    }
+}
+
+fn record(folder: &Path, entry: &Entry) -> io::Result<()> {
+    let line = format!("{:08x} {} {}\n", entry.2, entry.1, entry.0);
+    // One short write in append mode, so that several programs do not mix their lines.
+    File::options().append(true).create(true).open(folder.join(RECORD))?.write_all(line.as_bytes())
 }
 
 fn refused(path: &Path, why: &str) -> OutputError {
@@ -222,26 +252,57 @@ fn sum_of(path: &Path) -> io::Result<(u64, u32)> {
     }
 }
 
-/// Whether a file looks like one of this program's, or is a table of the same columns as the new content.
+/// Whether a file was written by this program as it is, and is of the kind of the new content.
 fn is_own(path: &Path, new: &[u8]) -> io::Result<bool> {
-    const ENDS: u64 = 4096;
-    let mut file = File::open(path)?;
-    let length = file.metadata()?.len();
-    let (mut head, mut tail) = (Vec::new(), Vec::new());
-    Read::by_ref(&mut file).take(ENDS).read_to_end(&mut head)?;
-    file.seek(SeekFrom::Start(length.saturating_sub(ENDS)))?;
-    file.take(ENDS).read_to_end(&mut tail)?;
-    let marked = |end: &[u8], mark: &str| end.windows(mark.len()).any(|w| w == mark.as_bytes());
-    let has_mark = ["glidepolar", "tank-reduce"].iter().any(|mark| marked(&head, mark) || marked(&tail, mark));
-    let columns = columns(&head);
-    Ok(has_mark || columns.is_some() && columns == self::columns(new))
+    let (Some(folder), Some(name)) = (folder_of(path), path.file_name().and_then(|name| name.to_str())) else {
+        return Ok(false);
+    };
+    let written = recorded(folder);
+    if !written.iter().any(|(known, ..)| known == name) {
+        return Ok(false);
+    }
+    let (length, sum) = sum_of(path)?;
+    if !written.contains(&(name.to_owned(), length, sum)) {
+        return Ok(false);
+    }
+    const HEAD: u64 = 4096;
+    let mut head = Vec::new();
+    File::open(path)?.take(HEAD).read_to_end(&mut head)?;
+    Ok(match (kind(&head), kind(&new[..new.len().min(HEAD as usize)])) {
+        // Whoever looks before there is a result asks with an empty one.
+        (Kind::Json(_), Kind::Json(None)) => true,
+        (old, new) => old == new,
+    })
 }
 
-/// The first line, where it is that of a table.
-fn columns(content: &[u8]) -> Option<&[u8]> {
-    let line = content.split(|b| *b == b'\n').next()?;
-    (line.len() < content.len() && line.contains(&b',')).then_some(line.trim_ascii_end())
+/// What a file is, by its beginning.
+#[derive(Debug, PartialEq)]
+enum Kind<'a> {
+    Archive,
+    Page,
+    /// JSON with its schema, `{}` for one that is to come.
+    Json(Option<&'a [u8]>),
+    /// A table with its columns.
+    Table(&'a [u8]),
+    Text,
 }
+
+fn kind(head: &[u8]) -> Kind<'_> {
+    let text = head.trim_ascii_start();
+    if head.starts_with(b"PK") {
+        Kind::Archive
+    } else if text.starts_with(b"<") {
+        Kind::Page
+    } else if text.starts_with(b"{") {
+        let schema = text.windows(SCHEMA.len()).position(|window| window == SCHEMA);
+        Kind::Json(schema.and_then(|at| text[at + SCHEMA.len()..].split(|b| *b == b'"').nth(1)))
+    } else {
+        let line = head.split(|b| *b == b'\n').find(|line| !line.starts_with(b"#")).unwrap_or(head);
+        if line.len() < head.len() && line.contains(&b',') { Kind::Table(line.trim_ascii_end()) } else { Kind::Text }
+    }
+}
+
+const SCHEMA: &[u8] = b"\"schema\":";
 
 #[cfg(test)]
 mod tests {
@@ -313,11 +374,18 @@ mod tests {
         let own = dir.path().join("own.json");
         write_whole(&own, br#"{"schema": "glidepolar.identify/1"}"#, Replace::Never).unwrap();
         assert!(write_whole(&own, b"x", Replace::Never).is_err());
-        write_whole(&own, b"foreign", Replace::Own).unwrap();
-        assert!(write_whole(&own, b"x", Replace::Own).is_err());
-        assert_eq!(fs::read(&own).unwrap(), b"foreign");
+        write_whole(&own, br#"{"schema": "glidepolar.identify/1", "n": 2}"#, Replace::Own).unwrap();
+        // Another command's result, an archive, and a result that was edited stay.
+        for other in [&br#"{"schema": "glidepolar.plan/1"}"#[..], b"PK\x03\x04", b"time_s,depth_m\n0,1\n"] {
+            assert!(write_whole(&own, other, Replace::Own).is_err());
+        }
+        fs::write(&own, br#"{"schema": "glidepolar.identify/1", "n": 3}"#).unwrap();
+        assert!(write_whole(&own, br#"{"schema": "glidepolar.identify/1"}"#, Replace::Own).is_err());
         write_whole(&own, b"x", Replace::Any).unwrap();
         assert_eq!(fs::read(&own).unwrap(), b"x");
+        // A file with the program's name in it is a user's own where this program did not write it.
+        fs::write(&own, br#"{"schema": "glidepolar.identify/1"}"#).unwrap();
+        assert!(write_whole(&own, br#"{"schema": "glidepolar.identify/1"}"#, Replace::Own).is_err());
 
         let table = dir.path().join("history.csv");
         write_whole(&table, b"time_s,depth_m\n0,1\n", Replace::Own).unwrap();

@@ -71,7 +71,7 @@ fn a_log_that_contradicts_itself_is_refused_by_every_command() {
 }
 
 #[test]
-fn a_doubtful_density_is_a_warning_with_what_to_do() {
+fn a_density_that_the_log_shows_to_be_wrong_is_corrected_by_every_command_and_it_is_said() {
     let warned = |command: &[&str], rows: &[Row]| {
         let result = told(command, rows).unwrap_or_else(|error| panic!("{command:?}: {error}"));
         let warnings = result["warnings"].as_array().expect("warnings").clone();
@@ -86,11 +86,16 @@ fn a_doubtful_density_is_a_warning_with_what_to_do() {
         {
             let found = warned(command, &rows);
             assert!(
-                found.len() == 1 && found[0].contains(expected) && found[0].contains("run `glidepolar diagnose`"),
+                found.len() == 1 && found[0].contains(expected) && found[0].contains("corrected"),
                 "{command:?}: {found:?}"
             );
         }
     }
+    // What follows is what follows from the density as it should have been.
+    let drag = |rows: &[Row]| told(COMMANDS[0], rows).expect("a fit")["parameters"]["b"]["value"].as_f64().expect("b");
+    let true_density = changed(|row| row[4] = in_situ_density_kg_m3(35.0, 10.0, row[1], f64::NAN, f64::NAN));
+    let (corrected, expected) = (drag(&changed(|row| row[4] = surface)), drag(&true_density));
+    assert!((corrected / expected - 1.0).abs() < 1e-6, "{corrected} beside {expected}");
 }
 
 #[test]

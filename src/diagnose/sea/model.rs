@@ -230,7 +230,7 @@ mod tests {
             stretch: 0,
             steady: true,
         };
-        let bin = Bin { mean, first: 0, samples: 10, sink_sd_m_s: 0.002, speed_sd_m_s: 0.03 };
+        let bin = Bin { mean, first: 0, samples: 10, speeds: 10, sink_sd_m_s: 0.002, speed_sd_m_s: 0.03 };
         let rows: Vec<usize> = (0..PARAMETERS.len()).collect();
         assert!(rows.len() > DIRECTIONS_OF_A_PASS, "the test needs more than one pass");
         let (sink, speed) = Vehicle::new(&parameters, &Directions::new(&rows)).fly(&bin, &Inside::NOTHING);

@@ -195,7 +195,7 @@ fn rows<const N: usize>(
     let flight = fly(flyer, passage);
     let mut rows = Rows::new(gram, n, weights);
     for (i, observed) in passage.observations.iter().enumerate().filter(|(i, _)| passage.counts[*i]) {
-        rows.glide(observed, flight.at(passage, &flyer.lifted, i), passage.root_weights[i]);
+        rows.glide(observed, flight.at(passage, &flyer.lifted, i), [passage.root_weights[i]; 2]);
     }
     rows.close()
 }

@@ -1,0 +1,226 @@
+//! A pilot's commands as a pilot types them: what they write over, what they say where they do not know, and what comes back
+//! from a log that the program itself has flown.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use glidepolar_tests::Built;
+use serde_json::Value;
+
+const MISSION: &str = r#"
+name = "A day of dives"
+source = "made up"
+[voyage]
+duration_h = 12.0
+[dive]
+max_depth_m = 120.0
+[glide]
+pitch_down_deg = -24.0
+pitch_up_deg = 26.0
+ballast_down_cc = -150.0
+ballast_up_cc = 170.0
+[surfacing]
+stay_min = 6.0
+"#;
+
+fn run(folder: &Path, arguments: &[&str]) -> Option<Output> {
+    let program = Built::Glidepolar.path()?;
+    Some(Command::new(program).current_dir(folder).args(arguments).output().expect("it starts"))
+}
+
+fn ok(folder: &Path, arguments: &[&str]) -> Option<String> {
+    let output = run(folder, arguments)?;
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    Some(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+fn json(folder: &Path, arguments: &[&str]) -> Option<Value> {
+    let text = ok(folder, &[arguments, &["--json", "-"]].concat())?;
+    Some(serde_json::from_str(&text).expect("JSON and nothing else"))
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+/// A log of the vehicle by the simulator, noise of a millimetre of depth and a hundredth of a degree added by its resolution.
+fn log_of(folder: &Path, vehicle: &str, more: &str) -> Option<String> {
+    std::fs::write(folder.join("mission.toml"), format!("{MISSION}{more}")).expect("a file");
+    let log = format!("{}.csv", vehicle.replace(['.', '/'], "_"));
+    let arguments =
+        ["simulate", vehicle, "--mission", "mission.toml", "--interval", "10", "--log", &log, "--fixes", "fixes.csv"];
+    ok(folder, &[&arguments[..], &["-q", "--force"]].concat())?;
+    Some(log)
+}
+
+#[test]
+fn the_intervals_hold_what_the_vehicle_of_a_simulated_log_is() {
+    for vehicle in ["rogue", "slocum-graver", "slocum-049", "adelaide", "seaglider"] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let Some(log) = log_of(folder.path(), vehicle, "") else { return };
+        let Some(found) = json(folder.path(), &["identify", &log, "--vehicle", vehicle, "--trim", "vehicle"]) else {
+            return;
+        };
+        let text = ok(folder.path(), &["vehicles", vehicle]).expect("the file");
+        let own: toml::Table = text.parse().expect("a vehicle file");
+        for (name, key) in [("a", "a_per_rad"), ("b", "b"), ("c", "c_per_rad2")] {
+            let of_leg = own["hydro"].get("descent").and_then(|leg| leg.get(key));
+            let truth = of_leg.unwrap_or(&own["hydro"][key]).as_float().expect("a number");
+            let q = &found["parameters"][name];
+            let slack = 2e-3 * truth.abs();
+            let (low, high) = (number(&q["ci95"][0]) - slack, number(&q["ci95"][1]) + slack);
+            assert!((low..=high).contains(&truth), "{vehicle} {name}: {truth} beside {q}");
+        }
+        let offset = &found["parameters"]["ballast_offset_kg"];
+        assert!(number(&offset["value"]).abs() < 3e-3, "{vehicle}: {offset}");
+        // Its own polar comes back with its own speeds, legs and all.
+        ok(
+            folder.path(),
+            &["identify", &log, "--vehicle", vehicle, "--trim", "vehicle", "--write", "identified.toml", "-q"],
+        );
+        let speed = |vehicle: &str| {
+            let glide = ["glide", vehicle, "--net-mass-kg", "0.12", "--pitch-deg", "-24"];
+            number(&json(folder.path(), &glide).expect("a glide")["glide"]["speed_m_s"])
+        };
+        let (identified, truth) = (speed("identified.toml"), speed(vehicle));
+        assert!((identified / truth - 1.0).abs() < 5e-3, "{vehicle}: {identified} m/s beside {truth}");
+    }
+}
+
+#[test]
+fn a_track_of_a_simulated_log_finds_the_current_that_it_was_flown_in() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let current = "[current]\ndepth_m = [0.0, 500.0]\nalong_m_s = [0.1, 0.1]\n";
+    let Some(log) = log_of(folder.path(), "seaglider", current) else { return };
+    let arguments = ["track", &log, "--vehicle", "seaglider", "--fixes", "fixes.csv", "--out", "track"];
+    let Some(found) = json(folder.path(), &arguments) else { return };
+    let drifts = found["between_fixes"].as_array().expect("currents");
+    let under_way: Vec<&Value> = drifts.iter().filter(|d| number(&d["current"]["duration_s"]) > 1800.0).collect();
+    assert!(under_way.len() > 3, "{drifts:?}");
+    for drift in under_way {
+        // What the steady glide does not follow in the turns is a hundredth of the speed.
+        assert!((number(&drift["current"]["north_m_s"]) - 0.1).abs() < 0.012, "{drift}");
+        assert!(number(&drift["current"]["east_m_s"]).abs() < 2e-3, "{drift}");
+    }
+    let page = std::fs::read_to_string(folder.path().join("track/report.html")).expect("a page");
+    assert!(page.contains("fixes, over ground") && !page.contains("Without fixes"));
+    // Without a second fix within the log the page says so, and not that there are none.
+    std::fs::write(folder.path().join("one.csv"), "time_s,lat_deg,lon_deg\n1e9,0,0\n").expect("a file");
+    let other = ["track", &log, "--vehicle", "seaglider", "--fixes", "one.csv", "--out", "other", "-q"];
+    ok(folder.path(), &other);
+    let page = std::fs::read_to_string(folder.path().join("other/report.html")).expect("a page");
+    assert!(page.contains("no current follows") && !page.contains("Without fixes"));
+}
+
+#[test]
+fn nothing_is_replaced_that_this_command_did_not_write_as_it_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(log) = log_of(folder.path(), "slocum-049", "") else { return };
+    let before = std::fs::read(folder.path().join(&log)).expect("the log");
+    for arguments in [
+        &["export-fmu", "slocum-049", "-o", &log][..],
+        &["glide", "slocum-049", "-q", "--json", &log],
+        &["simulate", "slocum-049", "--stop", "10", "-q", "--csv", &log],
+        &["identify", &log, "--vehicle", "slocum-049", "-q", "--write", &log],
+    ] {
+        let output = run(folder.path(), arguments).expect("it ran before");
+        let said = String::from_utf8_lossy(&output.stderr);
+        // An FMU needs the built library: where there is none, that is what is said, and the log stays.
+        assert!(!output.status.success(), "{arguments:?}");
+        assert!(arguments[0] == "export-fmu" || said.contains("--force"), "{arguments:?}: {said}");
+        assert_eq!(std::fs::read(folder.path().join(&log)).expect("the log"), before, "{arguments:?}");
+    }
+    // The same command replaces its own result, until somebody has edited it.
+    let glide = ["glide", "slocum-049", "-q", "--json", "glide.json"];
+    ok(folder.path(), &glide);
+    ok(folder.path(), &glide);
+    let file = folder.path().join("glide.json");
+    let edited = std::fs::read_to_string(&file).expect("a result").replace("049", "49");
+    std::fs::write(&file, &edited).expect("a file");
+    let output = run(folder.path(), &glide).expect("it ran before");
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(std::fs::read_to_string(&file).expect("a result"), edited);
+}
+
+#[test]
+fn a_polar_begins_with_its_answers_and_an_edge_is_no_optimum() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(text) = ok(folder.path(), &["glide", "slocum-049"]) else { return };
+    let first: Vec<&str> = text.lines().take(8).collect();
+    for answer in ["Best glide ratio", "Minimum sink"] {
+        assert!(first.iter().any(|line| line.starts_with(answer)), "{first:?}");
+    }
+    assert!(text.lines().count() < 35, "{text}");
+    let found = json(folder.path(), &["glide", "slocum-049"]).expect("a polar");
+    let glides = found["polar"]["glides"].as_array().expect("glides");
+    let sink = |row: &Value| number(&row["vertical_velocity_m_s"]).abs();
+    let least = glides.iter().map(sink).fold(f64::INFINITY, f64::min);
+    let optimum = &found["polar"]["minimum_sink"];
+    let is_edge = sink(&glides[0]) <= least || sink(glides.last().expect("glides")) <= least;
+    assert_eq!(optimum["is_within_range"].as_bool(), Some(!is_edge), "{optimum}");
+}
+
+#[test]
+fn a_plan_says_what_it_took_for_granted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let arguments = ["plan", "seaglider", "--battery-Wh", "2700", "--depth-m", "1000"];
+    let Some(found) = json(folder.path(), &arguments) else { return };
+    let duration = &found["plan"]["dive_duration_h"];
+    // Real ones last 3 to 4.8 h.
+    assert!((3.0..4.8).contains(&number(&duration["value"])), "{duration}");
+    assert!(number(&duration["se"]) > 0.0, "{duration}");
+    let output = run(folder.path(), &[&arguments[..], &["--days", "36500"]].concat()).expect("it ran before");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("battery is empty after"), "{said}");
+    let printed = String::from_utf8_lossy(&output.stdout);
+    assert!(!printed.contains("e-1") && !printed.contains("(-0 to 0)"), "{printed}");
+    // What a vehicle has no figures for is not nothing.
+    std::fs::write(folder.path().join("mission.toml"), MISSION).expect("a file");
+    let text = ok(folder.path(), &["simulate", "slocum-049", "--mission", "mission.toml"]).expect("a mission");
+    assert!(text.contains("not known") && !text.contains("pump 0.00 Wh"), "{text}");
+}
+
+#[test]
+fn gliders_are_compared_side_by_side() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(found) = json(folder.path(), &["compare", "slocum-049", "seaglider", "seaexplorer", "--out", "page"])
+    else {
+        return;
+    };
+    let gliders = found["gliders"].as_array().expect("gliders");
+    assert_eq!(gliders.len(), 3);
+    // Each speed is the one of `glide` at the same net mass and pitch.
+    let net_mass = found["net_mass_kg"].to_string();
+    for (glider, name) in gliders.iter().zip(["slocum-049", "seaglider", "seaexplorer"]) {
+        let at = &glider["descents"][1];
+        let pitch = format!("-{}", number(&at["pitch_deg"]));
+        let glide = ["glide", name, "--net-mass-kg", &net_mass, "--pitch-deg", &pitch, "--density", "1027"];
+        let speed = number(&json(folder.path(), &glide).expect("a glide")["glide"]["speed_m_s"]);
+        assert!((number(&at["speed_m_s"]) - speed).abs() < 1e-9, "{name}: {speed} beside {at}");
+    }
+    assert!(folder.path().join("page/report.html").exists());
+}
+
+/// A column of density evaluated at p = 0 is corrected in all commands, from the log's own temperature and salinity.
+#[test]
+fn gravity_follows_the_latitude_of_the_log() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(log) = log_of(folder.path(), "seaglider", "") else { return };
+    let text = std::fs::read_to_string(folder.path().join(&log)).expect("the log");
+    let with_latitude: Vec<String> = text
+        .lines()
+        .map(|line| match line {
+            line if line.starts_with('#') => line.to_owned(),
+            line if line.starts_with("time_s") => format!("{line},lat_deg,lon_deg"),
+            line => format!("{line},10.0,60.0"),
+        })
+        .collect();
+    std::fs::write(folder.path().join("tropical.csv"), with_latitude.join("\n")).expect("a file");
+    let notes = |log: &str| {
+        let found = json(folder.path(), &["identify", log, "--vehicle", "seaglider"]).expect("a fit");
+        found["notes"].to_string()
+    };
+    // TEOS-10 has 9.7819 m/s2 at 10 degrees.
+    assert!(notes("tropical.csv").contains("g = 9.7819"), "{}", notes("tropical.csv"));
+    assert!(notes(&log).contains("9.81 m/s2: the log has no position"), "{}", notes(&log));
+}
