@@ -316,7 +316,7 @@ pub struct Glider {
 }
 
 /// How many continuous states the glider has.
-pub const GLIDER_STATES: usize = 12;
+pub const GLIDER_STATES: usize = 15;
 
 /// Time between two turns of the voyage \[s\]: down for one leg, up for the next.
 pub const LEG_S: f64 = 375.0;

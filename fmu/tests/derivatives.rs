@@ -152,10 +152,10 @@ fn while_time_is_continuous() {
                 match row.slot {
                     Slot::Time => glider.ok(fmi3SetTime(glider.instance, value)),
                     Slot::State(i) => {
-                        let mut x = [0.0; 12];
-                        glider.ok(fmi3GetContinuousStates(glider.instance, x.as_mut_ptr(), 12));
+                        let mut x = [0.0; 15];
+                        glider.ok(fmi3GetContinuousStates(glider.instance, x.as_mut_ptr(), 15));
                         x[i] = value;
-                        glider.ok(fmi3SetContinuousStates(glider.instance, x.as_ptr(), 12));
+                        glider.ok(fmi3SetContinuousStates(glider.instance, x.as_ptr(), 15));
                     }
                     _ => glider.set(&[(row.name, value)]),
                 }

@@ -5,7 +5,7 @@ mod support;
 use glidepolar_fmu::fmi3::*;
 use support::*;
 
-const N: usize = 12;
+const N: usize = 15;
 
 struct Importer {
     glider: Glider3,

@@ -9,7 +9,7 @@ use crate::dynamics::{Glider, Inputs};
 use crate::input::{InputError, Place, nearest, printable};
 
 /// The inputs' names, in the order of [`Inputs::as_array`].
-pub const INPUT_NAMES: [&str; 12] = [
+pub const INPUT_NAMES: [&str; 15] = [
     "ballast_command_m3",
     "moving_mass_command_m",
     "u1_N",
@@ -22,6 +22,9 @@ pub const INPUT_NAMES: [&str; 12] = [
     "seabed_depth_m",
     "roll_rad",
     "rudder_rad",
+    "current_x_shear_1_s",
+    "current_x_rate_m_s2",
+    "current_z_rate_m_s2",
 ];
 
 /// Inputs against time.

@@ -1,8 +1,14 @@
 //! What the glider weighs in water: masses, displaced volume and the mechanisms that change them.
 //!
 //! ```text
-//! m0 = m + offset + leak t - rho ( V0 (1 - eps P + tau (T - T_ref)) + s V_b + V_air P0 / (P0 + P) )
+//! m0 = m + offset + leak t - rho ( V0 (1 - eps P - eps_c Q + tau (T - T_ref)) + s V_b - V_l + V_air P0 / (P0 + P) )
+//!      + V_c (r - rho / (1 + kappa P))
 //! ```
+//! What stands for the past follows by rates of its own: `Q' = (P - Q) / tau_c` the late part of the pressure on a viscoelastic
+//! hull (standard linear solid), `r' = (rho / (1 + kappa P) - r) / tau_e` the density of carried water, brought to p = 0, and
+//! `V_l' = k` the ballast volume that leaks back, anew from zero whenever the engine moves. The inertia of carried water
+//! belongs to the added masses.
+//!
 //! `m` mass in air with the ballast volume at zero, `V_b` the ballast volume that is read, `P` gauge pressure. With
 //! every mechanism at its default and water of the reference density this is Leonard and Graver's excess mass
 //! `m0 = m_h + m_b + mbar - m`. Knows nothing of motion.
@@ -15,6 +21,26 @@ pub const ATMOSPHERE_PA: f64 = 101_325.0;
 
 /// Seconds in an hour.
 const HOUR_S: f64 = 3600.0;
+
+/// Relative compressibility of sea water \[1/Pa\], within a tenth over the ocean's upper kilometre (TEOS-10).
+pub const WATER_COMPRESSIBILITY_PER_PA: f64 = 4.4e-10;
+
+/// Shortest time constant of what follows \[s\]: a shorter one is at once.
+const AT_ONCE_S: f64 = 1.0;
+
+/// Time in which a moving engine takes up what has leaked back \[s\].
+const TAKEN_UP_S: f64 = 10.0;
+
+/// What the glider keeps of where it has been.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Memory<T> {
+    /// Gauge pressure that the late part of the hull has followed so far \[Pa\].
+    pub creep_pressure_Pa: T,
+    /// Density of the carried water brought to p = 0, less the reference density \[kg/m3\].
+    pub carried_density_kg_m3: T,
+    /// Ballast volume that has leaked back \[m3\].
+    pub leaked_back_m3: T,
+}
 
 /// The water at one place, and when.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,6 +87,48 @@ impl<T: Number> Parameters<T> {
         self.true_density_kg_m3(water.density_kg_m3) * volume
     }
 
+    /// Density of the water here brought to p = 0, less the reference density \[kg/m3\]: what carried water comes to.
+    pub fn carried_from_kg_m3(&self, water: &Surroundings<T>) -> T {
+        let compressed = water.pressure_Pa.at_least(0.0) * WATER_COMPRESSIBILITY_PER_PA + 1.0;
+        self.true_density_kg_m3(water.density_kg_m3) / compressed - self.reference_density_kg_m3
+    }
+
+    /// What the past adds to the net mass \[kg\].
+    pub fn kept_mass_kg(&self, memory: &Memory<T>, water: &Surroundings<T>) -> T {
+        let density = self.true_density_kg_m3(water.density_kg_m3);
+        let volume = self.displaced_mass_kg / self.reference_density_kg_m3;
+        density * (self.hull_creep_per_Pa * memory.creep_pressure_Pa * volume + memory.leaked_back_m3)
+            + self.carried_water_m3 * (memory.carried_density_kg_m3 - self.carried_from_kg_m3(water))
+    }
+
+    /// How the memory changes; `pumping` is the rate of the ballast volume over its largest. What no mechanism needs rests.
+    pub fn memory_rates(&self, memory: &Memory<T>, water: &Surroundings<T>, pumping: T) -> Memory<T> {
+        let rest = T::constant(0.0);
+        let follow = |size: T, late: T, goal: T, time_s: T| {
+            if size.value() == 0.0 { rest } else { (goal - late) / time_s.at_least(AT_ONCE_S) }
+        };
+        let leakback_m3_s = self.pump_leakback_cc_per_hour * (1e-6 / HOUR_S);
+        Memory {
+            creep_pressure_Pa: follow(
+                self.hull_creep_per_Pa,
+                memory.creep_pressure_Pa,
+                water.pressure_Pa,
+                self.creep_time_s,
+            ),
+            carried_density_kg_m3: follow(
+                self.carried_water_m3,
+                memory.carried_density_kg_m3,
+                self.carried_from_kg_m3(water),
+                self.exchange_time_s,
+            ),
+            leaked_back_m3: if leakback_m3_s.value() == 0.0 {
+                rest
+            } else {
+                leakback_m3_s - memory.leaked_back_m3 * pumping.abs() / TAKEN_UP_S
+            },
+        }
+    }
+
     /// Ballast mass that stands for a ballast volume, by the reference density \[kg\].
     pub fn ballast_mass_kg(&self, ballast_m3: T) -> T {
         self.ballast_nominal_kg - self.reference_density_kg_m3 * ballast_m3
@@ -88,6 +156,33 @@ mod tests {
             let net = p.net_mass_kg(p.ballast_m3(ballast_mass), &at(1e6));
             assert!((net - excess).abs() < 1e-12, "{net} against {excess}");
         }
+    }
+
+    #[test]
+    fn what_is_kept_of_the_past_weighs_what_a_hand_computation_says() {
+        let nothing = Memory { creep_pressure_Pa: 3e6, carried_density_kg_m3: -2.0, leaked_back_m3: 0.0 };
+        let p = Parameters::<f64>::default();
+        assert_eq!(p.kept_mass_kg(&nothing, &at(5e6)), 0.0);
+        let resting = Memory { creep_pressure_Pa: 0.0, carried_density_kg_m3: 0.0, leaked_back_m3: 0.0 };
+        assert_eq!(p.memory_rates(&nothing, &at(5e6), 1.0), resting);
+
+        let creeping = Parameters { hull_creep_per_Pa: 2e-10, creep_time_s: 7200.0, ..p };
+        assert!((creeping.kept_mass_kg(&nothing, &at(5e6)) - 50.0 * 2e-10 * 3e6).abs() < 1e-12);
+        assert!((creeping.memory_rates(&nothing, &at(5e6), 0.0).creep_pressure_Pa - 2e6 / 7200.0).abs() < 1e-9);
+
+        // Ten litres from water that is lighter by 2 kg/m3 than that of the reference, at p = 0.
+        let carrying = Parameters { carried_water_m3: 0.01, exchange_time_s: 600.0, ..p };
+        let around = 1027.0 / (1.0 + 4.4e-10 * 5e6) - 1027.0;
+        assert!((carrying.kept_mass_kg(&nothing, &at(5e6)) - 0.01 * (-2.0 - around)).abs() < 1e-12);
+        let rate = carrying.memory_rates(&nothing, &at(5e6), 0.0).carried_density_kg_m3;
+        assert!((rate - (around + 2.0) / 600.0).abs() < 1e-12, "{rate}");
+
+        let leaking = Parameters { pump_leakback_cc_per_hour: 36.0, ..p };
+        let leaked = Memory { leaked_back_m3: 2e-5, ..resting };
+        assert!((leaking.kept_mass_kg(&leaked, &at(5e6)) - 1027.0 * 2e-5).abs() < 1e-12);
+        assert!((leaking.memory_rates(&leaked, &at(5e6), 0.0).leaked_back_m3 - 1e-8).abs() < 1e-20);
+        // While the engine runs it is taken up.
+        assert!((leaking.memory_rates(&leaked, &at(5e6), -1.0).leaked_back_m3 - (1e-8 - 2e-6)).abs() < 1e-18);
     }
 
     #[test]

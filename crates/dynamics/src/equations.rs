@@ -9,6 +9,22 @@
 //!                       |  ps3 v1 - ps1 v3 - (r1 PP1 + r3 PP3) Om - g (S1 cos th + S3 sin th) + M - r3 u1 + r1 u3
 //! r1' = PP1/mbar - v1 - r3 Om,   r3' = PP3/mbar - v3 + r1 Om,   PP' = u,   mb' = u4
 //! ```
+//! Velocities are those through the water. Where the water itself accelerates, so does the frame that they are counted in.
+//! With `Vf` the velocity of the water, `v` that of the glider through it, and
+//! ```text
+//! af = dVf/dt + (Vf . grad) Vf          acceleration of the water
+//! ab = af + (v . grad) Vf               of the frame of the water at the glider: the water that it meets next is another
+//! ```
+//! the masses `mt = m_h + mbar + mb` need `mt ab`, the pressure that accelerates the water gives `m af` with `m` the mass of
+//! the displaced water, and the added mass goes with `v'`, which the left side has already. In the right side of `v'` stands
+//! ```text
+//! m af - mt ab = -m0 af - mt (v . grad) Vf        and in that of Om'        S1 ab3 - S3 ab1
+//! ```
+//! with `grad` here the change of the horizontal velocity with depth alone. A neutral glider (`m0 = 0`) is carried by water
+//! that accelerates alike everywhere; through a steady shear it takes its momentum along. The change of the added momentum by
+//! the shear, `-s (M_f v)_x` downward (a few hundredths of the weight in 0.01 1/s), and the turning of the flow along the
+//! hull are left out.
+//!
 //! `W` net weight less what the surface or the seabed carries (their friction and damping: [`super::contact`]), `S1`, `S3` the first moments of all masses off the
 //! centre, `M` the hydrodynamic moment without the Munk couple, which `ps3 v1 - ps1 v3` holds. With every offset zero
 //! these are the papers' equations, their printing errors mended.
@@ -17,7 +33,7 @@
 //! hull: `u1 = mbar (v1' + r3 Om' + r3' Om + w1)`, `u3 = mbar (v3' - r1 Om' - r1' Om + w3)`. Put into the rows above,
 //! the moving mass joins `G`, and the system stays symmetric.
 
-use super::buoyancy::Surroundings;
+use super::buoyancy::{Memory, Surroundings};
 use super::contact::{Contact, Place};
 use super::forces::{Flow, Hydrodynamics};
 use super::parameters::Parameters;
@@ -209,8 +225,14 @@ struct Motion<'a, T> {
     ground_speed_m_s: T,
     pressure_Pa: T,
     net_mass_kg: T,
+    water: Surroundings<T>,
+    memory: Memory<T>,
     contact: Contact<T>,
     hydrodynamics: Hydrodynamics<T>,
+    /// Acceleration of the frame of the water at the glider, along axes 1 and 3 \[m/s2\].
+    frame_m_s2: [T; 2],
+    /// Force of accelerating water on body and displaced volume, along axes 1 and 3 \[N\].
+    carrying_N: [T; 2],
 }
 
 impl<'a, T: Number> Motion<'a, T> {
@@ -240,8 +262,20 @@ impl<'a, T: Number> Motion<'a, T> {
             roll_rad: inputs.roll_rad,
             rudder_rad: inputs.rudder_rad,
         };
+        let memory = Memory {
+            creep_pressure_Pa: state.creep_pressure_Pa,
+            carried_density_kg_m3: state.carried_density_kg_m3,
+            leaked_back_m3: state.leaked_back_m3,
+        };
         let ballast_m3 = parameters.ballast_m3(state.ballast_mass_kg);
         let displaced_kg = parameters.displaced_kg(ballast_m3, &water);
+        let net_mass_kg = parameters.net_mass_kg(ballast_m3, &water) + parameters.kept_mass_kg(&memory, &water);
+        let mass_kg = parameters.hull_mass_kg + parameters.moving_mass_kg + state.ballast_mass_kg;
+        let shear_1_s = inputs.current_x_shear_1_s * share;
+        let water_x_m_s2 = inputs.current_x_rate_m_s2 * share + shear_1_s * (depth_rate_m_s - sink);
+        let water_z_m_s2 = inputs.current_z_rate_m_s2 * share;
+        let met_x_m_s2 = shear_1_s * sink;
+        let to_body = |x: T, z: T| [x * cos_pitch - z * sin_pitch, x * sin_pitch + z * cos_pitch];
         Motion {
             parameters,
             state,
@@ -251,7 +285,11 @@ impl<'a, T: Number> Motion<'a, T> {
             depth_rate_m_s,
             ground_speed_m_s,
             pressure_Pa,
-            net_mass_kg: parameters.net_mass_kg(ballast_m3, &water),
+            net_mass_kg,
+            water,
+            memory,
+            frame_m_s2: to_body(water_x_m_s2 + met_x_m_s2, water_z_m_s2),
+            carrying_N: to_body(-net_mass_kg * water_x_m_s2 - mass_kg * met_x_m_s2, -net_mass_kg * water_z_m_s2),
             contact: place.contact(parameters, displaced_kg, depth_rate_m_s, ground_speed_m_s),
             hydrodynamics: parameters.hydrodynamics(&flow),
         }
@@ -297,6 +335,8 @@ impl<'a, T: Number> Motion<'a, T> {
             None => i.u3_N,
         };
         let ballast_rate = self.ballast_mass_rate_kg_s(actuation, modes);
+        let pumping = ballast_rate / (p.reference_density_kg_m3 * p.ballast_rate_m3_s);
+        let memory = p.memory_rates(&self.memory, &self.water, pumping);
 
         State {
             x_m: self.ground_speed_m_s,
@@ -310,6 +350,9 @@ impl<'a, T: Number> Motion<'a, T> {
             momentum_1_kg_m_s: u1,
             momentum_3_kg_m_s: u3,
             ballast_mass_kg: ballast_rate,
+            creep_pressure_Pa: memory.creep_pressure_Pa,
+            carried_density_kg_m3: memory.carried_density_kg_m3,
+            leaked_back_m3: memory.leaked_back_m3,
             energy_J: self.power_W(ballast_rate),
         }
     }
@@ -345,14 +388,20 @@ impl<'a, T: Number> Motion<'a, T> {
             + p.offset_mass_kg * p.offset_mass_below_m
             + s.ballast_mass_kg * p.ballast_below_m;
         [
-            -(ps3 + s.momentum_3_kg_m_s) * rate - weight * sin + lift * v3 - drag * v1 + friction_N * cos,
-            (ps1 + s.momentum_1_kg_m_s) * rate + weight * cos - lift * v1 - drag * v3 + friction_N * sin,
+            -(ps3 + s.momentum_3_kg_m_s) * rate - weight * sin + lift * v3 - drag * v1
+                + friction_N * cos
+                + self.carrying_N[0],
+            (ps1 + s.momentum_1_kg_m_s) * rate + weight * cos - lift * v1 - drag * v3
+                + friction_N * sin
+                + self.carrying_N[1],
             ps3 * v1
                 - ps1 * v3
                 - (s.moving_mass_1_m * s.momentum_1_kg_m_s + s.moving_mass_3_m * s.momentum_3_kg_m_s) * rate
                 - p.gravity_m_s2 * (moment_1 * cos + moment_3 * sin)
                 + h.moment_without_munk_N_m
-                - self.contact.pitch_damping_N_m_s * rate,
+                - self.contact.pitch_damping_N_m_s * rate
+                + moment_1 * self.frame_m_s2[1]
+                - moment_3 * self.frame_m_s2[0],
         ]
     }
 

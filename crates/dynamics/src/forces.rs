@@ -72,7 +72,7 @@ impl<T: Number> Parameters<T> {
         let on_leg = |ratio: T| (ratio - 1.0) * ascent + 1.0;
 
         let lift = self.CL0
-            + self.a_per_rad * on_leg(self.ascent_a_ratio) * alpha
+            + self.a_per_rad * on_leg(self.ascent_a_ratio) * on_leg(self.climb_dive_lift_ratio) * alpha
             + self.nonlinear_lift_per_rad2 * alpha * alpha.abs();
         let b = self.b * on_leg(self.ascent_b_ratio) * self.reynolds_factor(dynamic_pressure_Pa);
         let c = self.c_per_rad2 * on_leg(self.ascent_c_ratio);

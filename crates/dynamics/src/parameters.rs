@@ -135,6 +135,12 @@ parameters! {
     drag_exponent: "1" = 0.0 in -1.0 .. 1.0, "Exponent s of b (q/q0)^s, q0 the dynamic pressure at 0.3 m/s in water of the reference density";
     nonlinear_lift_per_rad2: "1/rad2" = 0.0 in -1000.0 .. 1000.0, "Crossflow lift, CL grows by this times alpha |alpha|";
     climb_dive_drag_ratio: "1" = 1.0 in 0.01 .. 100.0, "Drag on ascents over drag on descents";
+    climb_dive_lift_ratio: "1" = 1.0 in 0.01 .. 100.0, "Lift slope on ascents over lift slope on descents";
+    hull_creep_per_Pa: "1/Pa" = 0.0 in -1e-8 .. 1e-7, "Relative loss of displaced volume per gauge pressure that comes late, a viscoelastic hull";
+    creep_time_s: "s" = 0.0 in 0.0 .. 1e8, "Time constant with which the late loss of volume follows the pressure";
+    carried_water_m3: "m3" = 0.0 in 0.0 .. 10.0, "Flooded volume whose water exchanges slowly with the water around";
+    exchange_time_s: "s" = 0.0 in 0.0 .. 1e8, "Time constant with which the carried water becomes the water around";
+    pump_leakback_cc_per_hour: "cm3/h" = 0.0 in 0.0 .. 1e6, "Ballast volume lost per hour since the pump last ran, without being read";
     roll_drag_per_rad2: "1/rad2" = 0.0 in 0.0 .. 1000.0, "Relative growth of drag with the square of the roll angle";
     rudder_drag_per_rad2: "1/rad2" = 0.0 in 0.0 .. 1000.0, "Relative growth of drag with the square of the rudder angle";
     vertical_current_m_s: "m/s" = 0.0 in -2.0 .. 2.0, "Steady vertical motion of the water, positive down";
@@ -142,6 +148,10 @@ parameters! {
     pitch_scale: "1" = 1.0 in 0.1 .. 10.0, "True pitch is this times the pitch that is read, plus the pitch offset";
     pitch_offset_rad: "rad" = 0.0 in -1.0 .. 1.0, "True pitch less the scaled pitch that is read";
     pressure_scale: "1" = 1.0 in 0.1 .. 10.0, "True pressure over the pressure that is read";
+    salinity_drift_per_day: "1/d" = 0.0 in -100.0 .. 100.0, "True practical salinity less the one that is read, growth per day";
+    thermal_lag_s: "s" = 0.0 in -1000.0 .. 1000.0, "Time by which the temperature in the conductivity cell follows the one that is read";
+    clock_offset_s: "s" = 0.0 in -1e4 .. 1e4, "Time by which the record of the attitude is late against that of the pressure";
+    pressure_hysteresis: "1" = 0.0 in -1.0 .. 1.0, "Pressure read too much on an ascent in the middle of its range, relative to that range";
     pressure_lag_s: "s" = 0.0 in 0.0 .. 1000.0, "Time constant with which the pressure that is read follows the true one";
 }
 

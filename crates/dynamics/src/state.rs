@@ -3,9 +3,13 @@
 use glidepolar_number::Number;
 
 /// How many continuous states there are.
-pub const N_STATES: usize = 12;
+pub const N_STATES: usize = 15;
 
-/// The state of the glider in the vertical plane (Leonard and Graver's eleven, and the energy drawn).
+/// How many of them are memory: what the glider keeps of where it has been, at rest where no mechanism needs it.
+pub const N_MEMORY: usize = 3;
+
+/// The state of the glider in the vertical plane (Leonard and Graver's eleven, the memory of
+/// [mechanisms](crate::mechanisms) that go by the past, and the energy drawn).
 ///
 /// Frame: `x_m` and `depth_m` in the inertial frame (depth positive down), the rest in body axes about the centre of
 /// buoyancy. Velocities are relative to the water.
@@ -33,6 +37,12 @@ pub struct State<T> {
     pub momentum_3_kg_m_s: T,
     /// Ballast mass at the reference density \[kg\].
     pub ballast_mass_kg: T,
+    /// Gauge pressure that the late part of the hull has followed so far \[Pa\].
+    pub creep_pressure_Pa: T,
+    /// Density of the carried water brought to p = 0, less the reference density \[kg/m3\].
+    pub carried_density_kg_m3: T,
+    /// Ballast volume that has leaked back \[m3\].
+    pub leaked_back_m3: T,
     /// Energy drawn from the battery \[J\].
     pub energy_J: T,
 }
@@ -52,6 +62,9 @@ impl<T: Number> State<T> {
             self.momentum_1_kg_m_s,
             self.momentum_3_kg_m_s,
             self.ballast_mass_kg,
+            self.creep_pressure_Pa,
+            self.carried_density_kg_m3,
+            self.leaked_back_m3,
             self.energy_J,
         ]
     }
@@ -70,6 +83,9 @@ impl<T: Number> State<T> {
             momentum_1_kg_m_s,
             momentum_3_kg_m_s,
             ballast_mass_kg,
+            creep_pressure_Pa,
+            carried_density_kg_m3,
+            leaked_back_m3,
             energy_J,
         ] = values;
         State {
@@ -84,6 +100,9 @@ impl<T: Number> State<T> {
             momentum_1_kg_m_s,
             momentum_3_kg_m_s,
             ballast_mass_kg,
+            creep_pressure_Pa,
+            carried_density_kg_m3,
+            leaked_back_m3,
             energy_J,
         }
     }
@@ -107,6 +126,9 @@ pub const STATE_NOMINALS: State<f64> = State {
     momentum_1_kg_m_s: 1.0,
     momentum_3_kg_m_s: 0.1,
     ballast_mass_kg: 0.1,
+    creep_pressure_Pa: 1e5,
+    carried_density_kg_m3: 0.1,
+    leaked_back_m3: 1e-5,
     energy_J: 1000.0,
 };
 
@@ -137,6 +159,12 @@ pub struct Inputs<T> {
     pub roll_rad: T,
     /// Rudder angle, for the drag that it costs \[rad\].
     pub rudder_rad: T,
+    /// Change of the horizontal water velocity with depth \[1/s\].
+    pub current_x_shear_1_s: T,
+    /// Change of the horizontal water velocity with time at a fixed depth \[m/s2\].
+    pub current_x_rate_m_s2: T,
+    /// Change of the vertical water velocity with time at a fixed depth, positive down \[m/s2\].
+    pub current_z_rate_m_s2: T,
 }
 
 impl Inputs<f64> {
@@ -155,12 +183,15 @@ impl Inputs<f64> {
             seabed_depth_m: 6000.0,
             roll_rad: 0.0,
             rudder_rad: 0.0,
+            current_x_shear_1_s: 0.0,
+            current_x_rate_m_s2: 0.0,
+            current_z_rate_m_s2: 0.0,
         }
     }
 }
 
 /// How many inputs there are.
-pub const N_INPUTS: usize = 12;
+pub const N_INPUTS: usize = 15;
 
 impl<T: Number> Inputs<T> {
     /// All values, in the order in which they are declared.
@@ -178,6 +209,9 @@ impl<T: Number> Inputs<T> {
             self.seabed_depth_m,
             self.roll_rad,
             self.rudder_rad,
+            self.current_x_shear_1_s,
+            self.current_x_rate_m_s2,
+            self.current_z_rate_m_s2,
         ]
     }
 
@@ -196,6 +230,9 @@ impl<T: Number> Inputs<T> {
             seabed_depth_m,
             roll_rad,
             rudder_rad,
+            current_x_shear_1_s,
+            current_x_rate_m_s2,
+            current_z_rate_m_s2,
         ] = values;
         Inputs {
             ballast_command_m3,
@@ -210,6 +247,9 @@ impl<T: Number> Inputs<T> {
             seabed_depth_m,
             roll_rad,
             rudder_rad,
+            current_x_shear_1_s,
+            current_x_rate_m_s2,
+            current_z_rate_m_s2,
         }
     }
 

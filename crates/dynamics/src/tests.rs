@@ -1,5 +1,7 @@
 //! The equations against what must hold whatever their form: conserved quantities, published equilibria, eigenvalues.
 
+mod moving_water;
+
 use super::*;
 use crate::glide::{at_path, start};
 use nalgebra::SMatrix;
@@ -137,6 +139,9 @@ fn tumbling(p: &Parameters<f64>) -> State<f64> {
         momentum_1_kg_m_s: p.moving_mass_kg * (v1 + r3 * rate),
         momentum_3_kg_m_s: p.moving_mass_kg * (v3 - r1 * rate),
         ballast_mass_kg: 1.2,
+        creep_pressure_Pa: 0.0,
+        carried_density_kg_m3: 0.0,
+        leaked_back_m3: 0.0,
         energy_J: 0.0,
     }
 }
@@ -188,6 +193,9 @@ fn gliding(p: &Parameters<f64>, angle_deg: f64, speed: f64) -> (State<f64>, Inpu
         momentum_1_kg_m_s: p.moving_mass_kg * g.v1_m_s,
         momentum_3_kg_m_s: p.moving_mass_kg * g.v3_m_s,
         ballast_mass_kg: g.ballast_mass_kg,
+        creep_pressure_Pa: 0.0,
+        carried_density_kg_m3: 0.0,
+        leaked_back_m3: 0.0,
         energy_J: 0.0,
     };
     (state, inputs)
@@ -354,6 +362,9 @@ fn left_at_the_surface_or_dropped_on_the_seabed_it_comes_to_rest() {
             momentum_3_kg_m_s: 0.0,
             ballast_mass_kg: p.ballast_mass_kg(ballast_m3),
             x_m: 0.0,
+            creep_pressure_Pa: 0.0,
+            carried_density_kg_m3: 0.0,
+            leaked_back_m3: 0.0,
             energy_J: 0.0,
         };
         let end = march(start, 0.02, 20_000, |s| derivative(&p, Actuation::Servo, Modes::default(), 0.0, s, &inputs));

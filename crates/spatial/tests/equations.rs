@@ -139,6 +139,9 @@ fn in_the_vertical_plane_the_accelerations_are_those_of_the_plane() {
             momentum_1_kg_m_s: m * (s.v1_m_s + s.moving_mass_speed_m_s + r3 * s.q_rad_s),
             momentum_3_kg_m_s: m * (s.v3_m_s - r1 * s.q_rad_s),
             ballast_mass_kg: s.ballast_mass_kg,
+            creep_pressure_Pa: 0.0,
+            carried_density_kg_m3: 0.0,
+            leaked_back_m3: 0.0,
             energy_J: 0.0,
         };
         let plane_inputs = dynamics::Inputs {

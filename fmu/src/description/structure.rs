@@ -11,7 +11,7 @@ use glidepolar_dynamics::{Modes, N_STATES, PARAMETERS, Stop, parameter_index};
 use glidepolar_environment::WaterColumn;
 
 use crate::model::glider::{Glider, actuation_of};
-use crate::model::table::reference_of;
+use crate::model::table::{reference_of, variable_of};
 use crate::model::tangent::Tangent;
 use crate::model::vehicle::Vehicle;
 use crate::model::{Causality, Initial, Kind, Slot, Variable, variables};
@@ -53,13 +53,15 @@ pub fn structure() -> Structure {
         let wanted: Vec<&Variable> = variables().iter().filter(|v| wanted(v)).collect();
         probe.unknowns(&wanted)
     };
+    // Their order here is that of the states in every call, whatever their value references.
+    let derivatives: Vec<&Variable> = (0..N_STATES).map(|i| variable_of(Slot::Derivative(i))).collect();
     let calculated_at_start = |v: &Variable| {
         v.follows_at_start()
             && (v.causality == Causality::Output || matches!(v.slot, Slot::State(_) | Slot::Derivative(_)))
     };
     Structure {
         outputs: of_all(&running, &|v| v.causality == Causality::Output),
-        derivatives: of_all(&running, &|v| matches!(v.slot, Slot::Derivative(_))),
+        derivatives: running.unknowns(&derivatives),
         initial: of_all(&starting, &calculated_at_start),
         indicators: of_all(&running, &|v| matches!(v.slot, Slot::Indicator(_))),
     }
@@ -170,6 +172,9 @@ fn point(odd: &mut OddNumbers, depth: f64, actuation: i32, stop: Stop, command: 
             (info.default * (1.0 + 0.01 * odd.next())).clamp(info.min, info.max)
         };
     }
+    // Shorter ones than a second are one.
+    values.parameters.creep_time_s = 100.0 * odd.next();
+    values.parameters.exchange_time_s = 100.0 * odd.next();
     values.time_s = 3.7;
     values.state = values.state.map(|value| value + 0.01 * odd.next());
     values.inputs = values.inputs.map(|value| value + 0.01 * odd.next() * command.signum());

@@ -104,8 +104,11 @@ impl Glider {
 
     /// Puts the glider on this glide. Where, how deep and how much energy was drawn stays.
     fn trim(&mut self, glide: &Start) {
-        let State { x_m, depth_m, energy_J, .. } = self.values.state;
-        self.values.state = State { x_m, depth_m, energy_J, ..glide.state };
+        // Where it is and what it has been through is not for the glide to say.
+        let State { x_m, depth_m, creep_pressure_Pa, carried_density_kg_m3, leaked_back_m3, energy_J, .. } =
+            self.values.state;
+        let kept = State { creep_pressure_Pa, carried_density_kg_m3, leaked_back_m3, ..glide.state };
+        self.values.state = State { x_m, depth_m, energy_J, ..kept };
         self.values.inputs.ballast_command_m3 = glide.inputs.ballast_command_m3;
         self.values.inputs.moving_mass_command_m = glide.inputs.moving_mass_command_m;
     }

@@ -291,6 +291,33 @@ const INPUTS: [Row; N_INPUTS] = [
     (11, "seabed_depth_m", "m", 0.0, 12_000.0, 1000.0, "Depth of the seabed"),
     (12, "roll_rad", "rad", -3.2, 3.2, 0.1, "Roll angle, for the drag that it costs"),
     (13, "rudder_rad", "rad", -3.2, 3.2, 0.1, "Rudder angle, for the drag that it costs"),
+    (
+        127,
+        "current_x_shear_1_s",
+        "1/s",
+        -10.0,
+        10.0,
+        0.01,
+        "Change of the horizontal water velocity with depth: a glider that sinks through it is accelerated",
+    ),
+    (
+        128,
+        "current_x_rate_m_s2",
+        "m/s2",
+        -10.0,
+        10.0,
+        1e-3,
+        "Change of the horizontal water velocity with time at a fixed depth: the force of accelerating water",
+    ),
+    (
+        129,
+        "current_z_rate_m_s2",
+        "m/s2",
+        -10.0,
+        10.0,
+        1e-3,
+        "Change of the vertical water velocity with time at a fixed depth, positive down: the force of accelerating water",
+    ),
 ];
 
 /// The states in the order of the library's `State`; the first letter says whether it is an output too, the second
@@ -367,6 +394,45 @@ const STATES: [(Row, Causality, Initial); N_STATES] = [
         Causality::Output,
         Initial::Exact,
     ),
+    (
+        (
+            130,
+            "creep_pressure_Pa",
+            "Pa",
+            -1e9,
+            1e9,
+            0.0,
+            "Gauge pressure that the late part of the hull has followed so far; rests without hull_creep_per_Pa",
+        ),
+        Causality::Local,
+        Initial::Exact,
+    ),
+    (
+        (
+            131,
+            "carried_density_kg_m3",
+            "kg/m3",
+            -1e3,
+            1e3,
+            0.0,
+            "Density of the carried water brought to p = 0, less the reference density; rests without carried_water_m3",
+        ),
+        Causality::Local,
+        Initial::Exact,
+    ),
+    (
+        (
+            132,
+            "leaked_back_m3",
+            "m3",
+            -10.0,
+            10.0,
+            0.0,
+            "Ballast volume that has leaked back; rests without pump_leakback_cc_per_hour",
+        ),
+        Causality::Local,
+        Initial::Exact,
+    ),
     ((25, "energy_J", "J", -1e18, 1e18, 0.0, "Energy drawn from the battery"), Causality::Output, Initial::Exact),
 ];
 
@@ -389,6 +455,9 @@ const DERIVATIVES: [(u32, &str, &str, &str); N_STATES] = derivatives![
     51 "PP1_kg_m_s": "N",
     52 "PP3_kg_m_s": "N",
     53 "ballast_mass_kg": "kg/s",
+    133 "creep_pressure_Pa": "Pa/s",
+    134 "carried_density_kg_m3": "kg/m3/s",
+    135 "leaked_back_m3": "m3/s",
     54 "energy_J": "W"
 ];
 
@@ -555,11 +624,25 @@ const PARAMETER_REFERENCES: [(u32, &str); N_PARAMETERS] = [
     (119, "pitch_scale"),
     (120, "pitch_offset_rad"),
     (121, "pressure_scale"),
+    (136, "climb_dive_lift_ratio"),
+    (137, "hull_creep_per_Pa"),
+    (138, "creep_time_s"),
+    (139, "carried_water_m3"),
+    (140, "exchange_time_s"),
+    (141, "pump_leakback_cc_per_hour"),
 ];
 
 /// Parameters that an instance takes from its vehicle file alone: without effect on motion or outputs (a log's matter), or
 /// the damping law and the coupling of one published vehicle.
-const NOT_PUBLISHED: &[&str] = &["pressure_lag_s", "pitch_damping_V2_kg_s", "added_Z_qdot_kg_m"];
+const NOT_PUBLISHED: &[&str] = &[
+    "pressure_lag_s",
+    "salinity_drift_per_day",
+    "thermal_lag_s",
+    "clock_offset_s",
+    "pressure_hysteresis",
+    "pitch_damping_V2_kg_s",
+    "added_Z_qdot_kg_m",
+];
 
 fn build() -> Vec<Variable> {
     let mut table = vec![time()];

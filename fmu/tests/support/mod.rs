@@ -277,7 +277,7 @@ pub fn get_3(instance: Pointer, name: &str) -> f64 {
     value
 }
 
-pub const STATES: [&str; 12] = [
+pub const STATES: [&str; 15] = [
     "x_m",
     "depth_m",
     "pitch_rad",
@@ -289,6 +289,9 @@ pub const STATES: [&str; 12] = [
     "PP1_kg_m_s",
     "PP3_kg_m_s",
     "ballast_mass_kg",
+    "creep_pressure_Pa",
+    "carried_density_kg_m3",
+    "leaked_back_m3",
     "energy_J",
 ];
 

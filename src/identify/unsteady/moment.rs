@@ -78,6 +78,9 @@ pub(super) fn rates<T: Number>(p: &Parameters<T>, at: &Moment, [v1, v3]: [T; 2])
         momentum_1_kg_m_s: zero,
         momentum_3_kg_m_s: zero,
         ballast_mass_kg: p.ballast_mass_kg(T::constant(at.ballast_m3)),
+        creep_pressure_Pa: zero,
+        carried_density_kg_m3: zero,
+        leaked_back_m3: zero,
         energy_J: zero,
     };
     let inputs = Inputs {
@@ -97,6 +100,9 @@ pub(super) fn rates<T: Number>(p: &Parameters<T>, at: &Moment, [v1, v3]: [T; 2])
         seabed_depth_m: T::constant(f64::MAX),
         roll_rad: T::constant(at.roll_rad),
         rudder_rad: T::constant(at.rudder_rad),
+        current_x_shear_1_s: zero,
+        current_x_rate_m_s2: zero,
+        current_z_rate_m_s2: zero,
     };
     accelerations(p, T::constant(at.time_s), &state, &inputs, zero)
 }

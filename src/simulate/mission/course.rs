@@ -33,15 +33,21 @@ pub(super) const UPPER_END: usize = 4;
 pub(super) const WAY_DONE: usize = 5;
 
 impl Course<'_> {
-    pub(super) fn inputs<T: Number>(&self, state: &State<T>) -> Inputs<T> {
+    /// What acts on the glider. A current that changes with depth or tide accelerates it: what the equations read of that
+    /// is the slope of the profile and the rate of the tide.
+    pub(super) fn inputs<T: Number>(&self, time_s: T, state: &State<T>) -> Inputs<T> {
         let (p, m) = (self.parameters, self.mission);
+        let turn_per_s = std::f64::consts::TAU / m.tide.period_s;
+        let (sin, cos) = ((time_s - m.tide.most_at_s) * turn_per_s).sin_cos();
         let at = |profile: &Option<Profile>, otherwise: f64| {
             profile.as_ref().map_or(T::constant(otherwise), |it| it.at(state.depth_m))
         };
         Inputs {
             ballast_command_m3: T::constant(self.ballast_m3),
             moving_mass_command_m: T::constant(self.moving_mass_m),
-            current_x_m_s: m.current.at(state.depth_m),
+            current_x_m_s: m.current.at(state.depth_m) + cos * m.tide.along_m_s,
+            current_x_shear_1_s: T::constant(m.current.slope(state.depth_m.value())),
+            current_x_rate_m_s2: -sin * (m.tide.along_m_s * turn_per_s),
             water_density_kg_m3: at(&m.density, p.reference_density_kg_m3),
             water_temperature_C: at(&m.temperature, p.reference_temperature_C),
             seabed_depth_m: m.seabed.at(state.x_m),
@@ -52,12 +58,12 @@ impl Course<'_> {
 
 impl integrate::System for Course<'_> {
     fn derivative(&self, time_s: f64, state: &State<f64>) -> State<f64> {
-        derivative(self.parameters, Actuation::Servo, Modes::default(), time_s, state, &self.inputs(state))
+        derivative(self.parameters, Actuation::Servo, Modes::default(), time_s, state, &self.inputs(time_s, state))
     }
 
     fn linearised(&self, time_s: Jet, state: &State<Jet>) -> State<Jet> {
         let parameters = self.parameters.map(Jet::constant);
-        derivative(&parameters, Actuation::Servo, Modes::default(), time_s, state, &self.inputs(state))
+        derivative(&parameters, Actuation::Servo, Modes::default(), time_s, state, &self.inputs(time_s, state))
     }
 
     fn event_indicators(&self, _: f64, state: &State<f64>) -> [f64; N_EVENTS] {
@@ -88,6 +94,6 @@ impl integrate::System for Course<'_> {
     }
 
     fn next_bend_s(&self, time_s: f64, state: &State<f64>) -> Option<f64> {
-        next_bend_s(self.parameters, Actuation::Servo, time_s, state, &self.inputs(state))
+        next_bend_s(self.parameters, Actuation::Servo, time_s, state, &self.inputs(time_s, state))
     }
 }

@@ -101,6 +101,9 @@ impl<'a> Pilot<'a> {
             momentum_1_kg_m_s: 0.0,
             momentum_3_kg_m_s: 0.0,
             ballast_mass_kg: p.ballast_mass_kg(ballast_m3),
+            creep_pressure_Pa: 0.0,
+            carried_density_kg_m3: 0.0,
+            leaked_back_m3: 0.0,
             energy_J: 0.0,
         };
         let phase = Phase::AtSurface { until_s: 0.0 };
@@ -257,7 +260,7 @@ impl<'a> Pilot<'a> {
     }
 
     fn moment(&self) -> Moment {
-        let inputs = self.course.inputs(&self.state);
+        let inputs = self.course.inputs(self.time_s, &self.state);
         let p = self.course.parameters;
         let glider = Glider::new(*p, Actuation::Servo, inputs);
         let out = glider.outputs(self.time_s, &self.state);

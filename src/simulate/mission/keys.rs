@@ -94,4 +94,8 @@ pub const KEYS: &[Key] = &[
         .list(),
     key("current.depth_m", "m", (0.0, 12_000.0), "Depths of the current").list(),
     key("current.along_m_s", "m/s", (-5.0, 5.0), "Current along the course, positive when it helps").or(0.0).list(),
+    key("current.tide_m_s", "m/s", (-5.0, 5.0), "Largest velocity of the tide along the course, at all depths").or(0.0),
+    // The principal lunar tide.
+    key("current.tide_period_h", "h", (0.1, 1e4), "Period of the tide").or(12.4206),
+    key("current.tide_most_at_h", "h", (-1e6, 1e6), "Time from the start at which the tide helps most").or(0.0),
 ];

@@ -57,6 +57,19 @@ pub struct Mission {
     pub temperature: Option<Profile>,
     /// Current along the course \[m/s\] against depth \[m\].
     pub current: Profile,
+    /// The tide that comes on top of it, alike at all depths.
+    pub tide: Tide,
+}
+
+/// A tidal current along the course, `along cos(2 pi (t - most_at) / period)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tide {
+    /// Its largest velocity \[m/s\].
+    pub along_m_s: f64,
+    /// Its period \[s\].
+    pub period_s: f64,
+    /// Time from the start of the mission at which it helps most \[s\].
+    pub most_at_s: f64,
 }
 
 /// How one leg is flown.

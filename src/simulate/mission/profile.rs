@@ -35,6 +35,15 @@ impl Profile {
         (x - x0) * (y1 - y0) / (x1 - x0) + y0
     }
 
+    /// How fast the value changes with the place; at a point that of the line behind it.
+    pub fn slope(&self, x: f64) -> f64 {
+        let after = self.xs.partition_point(|knot| *knot <= x);
+        if after == 0 || after == self.xs.len() {
+            return 0.0;
+        }
+        (self.ys[after] - self.ys[after - 1]) / (self.xs[after] - self.xs[after - 1])
+    }
+
     /// Places and values of the points.
     pub fn points(&self) -> impl Iterator<Item = (f64, f64)> {
         self.xs.iter().copied().zip(self.ys.iter().copied())
@@ -55,6 +64,7 @@ mod tests {
         let profile = Profile::new(vec![0.0, 10.0, 30.0], vec![1.0, 2.0, 0.0]).unwrap();
         let found = [-5.0, 0.0, 5.0, 10.0, 20.0, 30.0, 99.0].map(|x| profile.at(x));
         assert_eq!(found, [1.0, 1.0, 1.5, 2.0, 1.0, 0.0, 0.0]);
+        assert_eq!([-5.0, 0.0, 5.0, 10.0, 20.0, 30.0].map(|x| profile.slope(x)), [0.0, 0.1, 0.1, -0.1, -0.1, 0.0]);
         assert!(Profile::new(vec![0.0, 0.0], vec![1.0, 2.0]).is_none());
         assert!(Profile::new(vec![0.0], vec![1.0, 2.0]).is_none());
     }

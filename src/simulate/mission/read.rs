@@ -6,7 +6,7 @@ use std::path::Path;
 use toml_edit::TableLike;
 
 use super::keys::{KEYS, Key};
-use super::{LegOrder, Mission, PitchControl, Profile, Surfacing};
+use super::{LegOrder, Mission, PitchControl, Profile, Surfacing, Tide};
 use crate::input::toml::{Bounds, TomlText};
 use crate::input::{InputError, Place, nearest, printable};
 
@@ -126,6 +126,11 @@ impl Reader<'_> {
             current: self
                 .profile("current.depth_m", 1.0, "current.along_m_s")?
                 .unwrap_or(Profile::constant(self.number("current.along_m_s"))),
+            tide: Tide {
+                along_m_s: self.number("current.tide_m_s"),
+                period_s: self.number("current.tide_period_h") * 3600.0,
+                most_at_s: self.number("current.tide_most_at_h") * 3600.0,
+            },
         };
         self.complain_of_contradictions(&mission)?;
         Ok(mission)

@@ -67,6 +67,9 @@ impl SteadyGlide<f64> {
             momentum_1_kg_m_s: parameters.moving_mass_kg * self.v1_m_s,
             momentum_3_kg_m_s: parameters.moving_mass_kg * self.v3_m_s,
             ballast_mass_kg: self.ballast_mass_kg,
+            creep_pressure_Pa: 0.0,
+            carried_density_kg_m3: 0.0,
+            leaked_back_m3: 0.0,
             energy_J: 0.0,
         }
     }
@@ -96,6 +99,9 @@ pub fn start_in(parameters: &Parameters<f64>, water: impl Fn(f64) -> WaterAt<f64
         momentum_1_kg_m_s: 0.0,
         momentum_3_kg_m_s: 0.0,
         ballast_mass_kg: p.ballast_nominal_kg,
+        creep_pressure_Pa: 0.0,
+        carried_density_kg_m3: 0.0,
+        leaked_back_m3: 0.0,
         energy_J: 0.0,
     };
     if let Some(glide) = glide_down(p, &inputs) {
@@ -103,16 +109,22 @@ pub fn start_in(parameters: &Parameters<f64>, water: impl Fn(f64) -> WaterAt<f64
         inputs.moving_mass_command_m = glide.moving_mass_m;
         state = glide.state(p, DEPTH_M);
     }
+    // What a glider carries is the water in which it starts.
+    state.carried_density_kg_m3 = p.carried_from_kg_m3(&surroundings(p, &inputs));
     Start { state, inputs }
 }
 
-fn glide_down(p: &Parameters<f64>, inputs: &Inputs<f64>) -> Option<SteadyGlide<f64>> {
-    let water = Surroundings {
+fn surroundings(p: &Parameters<f64>, inputs: &Inputs<f64>) -> Surroundings<f64> {
+    Surroundings {
         density_kg_m3: inputs.water_density_kg_m3,
         pressure_Pa: p.true_density_kg_m3(inputs.water_density_kg_m3) * p.gravity_m_s2 * DEPTH_M,
         temperature_C: inputs.water_temperature_C,
         time_s: 0.0,
-    };
+    }
+}
+
+fn glide_down(p: &Parameters<f64>, inputs: &Inputs<f64>) -> Option<SteadyGlide<f64>> {
+    let water = surroundings(p, inputs);
     let mut path_deg = PATH_DEG;
     while path_deg >= STEEPEST_DEG {
         if let Some(glide) =

@@ -4,15 +4,16 @@ use num_dual::DualSVec64;
 
 use super::{IntegrationError, System};
 use crate::limits::N_EVENTS;
-use crate::state::{N_STATES, STATE_NOMINALS, State};
+use crate::state::{N_MEMORY, N_STATES, STATE_NOMINALS, State};
 use glidepolar_number::Number;
 
-/// States that rates of change can depend on, the second to the last but one.
-pub const N_FELT: usize = N_STATES - 2;
+/// States that rates of change can depend on, from the second on.
+pub const N_FELT: usize = N_STATES - 2 - N_MEMORY;
 
 /// The others, which are only counted: the horizontal position and the energy drawn. (Over a seabed that slopes, a hull that
-/// touches it feels its position; the Jacobian leaves that out, and the error control answers with shorter steps.)
-pub const COUNTED: [usize; 2] = [0, N_STATES - 1];
+/// touches it feels its position; the Jacobian leaves that out, and the error control answers with shorter steps. So it does
+/// with the memory, which changes over minutes and hours and moves the glider by some grams.)
+pub const COUNTED: [usize; 2 + N_MEMORY] = [0, N_STATES - 4, N_STATES - 3, N_STATES - 2, N_STATES - 1];
 
 /// A number with its slopes along every state that is felt, and along time.
 pub type Jet = DualSVec64<{ N_FELT + 1 }>;

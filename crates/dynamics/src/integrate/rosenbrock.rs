@@ -16,7 +16,7 @@ use nalgebra::SVector;
 use super::linear::Decomposition;
 use super::method::{COUNTED, Method, Scaled, Slopes, Stretch, Trial, felt};
 use super::{IntegrationError, LONGEST_STEP_S, System};
-use crate::state::N_STATES;
+use crate::state::{N_MEMORY, N_STATES};
 
 const STAGES: usize = 8;
 
@@ -200,9 +200,10 @@ impl<S: System> Method<S> for Rosenbrock {
 }
 
 impl Rosenbrock {
-    /// Root mean square of the error in units of the tolerance; infinite for what is no number.
+    /// Root mean square of the error in units of the tolerance; infinite for what is no number. States of the memory add
+    /// their errors and are not counted: where they rest the steps are those without them.
     fn error(&self, estimate: &Vector) -> f64 {
-        let error = (estimate.norm_squared() / N_STATES as f64).sqrt() / self.tolerance;
+        let error = (estimate.norm_squared() / (N_STATES - N_MEMORY) as f64).sqrt() / self.tolerance;
         if error.is_nan() { f64::INFINITY } else { error }
     }
 }

@@ -217,13 +217,15 @@ fn what_is_only_counted_is_felt_by_nothing() {
     let p = crate::Parameters::default();
     let start = crate::glide::start(&p);
     for state in [start.state, State { depth_m: -0.05, ..start.state }, State { depth_m: 6001.0, ..start.state }] {
-        let richer = State { energy_J: state.energy_J + 1e6, x_m: state.x_m + 1e5, ..state };
+        let richer = State { energy_J: state.energy_J + 1e6, x_m: state.x_m + 1e5, creep_pressure_Pa: 1e6, ..state };
         for actuation in [crate::Actuation::Servo, crate::Actuation::Raw] {
             let glider = crate::Glider::new(p, actuation, start.inputs);
             assert_eq!(glider.derivative(7.0, &state), glider.derivative(7.0, &richer));
         }
     }
-    assert_eq!(COUNTED.map(|i| STATE_NOMINALS.as_array()[i]), [STATE_NOMINALS.x_m, STATE_NOMINALS.energy_J]);
+    let n = STATE_NOMINALS;
+    let counted = [n.x_m, n.creep_pressure_Pa, n.carried_density_kg_m3, n.leaked_back_m3, n.energy_J];
+    assert_eq!(COUNTED.map(|i| n.as_array()[i]), counted);
 }
 
 /// A system that counts how often it is asked.

@@ -183,10 +183,91 @@ pub const AT_SEA: &[Mechanism] = &[
         "leak",
         Motion,
         ["leak_kg_per_hour"],
+        // Water does not leave a leak.
         0.02 from 0.0,
         "Water taken in at a steady rate",
         "conservation of mass",
         "grows through the log, opposite on the two legs"
+    ),
+    mechanism!(
+        "lift_asymmetry",
+        Motion,
+        ["climb_dive_lift_ratio"],
+        // The legs of slocum-049, 4.7 and 4.0 1/rad (Williams, Bachmayer, deYoung 2007), differ by a seventh; twice that.
+        0.3,
+        "The lift slope differs between ascents and descents",
+        "Williams, Bachmayer, deYoung 2007: lift by leg",
+        "one leg against the other, at large angles of attack"
+    ),
+    mechanism!(
+        "hull_creep",
+        Motion,
+        ["hull_creep_per_Pa", "creep_time_s"],
+        // Viscoelastic parts give way no more than the whole hull does at once.
+        5e-10 from 0.0,
+        "The hull goes on losing volume under pressure for hours, and regains it late (standard linear solid)",
+        "viscoelasticity of composites and syntactic foam",
+        "deeper and later; the legs of one dive differ"
+    ),
+    mechanism!(
+        "carried_water",
+        Motion,
+        ["carried_water_m3", "exchange_time_s"],
+        // The free-flooding part of a Slocum or Seaglider is some litres.
+        0.005 from 0.0,
+        "Water in flooded spaces keeps the density of where it was taken in, and exchanges slowly",
+        "first-order exchange",
+        "after a thermocline, opposite on the two legs"
+    ),
+    mechanism!(
+        "pump_leakback",
+        Motion,
+        ["pump_leakback_cc_per_hour"],
+        // A leak that empties a usual stroke of 200 cc within a leg of some hours would be noticed.
+        20.0 from 0.0,
+        "Oil leaks back past the pump after it has stopped, unseen by the volume's reading",
+        "conservation of volume",
+        "grows along each leg since the pump ran"
+    ),
+    mechanism!(
+        "conductivity_drift",
+        Instruments,
+        ["salinity_drift_per_day"],
+        // Fouled cells drift by hundredths to some tenths a day, in a bloom by more.
+        0.5,
+        "The conductivity cell drifts: an error of salinity that grows with time",
+        "fouling of conductivity cells",
+        "grows through the log, opposite on the two legs"
+    ),
+    mechanism!(
+        "thermal_lag",
+        Instruments,
+        ["thermal_lag_s"],
+        // Amplitude times time constant of unpumped cells: 0.1 to 0.3 times 5 to 30 s (Garau et al. 2011).
+        3.0,
+        "Cell and thermistor do not feel the same temperature at the same time: salinity spikes across a thermocline",
+        "Lueck and Picklo 1990; Garau et al. 2011",
+        "within a thermocline, opposite on the two legs"
+    ),
+    mechanism!(
+        "clock_offset",
+        Instruments,
+        ["clock_offset_s"],
+        // Clocks of flight and science computers are set at each surfacing; half a minute is much.
+        30.0,
+        "The clock of the attitude is late against that of the pressure",
+        "two computers, two clocks",
+        "where the pitch changes"
+    ),
+    mechanism!(
+        "pressure_hysteresis",
+        Instruments,
+        ["pressure_hysteresis"],
+        // Strain gauges: 0.1 % of the range.
+        0.001,
+        "The pressure sensor reads more on the way up than on the way down",
+        "hysteresis of strain-gauge transducers",
+        "ascents, opposite above and below the middle of the dive"
     ),
     mechanism!(
         "vertical_current",
@@ -223,6 +304,15 @@ pub const AT_SEA: &[Mechanism] = &[
         "Unsteady flight: the glider and its added mass take time to change speed",
         "Leonard and Graver 2001",
         "near inflections"
+    ),
+    mechanism!(
+        "shear",
+        Motion,
+        [],
+        1.0,
+        "Water whose velocity changes with depth accelerates the glider that passes through it",
+        "Thomasson and Woolsey 2013",
+        "within sheared layers, opposite on the two legs"
     ),
     mechanism!(
         "density_at_zero_pressure",
