@@ -124,6 +124,22 @@ pub const TABLE: &[Effect] = &[
         "ballast volume read = true x (1 + this x (T - 10 degrees C)), T that of the water"),
     effect!("uncatalogued-layer", "layer_velocity_m_s", Zero, Either, 0.015..0.030,
         "vertical velocity of the water within a layer between layer_top_m and layer_bottom_m, + = down"),
+    effect!("lift_asymmetry", "climb_dive_lift_ratio", One, Either, 0.20..0.40,
+        "CL x this while the glider rises through the water; descents keep theirs"),
+    effect!("hull_creep", "hull_creep_per_Pa", Zero, Up, 2.0e-10..4.0e-10,
+        "V = V0 (1 - eps P - this x Q + ...), dQ/dt = (P - Q)/creep_time_s, Q = 0 at the start"),
+    effect!("carried_water", "carried_water_m3", Zero, Up, 0.010..0.025,
+        "volume of water within the hull; its temperature and salinity follow those around as dT'/dt = (T - T')/exchange_time_s"),
+    effect!("pump_leakback", "pump_leakback_cc_per_hour", Zero, Up, 15.0..35.0,
+        "true ballast volume = volume read - this x time in hours since the engine last moved"),
+    effect!("conductivity_drift", "salinity_drift_per_day", Zero, Either, 0.6..1.5,
+        "salinity read = true - this x t in days; the density column follows from it"),
+    effect!("thermal_lag", "thermal_lag_s", Zero, Either, 3.0..8.0,
+        "salinity computed from conductivity at the temperature of this time ago (from now, where negative) and the temperature of now"),
+    effect!("clock_offset", "clock_offset_s", Zero, Either, 10.0..40.0,
+        "attitude, rudder, ballast and battery columns of a row are those of this time before the row, water and pressure those of the row"),
+    effect!("pressure_hysteresis", "pressure_hysteresis", Zero, Either, 0.002..0.004,
+        "pressure read on the way up = true + this x 4 P (1 - P/Pm), Pm the largest of the dive"),
 ];
 
 /// An effect that someone asked for.
@@ -243,6 +259,8 @@ fn neutral_value(neutral: Neutral, vehicle: &Vehicle) -> f64 {
 /// Further parameters of an effect beside its size.
 fn companions(name: &str, random: &mut Stream, duration_s: f64) -> Vec<(&'static str, f64)> {
     match name {
+        "hull_creep" => vec![("creep_time_s", 3600.0 * between(random, 1.0, 8.0))],
+        "carried_water" => vec![("exchange_time_s", 60.0 * between(random, 10.0, 90.0))],
         "drag_step" => vec![("step_time_s", (duration_s * between(random, 0.3, 0.7)).round())],
         "uncatalogued-sloughing" => vec![("regrowth_s", duration_s * between(random, 0.20, 0.35))],
         "uncatalogued-tide" => vec![("tidal_phase_rad", between(random, 0.0, TAU))],

@@ -60,6 +60,16 @@ hidden! {
     rudder_drag_per_rad2 = "rudder_drag_per_rad2", |_| 0.0;
     vertical_current_m_s = "vertical_current_m_s", |_| 0.0;
     density_bias_kg_m3 = "density_bias_kg_m3", |_| 0.0;
+    climb_dive_lift_ratio = "climb_dive_lift_ratio", |_| 1.0;
+    hull_creep_per_pa = "hull_creep_per_Pa", |_| 0.0;
+    creep_time_s = "creep_time_s", |_| 0.0;
+    carried_water_m3 = "carried_water_m3", |_| 0.0;
+    exchange_time_s = "exchange_time_s", |_| 0.0;
+    leakback_cc_per_hour = "pump_leakback_cc_per_hour", |_| 0.0;
+    salinity_drift_per_day = "salinity_drift_per_day", |_| 0.0;
+    thermal_lag_s = "thermal_lag_s", |_| 0.0;
+    clock_offset_s = "clock_offset_s", |_| 0.0;
+    pressure_hysteresis = "pressure_hysteresis", |_| 0.0;
     stall_angle_rad = "stall_angle_rad", |_| f64::INFINITY;
     compass_pitch_rad = "pitch_error_rad", |_| 0.0;
     backlash_m = "backlash_m", |_| 0.0;
@@ -108,29 +118,74 @@ impl Hidden {
     }
 }
 
-/// On the glider.
-impl Hidden {
-    /// True mass, kg, of a vehicle whose file says `mass_kg`.
-    pub fn mass_kg(&self, mass_kg: f64, time_s: f64) -> f64 {
-        mass_kg + self.ballast_offset_kg + self.leak_kg_per_hour * time_s / 3600.0
+/// What the hull keeps of where it has been.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Memory {
+    /// The pressure that the late part of the hull has followed so far, Pa.
+    pub creep_pa: f64,
+    /// Temperature of the water carried within, degrees Celsius.
+    pub carried_c: f64,
+    /// Its salinity.
+    pub carried_psu: f64,
+    /// Ballast volume that has leaked back, cc.
+    pub leaked_cc: f64,
+}
+
+impl Memory {
+    /// At the surface, in equilibrium with the water there.
+    pub fn afloat(water: &Water) -> Self {
+        Self { creep_pa: 0.0, carried_c: water.temperature_c, carried_psu: water.salinity_psu, leaked_cc: 0.0 }
     }
 
-    /// True displaced volume, m3, with the engine reading `engine_cc`.
-    pub fn volume_m3(&self, vehicle: &Vehicle, pressure_pa: f64, temperature_c: f64, engine_cc: f64) -> f64 {
+    /// A step on: `pumped` says whether the engine moved in it.
+    pub fn step(&mut self, hidden: &Hidden, water: &Water, pressure_pa: f64, pumped: bool, step_s: f64) {
+        let share = |time_s: f64| if time_s > 0.0 { 1.0 - (-step_s / time_s).exp() } else { 1.0 };
+        self.creep_pa += (pressure_pa - self.creep_pa) * share(hidden.creep_time_s);
+        self.carried_c += (water.temperature_c - self.carried_c) * share(hidden.exchange_time_s);
+        self.carried_psu += (water.salinity_psu - self.carried_psu) * share(hidden.exchange_time_s);
+        self.leaked_cc = if pumped { 0.0 } else { self.leaked_cc + hidden.leakback_cc_per_hour * step_s / 3600.0 };
+    }
+}
+
+/// On the glider.
+impl Hidden {
+    /// True mass, kg, of a vehicle whose file says `mass_kg`, the water that it carries included.
+    pub fn mass_kg(&self, mass_kg: f64, time_s: f64, memory: &Memory, pressure_pa: f64) -> f64 {
+        let dry_kg = mass_kg + self.ballast_offset_kg + self.leak_kg_per_hour * time_s / 3600.0;
+        if self.carried_water_m3 == 0.0 {
+            return dry_kg;
+        }
+        let density_kg_m3 = crate::ocean::density_eos80(memory.carried_psu, memory.carried_c, pressure_pa * 1e-4);
+        dry_kg + self.carried_water_m3 * density_kg_m3
+    }
+
+    /// True displaced volume, m3, with the engine reading `engine_cc`, the water that it carries included.
+    pub fn volume_m3(
+        &self,
+        vehicle: &Vehicle,
+        pressure_pa: f64,
+        temperature_c: f64,
+        engine_cc: f64,
+        memory: &Memory,
+    ) -> f64 {
         let hull = Vehicle {
             compressibility_per_pa: self.compressibility_per_pa,
             thermal_expansion_per_k: self.thermal_expansion_per_k,
             ..*vehicle
         };
         let air_cc = self.trapped_air_cc * ATMOSPHERE_PA / (ATMOSPHERE_PA + pressure_pa);
-        hull.hull_volume_m3(pressure_pa, temperature_c) + 1e-6 * (self.ballast_scale * engine_cc + air_cc)
+        let crept_m3 = self.hull_creep_per_pa * memory.creep_pa * vehicle.displaced_volume_m3;
+        hull.hull_volume_m3(pressure_pa, temperature_c) - crept_m3
+            + self.carried_water_m3
+            + 1e-6 * (self.ballast_scale * engine_cc - memory.leaked_cc + air_cc)
     }
 
     /// Lift coefficient of an attached flow.
-    pub fn lift_coefficient(&self, vehicle: &Vehicle, angle_rad: f64) -> f64 {
+    pub fn lift_coefficient(&self, vehicle: &Vehicle, angle_rad: f64, rising: bool) -> f64 {
         let stalled = (angle_rad.abs() - self.stall_angle_rad).max(0.0);
-        vehicle.a_per_rad * (angle_rad - 0.7 * stalled.copysign(angle_rad))
-            + self.nonlinear_lift_per_rad2 * angle_rad * angle_rad.abs()
+        let leg = if rising { self.climb_dive_lift_ratio } else { 1.0 };
+        leg * (vehicle.a_per_rad * (angle_rad - 0.7 * stalled.copysign(angle_rad))
+            + self.nonlinear_lift_per_rad2 * angle_rad * angle_rad.abs())
     }
 
     /// Drag coefficient of an attached flow.
@@ -179,6 +234,36 @@ impl Hidden {
     /// Pressure that a prompt instrument would read, dbar.
     pub fn pressure_reading_dbar(&self, pressure_dbar: f64) -> f64 {
         pressure_dbar / self.pressure_scale
+    }
+
+    /// What hysteresis adds to a pressure on the way up from the largest of the dive, dbar.
+    pub fn hysteresis_dbar(&self, pressure_dbar: f64, largest_dbar: f64) -> f64 {
+        if largest_dbar <= 0.0 {
+            return 0.0;
+        }
+        self.pressure_hysteresis * 4.0 * pressure_dbar * (1.0 - pressure_dbar / largest_dbar)
+    }
+
+    /// Salinity that the instrument reads in water of which the cell feels the temperature `cell_c`.
+    ///
+    /// The conductivity ratio of the cell, by the ratio of standard sea water to its own at 15 degrees C (PSS-78), and the
+    /// power of it with which salinity grows there, 39.16/35.
+    pub fn salinity_reading(&self, water: &Water, cell_c: f64, time_s: f64) -> f64 {
+        let ratio = |c: f64| 0.676_609_7 + c * (2.005_64e-2 + c * (1.104_259e-4 + c * (-6.969_8e-7 + c * 1.0031e-9)));
+        let computed = water.salinity_psu * (ratio(cell_c) / ratio(water.temperature_c)).powf(39.16 / 35.0);
+        computed - self.salinity_drift_per_day * time_s / 86_400.0
+    }
+
+    /// How late the attitude (first) and the water and pressure (second) are written, and the cell's temperature (third)
+    /// behind the water's, s; one of the first two is 0.
+    pub fn delays_s(&self) -> [f64; 3] {
+        let (late, early) = (self.clock_offset_s.max(0.0), (-self.clock_offset_s).max(0.0));
+        // A cell that is ahead of its thermometer: the thermometer, and with it the row, waits for it.
+        [
+            late + (-self.thermal_lag_s).max(0.0),
+            early + (-self.thermal_lag_s).max(0.0),
+            early + self.thermal_lag_s.max(0.0),
+        ]
     }
 
     /// Share of the way that the pressure reading goes towards its goal in a step.

@@ -1,6 +1,6 @@
 //! One flight: water, hidden effects, pilot and motion, step by step, with the whole truth of every step.
 
-use crate::effects::{Flow, Hidden};
+use crate::effects::{Flow, Hidden, Memory};
 use crate::motion::{Imposed, Inertia, Load, Motion, State};
 use crate::ocean::{Ocean, Wander, Water};
 use crate::pilot::{Leg, Orders, Pilot, Readings};
@@ -98,6 +98,7 @@ struct Glider<'a> {
     rudder_wander: Wander,
     list_rad: f64,
     engine_cc: f64,
+    memory: Memory,
     moving_mass_m: f64,
     moved: f64,
     roll_rad: f64,
@@ -126,6 +127,7 @@ impl<'a> Glider<'a> {
             rudder_wander: Wander::new(&mut random, 0.03, 60.0, STEP_S),
             list_rad: between(&mut random, -0.04, 0.04),
             engine_cc: voyage.vehicle.ballast_max_cc,
+            memory: Memory::afloat(&voyage.ocean.water(0.0, 0.0)),
             moving_mass_m: 0.0,
             moved: 1.0,
             roll_rad: 0.0,
@@ -138,15 +140,15 @@ impl<'a> Glider<'a> {
 
     fn look(&mut self, time_s: f64) -> Instant {
         let Voyage { vehicle, ocean, hidden, .. } = *self.voyage;
-        let mass_kg = hidden.mass_kg(vehicle.mass_kg, time_s);
+        let pressure_pa = ocean.pressure_pa(self.state.depth_m);
+        let mass_kg = hidden.mass_kg(vehicle.mass_kg, time_s, &self.memory, pressure_pa);
         self.imposed.moving_mass_m = hidden.moving_mass_m(self.moving_mass_m, self.moved);
         self.motion = Inertia::of(vehicle, mass_kg).motion(&self.state, &self.imposed, 0.0);
         let Motion { v1, v3, through_1, through_3, .. } = self.motion;
         let (sin, cos) = self.state.pitch_rad.sin_cos();
         let depth_m = self.state.depth_m;
         let water = ocean.water(depth_m, self.heave_m);
-        let pressure_pa = ocean.pressure_pa(depth_m);
-        let volume_m3 = hidden.volume_m3(vehicle, pressure_pa, water.temperature_c, self.engine_cc);
+        let volume_m3 = hidden.volume_m3(vehicle, pressure_pa, water.temperature_c, self.engine_cc, &self.memory);
         Instant {
             time_s,
             dive: self.dive,
@@ -190,7 +192,7 @@ impl<'a> Glider<'a> {
         self.imposed.moving_mass_m = hidden.moving_mass_m(self.moving_mass_m, self.moved);
         self.imposed.sliding_m_s = slid_m / STEP_S;
 
-        let inertia = Inertia::of(vehicle, hidden.mass_kg(vehicle.mass_kg, now.time_s));
+        let inertia = Inertia::of(vehicle, hidden.mass_kg(vehicle.mass_kg, now.time_s, &self.memory, now.pressure_pa));
         let forces = Forces {
             voyage: self.voyage,
             time_s: now.time_s,
@@ -198,12 +200,14 @@ impl<'a> Glider<'a> {
             engine_cc: self.engine_cc + 0.5 * pumped_cc,
             roll_rad: self.roll_rad,
             rudder_rad: self.rudder_rad,
+            memory: self.memory,
         };
         self.state = inertia.step(&self.state, &self.imposed, STEP_S, |state, motion| forces.load(state, motion));
         self.engine_cc += pumped_cc;
+        self.memory.step(hidden, &now.water, now.pressure_pa, pumped_cc != 0.0, STEP_S);
         self.moving_mass_m += slid_m;
         self.imposed.sliding_m_s = 0.0;
-        self.imposed.water_x_m_s += self.imposed.water_x_m_s2 * STEP_S;
+        self.imposed.water_x_m_s += (self.imposed.water_x_m_s2 + self.imposed.met_x_m_s2) * STEP_S;
         self.imposed.water_z_m_s += self.imposed.water_z_m_s2 * STEP_S;
     }
 
@@ -219,7 +223,9 @@ impl<'a> Glider<'a> {
         let sinking =
             wave_m_s + quiet * eddies_z.next(&mut self.random) + hidden.sinking_water_m_s(now.depth_m, now.time_s);
         let shear = ocean.shear_along(now.depth_m, now.time_s, now.heading_rad);
-        self.imposed.water_x_m_s2 = shear * now.sinking_m_s + gust_x / STEP_S;
+        // What the glider meets of a sheared current is other water, not water that accelerates.
+        self.imposed.met_x_m_s2 = shear * (now.sinking_m_s - now.water_sinking_m_s);
+        self.imposed.water_x_m_s2 = shear * now.water_sinking_m_s + gust_x / STEP_S;
         self.imposed.water_z_m_s2 = (sinking - self.imposed.water_z_m_s) / STEP_S;
     }
 
@@ -242,14 +248,20 @@ struct Forces<'a> {
     engine_cc: f64,
     roll_rad: f64,
     rudder_rad: f64,
+    memory: Memory,
 }
 
 impl Forces<'_> {
     fn load(&self, state: &State, motion: &Motion) -> Load {
         let Voyage { vehicle, ocean, hidden, .. } = *self.voyage;
         let water = ocean.water(state.depth_m, self.heave_m);
-        let volume_m3 =
-            hidden.volume_m3(vehicle, ocean.pressure_pa(state.depth_m), water.temperature_c, self.engine_cc);
+        let volume_m3 = hidden.volume_m3(
+            vehicle,
+            ocean.pressure_pa(state.depth_m),
+            water.temperature_c,
+            self.engine_cc,
+            &self.memory,
+        );
         let immersed = (0.5 + 0.5 * state.depth_m / HULL_RADIUS_M).clamp(0.0, 1.0);
         let Motion { through_1, through_3, pitch_rate, .. } = *motion;
         let flow = Flow {
@@ -291,7 +303,7 @@ fn water_force(vehicle: &Vehicle, hidden: &Hidden, flow: &Flow, immersed: f64) -
 /// hull is lost within another [`FADING_RAD`].
 fn axial_and_normal(vehicle: &Vehicle, hidden: &Hidden, flow: &Flow) -> (f64, f64) {
     let at = |angle_rad: f64| {
-        let lift = hidden.lift_coefficient(vehicle, angle_rad) * flow.roll_rad.cos();
+        let lift = hidden.lift_coefficient(vehicle, angle_rad, flow.rising) * flow.roll_rad.cos();
         let drag = hidden.drag_coefficient(vehicle, &Flow { angle_rad, ..*flow });
         let (sin, cos) = angle_rad.sin_cos();
         (drag * cos - lift * sin, lift * cos + drag * sin)

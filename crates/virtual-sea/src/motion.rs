@@ -11,7 +11,7 @@
 //! ```
 //!
 //! so forces inside the vehicle never appear and the sliding mass exchanges momentum exactly. rho V dU/dt is the
-//! pressure gradient of the accelerating water. x points forward, z down, pitch is nose up.
+//! pressure gradient of the accelerating water; a shear is met, it accelerates no water and gives no such force. x points forward, z down, pitch is nose up.
 
 use crate::ocean::GRAVITY_M_S2;
 use crate::vehicle::Vehicle;
@@ -76,10 +76,12 @@ pub struct Imposed {
     pub water_x_m_s: f64,
     /// Downward velocity of the water at the start of the step, m/s.
     pub water_z_m_s: f64,
-    /// Horizontal acceleration of the water, m/s2.
+    /// Horizontal acceleration of the water itself, m/s2.
     pub water_x_m_s2: f64,
     /// Downward acceleration of the water, m/s2.
     pub water_z_m_s2: f64,
+    /// Change of the horizontal velocity of the water that the glider meets by moving through it, m/s2: a shear.
+    pub met_x_m_s2: f64,
 }
 
 /// Forces of the water, body axes, besides those of added mass.
@@ -212,7 +214,7 @@ impl Inertia {
 
 impl Imposed {
     fn water(&self, after_s: f64, sin: f64, cos: f64) -> (f64, f64) {
-        let x = self.water_x_m_s + self.water_x_m_s2 * after_s;
+        let x = self.water_x_m_s + (self.water_x_m_s2 + self.met_x_m_s2) * after_s;
         let z = self.water_z_m_s + self.water_z_m_s2 * after_s;
         to_body(x, z, sin, cos)
     }

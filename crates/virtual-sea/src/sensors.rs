@@ -8,6 +8,7 @@ use crate::flight::{Instant, STEP_S};
 use crate::log::Log;
 use crate::ocean::{Wander, Water};
 use crate::random::{Stream, between, chance, normal};
+use std::collections::VecDeque;
 
 /// Depth above which the acoustic speed is missing, m.
 const SPEED_FROM_M: f64 = 8.0;
@@ -96,12 +97,26 @@ impl Quality {
     }
 }
 
+/// What one row of the log is made of.
+struct Row {
+    time_s: f64,
+    /// The instant that attitude and motors are written from.
+    attitude: Instant,
+    /// The instant that water, pressure and speed are written from.
+    water: Instant,
+    /// Temperature in the conductivity cell, degrees Celsius.
+    cell_c: f64,
+}
+
 /// Instruments at work on one flight.
 pub struct Instruments<'a> {
     hidden: &'a Hidden,
     quality: Quality,
     random: Stream,
     pressure_read_dbar: Option<f64>,
+    largest_dbar: f64,
+    /// The latest instants with the pressure that the instrument shows, as far back as the latest column is late.
+    past: VecDeque<(Instant, f64)>,
     pitch_wander: Wander,
     speed_wander: Wander,
     next_row_s: f64,
@@ -115,6 +130,8 @@ impl<'a> Instruments<'a> {
             hidden,
             quality,
             pressure_read_dbar: None,
+            largest_dbar: 0.0,
+            past: VecDeque::new(),
             pitch_wander: Wander::new(&mut random, quality.pitch_wander_rad, 7200.0, STEP_S),
             speed_wander: Wander::new(&mut random, quality.speed_wander_m_s, 60.0, STEP_S),
             next_row_s: 0.0,
@@ -125,15 +142,26 @@ impl<'a> Instruments<'a> {
 
     /// Sees one instant; writes a row when one is due.
     pub fn see(&mut self, now: &Instant) {
-        let goal_dbar = self.hidden.pressure_reading_dbar(now.pressure_pa * 1e-4);
+        let true_dbar = now.pressure_pa * 1e-4;
+        // A dive begins anew near the surface; what is less than the largest is on the way up.
+        self.largest_dbar = if now.depth_m < 2.0 { 0.0 } else { self.largest_dbar.max(true_dbar) };
+        let hysteresis_dbar = self.hidden.hysteresis_dbar(true_dbar, self.largest_dbar);
+        let goal_dbar = self.hidden.pressure_reading_dbar(true_dbar) + hysteresis_dbar;
         let late_dbar = self.pressure_read_dbar.unwrap_or(goal_dbar);
         let pressure_dbar = late_dbar + (goal_dbar - late_dbar) * self.hidden.pressure_catch_up(STEP_S);
         self.pressure_read_dbar = Some(pressure_dbar);
+        let delays = self.hidden.delays_s().map(|delay_s| (delay_s / STEP_S).round() as usize);
+        self.past.push_front((*now, pressure_dbar));
+        self.past.truncate(delays.into_iter().max().unwrap_or(0) + 1);
         let pitch_error_rad = self.pitch_wander.next(&mut self.random);
         let speed_error_m_s = self.speed_wander.next(&mut self.random);
         if now.time_s >= self.next_row_s {
             self.schedule(now.time_s);
-            self.write(now, pressure_dbar, pitch_error_rad, speed_error_m_s);
+            let [attitude, water, cell] = delays.map(|delay| self.past[delay.min(self.past.len() - 1)]);
+            // The row's own clock is that of the water.
+            let row =
+                Row { time_s: now.time_s, attitude: attitude.0, water: water.0, cell_c: cell.0.water.temperature_c };
+            self.write(&row, water.1, pitch_error_rad, speed_error_m_s);
         }
     }
 
@@ -151,21 +179,23 @@ impl<'a> Instruments<'a> {
         }
     }
 
-    fn write(&mut self, now: &Instant, pressure_dbar: f64, pitch_error_rad: f64, speed_error_m_s: f64) {
+    fn write(&mut self, row: &Row, pressure_dbar: f64, pitch_error_rad: f64, speed_error_m_s: f64) {
+        let (now, flown) = (&row.attitude, &row.water);
         let quality = self.quality;
         let mut noise = |sd: f64| sd * normal(&mut self.random);
         let pressure = to_step(pressure_dbar + noise(quality.pressure_dbar), quality.pressure_step_dbar);
         let read = Water {
-            temperature_c: now.water.temperature_c + noise(quality.temperature_k),
-            salinity_psu: now.water.salinity_psu + noise(quality.salinity_psu),
-            ..now.water
+            temperature_c: flown.water.temperature_c + noise(quality.temperature_k),
+            salinity_psu: self.hidden.salinity_reading(&flown.water, row.cell_c, row.time_s)
+                + noise(quality.salinity_psu),
+            ..flown.water
         };
         let pitch =
             self.hidden.pitch_reading(now.pitch_rad, now.heading_rad) + pitch_error_rad + noise(quality.pitch_rad);
         let ballast =
             self.hidden.ballast_reading_cc(now.engine_cc, now.water.temperature_c) + noise(quality.ballast_cc);
         let log = &mut self.log;
-        log.time_s.push(now.time_s);
+        log.time_s.push(row.time_s);
         log.pressure_dbar.push(pressure);
         log.pitch_rad.push(pitch);
         log.roll_rad.push(now.roll_rad + noise(quality.attitude_rad));
@@ -177,8 +207,8 @@ impl<'a> Instruments<'a> {
         log.salinity_psu.push(read.salinity_psu);
         log.density_kg_m3.push(self.hidden.density_reading(&read, pressure));
         log.dive.push(now.dive);
-        let speed = now.speed_m_s + speed_error_m_s + noise(quality.speed_m_s);
-        self.lose(now, speed);
+        let speed = flown.speed_m_s + speed_error_m_s + noise(quality.speed_m_s);
+        self.lose(flown, speed);
     }
 
     /// A few values go missing, as they do: the water's now and then, the acoustic speed near the surface and by chance.

@@ -202,6 +202,128 @@ fn late_pressure_is_the_true_one_under_an_exponential_memory() {
     assert!(furthest.fold(0.0, f64::max) > 3.0);
 }
 
+/// A quantity that follows another as `dy/dt = (x - y) / tau` along a flight, by the mid-point rule.
+fn following(flight: &[Instant], start: f64, tau_s: f64, of: fn(&Instant) -> f64) -> Vec<f64> {
+    let mut late = start;
+    let mut found = vec![late];
+    for pair in flight.windows(2) {
+        let step_s = pair[1].time_s - pair[0].time_s;
+        let middle = 0.5 * (of(&pair[0]) + of(&pair[1]));
+        late = (late * (tau_s / step_s - 0.5) + middle) / (tau_s / step_s + 0.5);
+        found.push(late);
+    }
+    found
+}
+
+/// Which instant of a flight this one is.
+fn place(now: &Instant) -> usize {
+    (now.time_s * 4.0).round() as usize
+}
+
+#[test]
+fn what_goes_by_the_past_is_as_defined() {
+    closes("lift_asymmetry=1.3", |now, hand| ByHand {
+        lift: hand.lift * if now.pitch_rad > 0.0 { 1.3 } else { 1.0 },
+        ..hand
+    });
+
+    // Within a step nobody says where the pressure counts: the net mass by hand may differ by what it changes in one.
+    let near = |effect: &str, by_hand: &dyn Fn(&Instant, ByHand) -> ByHand| {
+        let (sea, flight) = still(effect);
+        let mut seen = 0.0_f64;
+        for now in flight.iter().filter(|now| now.depth_m > 5.0) {
+            let hand = by_hand(now, plain(&sea.truth.vehicle, now));
+            let net_kg = hand.mass_kg - now.water.density_kg_m3 * hand.volume_m3;
+            assert!((net_kg - now.net_mass_kg).abs() < 2e-5, "{effect}: {} by hand {net_kg}", now.net_mass_kg);
+            let without = plain(&sea.truth.vehicle, now);
+            seen = seen.max((net_kg - without.mass_kg + now.water.density_kg_m3 * without.volume_m3).abs());
+        }
+        assert!(seen > 3e-3, "{effect}: {seen} kg is nothing");
+    };
+    let (sea, flight) = still("hull_creep=3e-10");
+    let tau_s = sea.truth.parameter("creep_time_s").expect("a time");
+    let followed = following(&flight, 0.0, tau_s, |now| now.pressure_pa);
+    let volume_m3 = sea.truth.vehicle.displaced_volume_m3;
+    near("hull_creep=3e-10", &|now, hand| ByHand {
+        volume_m3: hand.volume_m3 - volume_m3 * 3e-10 * followed[place(now)],
+        ..hand
+    });
+
+    let (sea, flight) = still("carried_water=0.02");
+    let tau_s = sea.truth.parameter("exchange_time_s").expect("a time");
+    let warm = following(&flight, flight[0].water.temperature_c, tau_s, |now| now.water.temperature_c);
+    let salt = following(&flight, flight[0].water.salinity_psu, tau_s, |now| now.water.salinity_psu);
+    near("carried_water=0.02", &|now, hand| {
+        let i = place(now);
+        let inside = glidepolar_virtual_sea::ocean::density_eos80(salt[i], warm[i], now.pressure_pa * 1e-4);
+        ByHand { mass_kg: hand.mass_kg + 0.02 * inside, volume_m3: hand.volume_m3 + 0.02, ..hand }
+    });
+
+    let (_, flight) = still("pump_leakback=25");
+    let mut stopped_s = vec![0.0];
+    for pair in flight.windows(2) {
+        let last = *stopped_s.last().expect("a time");
+        stopped_s.push(if pair[0].engine_cc == pair[1].engine_cc { last + 0.25 } else { 0.0 });
+    }
+    near("pump_leakback=25", &|now, hand| ByHand {
+        volume_m3: hand.volume_m3 - 25e-6 / 3600.0 * stopped_s[place(now)],
+        ..hand
+    });
+}
+
+#[test]
+fn instruments_that_go_by_the_past_are_as_defined() {
+    let (sea, flight) = still("conductivity_drift=0.9");
+    for (row, now) in rows(&sea, &flight) {
+        let read = now.water.salinity_psu - 0.9 * now.time_s / 86_400.0;
+        assert!((sea.log.salinity_psu[row] - read).abs() < 1e-9);
+        let density =
+            glidepolar_virtual_sea::ocean::density_eos80(read, now.water.temperature_c, sea.log.pressure_dbar[row]);
+        assert!((sea.log.density_kg_m3[row] - density).abs() < 1e-9);
+    }
+    for late_s in [6.0, -6.0] {
+        let (sea, flight) = still(&format!("thermal_lag={late_s}"));
+        let mut most = 0.0_f64;
+        for (row, now) in rows(&sea, &flight).filter(|(_, now)| now.time_s > 60.0) {
+            // A cell that is ahead is a row that waits: its water is that of six seconds ago.
+            let row_at = if late_s > 0.0 { place(now) } else { place(now) - 24 };
+            let cell = if late_s > 0.0 { place(now) - 24 } else { place(now) };
+            let (water, cell_c) = (&flight[row_at].water, flight[cell].water.temperature_c);
+            // PSS-78 with C(35, 10) = 38.10 and C(35, 20) = 47.92 mS/cm: the same conductivity 1 K off is a salinity of 0.98 off
+            // at 10 degrees C, 0.8 at 20 and 1.0 at 5, in proportion to the salinity, here 31.5 to 36.
+            let error = sea.log.salinity_psu[row] - water.salinity_psu;
+            let warmer = cell_c - water.temperature_c;
+            assert!(warmer.abs() < 1e-6 || (0.65..1.1).contains(&(error / warmer)), "{error} at {warmer} K");
+            most = most.max(error.abs());
+        }
+        assert!(most > 0.02, "{most}");
+    }
+    for late_s in [20.0, -20.0] {
+        let (sea, flight) = still(&format!("clock_offset={late_s}"));
+        let mut moved = 0.0_f64;
+        for (row, now) in rows(&sea, &flight).filter(|(_, now)| now.time_s > 60.0) {
+            let (attitude, water) = if late_s > 0.0 { (80, 0) } else { (0, 80) };
+            let (attitude, water) = (&flight[place(now) - attitude], &flight[place(now) - water]);
+            assert!((sea.log.pitch_rad[row] - attitude.pitch_rad).abs() < 1e-12);
+            assert!((sea.log.pressure_dbar[row] - water.pressure_pa * 1e-4).abs() < 1e-8);
+            assert!((sea.log.temperature_c[row] - water.water.temperature_c).abs() < 1e-12);
+            moved = moved.max((attitude.pitch_rad - water.pitch_rad).abs());
+        }
+        assert!(moved > 0.3, "{moved}");
+    }
+    let (sea, flight) = still("pressure_hysteresis=0.003");
+    let (mut largest_dbar, mut at) = (0.0_f64, vec![0.0]);
+    for now in &flight {
+        largest_dbar = if now.depth_m < 2.0 { 0.0 } else { largest_dbar.max(now.pressure_pa * 1e-4) };
+        at.push(largest_dbar);
+    }
+    for (row, now) in rows(&sea, &flight).filter(|(_, now)| now.depth_m > 5.0) {
+        let (dbar, largest) = (now.pressure_pa * 1e-4, at[place(now) + 1]);
+        let more = 0.012 * dbar * (1.0 - dbar / largest);
+        assert!((sea.log.pressure_dbar[row] - dbar - more).abs() < 1e-6, "{more}");
+    }
+}
+
 #[test]
 fn uncatalogued_effects_are_as_defined() {
     let (sea, flight) = still("uncatalogued-compass-pitch=0.03,uncatalogued-warm-ballast-reading=0.01");

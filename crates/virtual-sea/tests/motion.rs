@@ -168,3 +168,19 @@ fn munks_couple_turns_a_body_across_its_path() {
     assert!((couple - (55.0 - 4.0) * v1 * v3).abs() < 1e-3, "{couple}");
     assert!(GRAVITY_M_S2 * 9.0 * 0.05 * (after.pitch_rad - state.pitch_rad).abs() < 1e-3);
 }
+
+/// Through a shear a body takes the velocity over ground along that it had: no water accelerates, so nothing pulls it.
+#[test]
+fn a_shear_that_is_met_leaves_the_velocity_over_ground_as_it_is() {
+    let displaced_kg = 51.7;
+    let bare = Inertia { added_1_kg: 0.0, added_3_kg: 0.0, ..slocum() };
+    let inertia = Inertia { solid_kg: displaced_kg - bare.moving_kg, ..bare };
+    let mut imposed = Imposed { met_x_m_s2: 3e-3, ..Imposed::default() };
+    let mut state = inertia.state((0.0, 50.0, -0.4), (0.25, 0.1, 0.0), &imposed);
+    let (momentum_x, momentum_z) = (state.momentum_x, state.momentum_z);
+    for _ in 0..400 {
+        state = inertia.step(&state, &imposed, 0.05, |_, _| Load { displaced_kg, ..Load::default() });
+        imposed.water_x_m_s += imposed.met_x_m_s2 * 0.05;
+    }
+    assert!((state.momentum_x - momentum_x).abs() < 1e-9 && (state.momentum_z - momentum_z).abs() < 1e-9, "{state:?}");
+}
