@@ -48,6 +48,7 @@ pub use glidepolar_inference::gram::Gram;
 pub use inertia::{inertia, usual_step_s};
 pub use inflections::Unsteady;
 pub use joint::{Fit, IdentifyError, Question, fit};
+pub(crate) use model::surroundings;
 pub use model::{Inertia, Prediction, predict};
 pub use residuals::{Residual, Score, ScoreSums, residuals};
 pub use speeds::Rows;

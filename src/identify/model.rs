@@ -67,10 +67,7 @@ pub fn predict<T: Number>(
 }
 
 /// The water around a sample, the errors of the pressure sensor taken off.
-pub(in crate::identify) fn surroundings<T: Number>(
-    parameters: &Parameters<T>,
-    observed: &Observation,
-) -> Surroundings<T> {
+pub(crate) fn surroundings<T: Number>(parameters: &Parameters<T>, observed: &Observation) -> Surroundings<T> {
     let lag = parameters.pressure_lag_s * or_zero(observed.pressure_rate_dbar_s);
     let temperature_C = if observed.temperature_C.is_finite() {
         T::constant(observed.temperature_C)

@@ -56,6 +56,7 @@ fn sample_in(
         sink_se_m_s: 1e-3,
         sink_rate_m_s2: 0.0,
         speed_m_s: glide.speed_m_s,
+        water_met_m_s2: f64::NAN,
         leg: 2 * dive + u32::from(path_deg > 0.0),
         dive,
         stretch: 0,

@@ -51,6 +51,8 @@ channels! {
     Latitude "lat_deg" ["latitude_deg" * 1.0] "Latitude";
     Longitude "lon_deg" ["longitude_deg" * 1.0] "Longitude";
     Dive "dive" [] "Number of the dive";
+    CurrentEast "current_east_m_s" [] "Water velocity at the glider's depth, to the east";
+    CurrentNorth "current_north_m_s" [] "Water velocity at the glider's depth, to the north";
     MotorMoving "motor_moving" [] "1 while a motor moves";
 }
 

@@ -113,6 +113,7 @@ pub fn read_glide_table(path: &Path, columns: &Columns) -> Result<Vec<Observatio
             sink_se_m_s: read(se)?,
             sink_rate_m_s2: 0.0,
             speed_m_s: speed,
+            water_met_m_s2: f64::NAN,
             leg: glides.len() as u32,
             dive,
             stretch: glides.len() as u32,

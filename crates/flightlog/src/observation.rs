@@ -40,6 +40,9 @@ pub struct Observation {
     pub sink_rate_m_s2: f64,
     /// Measured speed through the water \[m/s\].
     pub speed_m_s: f64,
+    /// Change of the horizontal water velocity along the heading that the glider meets on its path, by the log's own
+    /// current \[m/s2\].
+    pub water_met_m_s2: f64,
     /// Which leg, counted from 0; odd and even say nothing.
     pub leg: u32,
     /// Which dive: a descent and the ascent after it.
@@ -76,6 +79,7 @@ impl Observation {
             sink_se_m_s: of(|o| o.sink_se_m_s),
             sink_rate_m_s2: of(|o| o.sink_rate_m_s2),
             speed_m_s: of(|o| o.speed_m_s),
+            water_met_m_s2: of(|o| o.water_met_m_s2),
             ..*self
         }
     }

@@ -190,6 +190,7 @@ impl Preparation {
         let time = log.column(Channel::Time);
         let velocity = vertical_velocity(time, pressure, s.half_window_s);
         self.noise_dbar.push(velocity.noise_dbar);
+        let met = water_met_m_s2(&log);
         let moving = motors(&log, &s);
         let legs = legs(pressure, s.least_leg_dbar);
         let stretch = self.counters.stretch;
@@ -242,6 +243,7 @@ impl Preparation {
                     sink_se_m_s: velocity.se_dbar_s[i] * per_dbar,
                     sink_rate_m_s2: velocity.acceleration_dbar_s2[i] * per_dbar,
                     speed_m_s: log.at(Channel::Speed, i),
+                    water_met_m_s2: met[i],
                     leg: self.counters.leg,
                     dive: self.counters.dive,
                     stretch,
@@ -267,6 +269,8 @@ impl Preparation {
             Channel::Rudder,
             Channel::BatteryPosition,
             Channel::PitchMass,
+            Channel::CurrentEast,
+            Channel::CurrentNorth,
         ] {
             if !log.column(channel).is_empty() {
                 fill(&time, log.column_mut(channel), longest);
@@ -294,6 +298,25 @@ impl Counters {
         }
         self.last_descends = Some(descends);
     }
+}
+
+/// Half window over which the change of the current is taken \[s\]: profiles of currents come in layers of some metres, which
+/// a glider takes half a minute to pass.
+const CURRENT_HALF_WINDOW_S: f64 = 15.0;
+
+/// How fast the water velocity along the heading changes along the path; NaN where the log has no current.
+fn water_met_m_s2(log: &FlightLog) -> Vec<f64> {
+    if !(log.has(Channel::CurrentEast) && log.has(Channel::CurrentNorth) && log.has(Channel::Heading)) {
+        return vec![f64::NAN; log.len()];
+    }
+    let rate =
+        |channel| vertical_velocity(log.column(Channel::Time), log.column(channel), CURRENT_HALF_WINDOW_S).rate_dbar_s;
+    let (east, north) = (rate(Channel::CurrentEast), rate(Channel::CurrentNorth));
+    let along = |i: usize| {
+        let (sin, cos) = log.at(Channel::Heading, i).sin_cos();
+        east[i] * sin + north[i] * cos
+    };
+    (0..log.len()).map(along).collect()
 }
 
 /// The rows with a pressure, and their pressures.

@@ -114,7 +114,7 @@ fn units(channel: Channel) -> &'static [Unit] {
         Channel::Temperature => TEMPERATURES,
         Channel::Salinity => SALINITIES,
         Channel::Conductivity => CONDUCTIVITIES,
-        Channel::Speed => SPEEDS,
+        Channel::Speed | Channel::CurrentEast | Channel::CurrentNorth => SPEEDS,
         Channel::Charge => CHARGES,
         Channel::Voltage => VOLTAGES,
         Channel::Latitude | Channel::Longitude => POSITIONS,

@@ -1,10 +1,20 @@
 //! Which mechanisms a log could show.
 
+use super::history;
 use super::jumps::Jump;
 use crate::diagnose::evidence::{Candidate, Version};
+use crate::dynamics::buoyancy::WATER_COMPRESSIBILITY_PER_PA;
 use crate::dynamics::{PARAMETERS, Parameters};
 use crate::identify::Bin;
+use crate::log::DBAR_PA;
 use crate::mechanisms::{AT_SEA, Enters};
+
+/// Range of temperature over the log below which nothing that goes by its changes can show \[K\]: ten times the noise of a
+/// thermistor's bin.
+const LEAST_RANGE_K: f64 = 0.1;
+
+/// The same of the density of the water brought to p = 0 \[kg/m3\]: some grams in the largest flooded spaces.
+const LEAST_RANGE_KG_M3: f64 = 0.1;
 
 /// The mechanisms that these data could show, with the row of their parameter.
 pub fn of(bins: &[Bin], jumps: &[Jump], parameters: &Parameters<f64>) -> Vec<(Candidate, usize)> {
@@ -18,6 +28,11 @@ pub fn of(bins: &[Bin], jumps: &[Jump], parameters: &Parameters<f64>) -> Vec<(Ca
             "roll_drag" => !varies(|bin| bin.mean.roll_rad),
             "rudder_drag" => !varies(|bin| bin.mean.rudder_rad),
             "thermal_expansion" => !varies(|bin| bin.mean.temperature_C),
+            // A temperature that is the same everywhere tells nothing of a lag.
+            "thermal_lag" => range(bins, |bin| bin.mean.temperature_C) < LEAST_RANGE_K,
+            "carried_water" => range(bins, surface_density_kg_m3) < LEAST_RANGE_KG_M3,
+            // A density that the user stated has no cell that could drift.
+            "conductivity_drift" => !bins.iter().any(|bin| bin.mean.teos10_density_kg_m3.is_finite()),
             _ => mechanism.enters == Enters::Consistency,
         };
         if missing {
@@ -26,8 +41,10 @@ pub fn of(bins: &[Bin], jumps: &[Jump], parameters: &Parameters<f64>) -> Vec<(Ca
         let row = &PARAMETERS[index];
         let version =
             |jump: &Jump| Some(Version { name: "step_time_s", value: jump.time_s, between: jump.between_s, unit: "s" });
-        let versions: Vec<Option<Version>> =
-            if mechanism.name == "drag_step" { jumps.iter().map(version).collect() } else { vec![None] };
+        let versions: Vec<Option<Version>> = match mechanism.name {
+            "drag_step" => jumps.iter().map(version).collect(),
+            name => history::versions(name),
+        };
         for version in versions {
             let candidate = Candidate {
                 name: mechanism.name,
@@ -42,4 +59,19 @@ pub fn of(bins: &[Bin], jumps: &[Jump], parameters: &Parameters<f64>) -> Vec<(Ca
         }
     }
     found
+}
+
+/// Density of the water brought to p = 0, by the compressibility of sea water \[kg/m3\].
+fn surface_density_kg_m3(bin: &Bin) -> f64 {
+    bin.mean.density_kg_m3 / (1.0 + WATER_COMPRESSIBILITY_PER_PA * DBAR_PA * bin.mean.pressure_dbar)
+}
+
+/// Largest less smallest value; none where it was not measured.
+fn range(bins: &[Bin], value: impl Fn(&Bin) -> f64) -> f64 {
+    let (least, most) = bins
+        .iter()
+        .map(value)
+        .filter(|value| value.is_finite())
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| (least.min(value), most.max(value)));
+    (most - least).max(0.0)
 }

@@ -11,20 +11,21 @@ mod attitude;
 mod candidates;
 pub mod consistency;
 mod covariates;
+mod history;
 mod jumps;
 mod model;
 mod vehicle_log;
 mod whole;
 
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
-use crate::identify::{Bin, Parts, bins};
+use crate::identify::{Bin, Inside, Parts, bins, surroundings};
 use crate::log::Observation;
 
 use super::evidence::{Candidate, Evidence, Point, Problem, Quantity};
 use super::findings::{Check, Checked};
 use super::relevance::Relevance;
 use jumps::Jump;
-use model::{Directions, Vehicle};
+use model::{Directions, Sloped, Vehicle};
 use nalgebra::{DMatrix, DVector};
 pub use vehicle_log::{LiftSlope, Request, VehicleLogError, diagnose_vehicle, extended};
 pub use whole::{SeaDiagnosis, diagnose_log};
@@ -131,9 +132,33 @@ pub struct SeaProblem {
     baseline: Vec<(&'static str, &'static str)>,
     baseline_index: Vec<usize>,
     candidates: Vec<Candidate>,
-    /// For each candidate its parameter's direction.
-    shapes: Vec<usize>,
+    /// For each candidate how its size changes what is read.
+    shapes: Vec<Shape>,
     directions: Directions,
+    /// What the mechanisms of the past go by.
+    past: history::Columns,
+}
+
+/// How the size of a candidate changes what is read.
+#[derive(Debug, Clone)]
+struct Shape {
+    /// The row of its size in the table of parameters.
+    row: usize,
+    slopes: Slopes,
+}
+
+/// Where the slopes along a size come from.
+#[derive(Debug, Clone)]
+enum Slopes {
+    /// A direction of the model itself.
+    Direction(usize),
+    /// For a mechanism of the past: what a unit of it does to each bin, times the slopes along a direction of the model.
+    Past {
+        /// What a unit does to each bin.
+        column: Vec<f64>,
+        /// The direction, where it is one.
+        carrier: Option<usize>,
+    },
 }
 
 impl SeaProblem {
@@ -168,6 +193,7 @@ impl SeaProblem {
         };
         let with_speed = if with_speed.len() < MIN_BINS { Vec::new() } else { with_speed };
 
+        let past = history::Columns::new(&bins, observations, parameters);
         let names: &[&str] =
             if settings.lift == Lift::Held { &["b", "c_per_rad2"] } else { &["a_per_rad", "b", "c_per_rad2"] };
         let baseline_index: Vec<usize> = names.iter().filter_map(|name| parameter_index(name)).collect();
@@ -185,6 +211,7 @@ impl SeaProblem {
             baseline_index,
             candidates: Vec::new(),
             shapes: Vec::new(),
+            past,
         };
         let jumps = Jump::between_legs(&problem.bins);
         problem.look_for(&jumps);
@@ -216,14 +243,37 @@ impl SeaProblem {
             if !self.has_speed() && candidate.name == "pitch_scale" {
                 continue;
             }
+            let slopes = match history::acts(candidate.name) {
+                None => Slopes::Direction(self.directions.of(index)),
+                Some(acts) => {
+                    let mut parameters = self.parameters;
+                    put_version(&mut parameters, &candidate);
+                    let column = self.past.of(candidate.name, &self.bins, &parameters);
+                    // A mechanism that never acts in this log has nothing to show.
+                    if column.iter().all(|value| value.abs() < f64::MIN_POSITIVE) {
+                        continue;
+                    }
+                    let carrier = match acts {
+                        history::Acts::NetMass => parameter_index("ballast_offset_kg"),
+                        history::Acts::Pitch => parameter_index("pitch_offset_rad"),
+                        history::Acts::Reading => None,
+                    };
+                    Slopes::Past { column, carrier: carrier.map(|row| self.directions.of(row)) }
+                }
+            };
             self.candidates.push(candidate);
-            self.shapes.push(self.directions.of(index));
+            self.shapes.push(Shape { row: index, slopes });
         }
     }
 
     /// Whether measured speed has a vote.
     pub fn has_speed(&self) -> bool {
         !self.with_speed.is_empty()
+    }
+
+    /// Whether the log's own current gives the force of its shear.
+    pub fn knows_shear(&self) -> bool {
+        self.past.knows_shear()
     }
 
     /// How many bins the log was reduced to.
@@ -284,16 +334,48 @@ impl SeaProblem {
         for (index, value) in self.baseline_index.iter().zip(&point.baseline) {
             *parameters.at(*index) = *value;
         }
-        for ((candidate, values), direction) in self.candidates.iter().zip(&point.candidates).zip(&self.shapes) {
+        for ((candidate, values), shape) in self.candidates.iter().zip(&point.candidates).zip(&self.shapes) {
             if *values != candidate.neutral {
-                *parameters.at(self.directions.parameter(*direction)) = values[0];
-                if let Some(jump) = candidate.version {
-                    parameters.step_time_s = jump.value;
-                }
+                *parameters.at(shape.row) = values[0];
+                put_version(&mut parameters, candidate);
             }
         }
         parameters
     }
+}
+
+/// Gives the parameter that a candidate's version is chosen by its value.
+fn put_version(parameters: &mut Parameters<f64>, candidate: &Candidate) {
+    let row = candidate.version.and_then(|version| Some((parameter_index(version.name)?, version.value)));
+    if let Some((row, value)) = row {
+        *parameters.at(row) = value;
+    }
+}
+
+/// A bin flown with what the past does to it.
+fn fly_with(
+    parameters: &Parameters<f64>,
+    vehicle: &Vehicle,
+    bin: &Bin,
+    inside: &Inside,
+    past: &history::Effect,
+) -> (Sloped, Sloped) {
+    let mut bin = *bin;
+    let mut inside = *inside;
+    bin.mean.pitch_rad += past.pitch_rad;
+    inside.inertia.net_mass_kg += past.net_mass_kg;
+    if past.along_N != 0.0 {
+        // A horizontal force and the weight together are a weight that leans.
+        let net_kg = parameters.net_mass_kg(bin.mean.ballast_m3, &surroundings(parameters, &bin.mean))
+            + inside.inertia.net_mass_kg;
+        let lean = past.along_N / (net_kg * parameters.gravity_m_s2);
+        inside.inertia.net_mass_kg += net_kg * (1.0f64.hypot(lean) - 1.0);
+        inside.inertia.pitch_rad -= lean.atan();
+    }
+    let (mut sink, speed) = vehicle.fly(&bin, &inside);
+    sink.value *= 1.0 + past.reading;
+    sink.slopes.iter_mut().for_each(|slope| *slope *= 1.0 + past.reading);
+    (sink, speed)
 }
 
 fn is_usable(o: &Observation) -> bool {
@@ -356,8 +438,14 @@ impl Problem for SeaProblem {
         let mut slopes = DMatrix::zeros(n, self.directions.len());
         let mut speed_row = n_w;
         let vehicle = Vehicle::new(&parameters, &self.directions);
+        let past = self.past.effects(&self.bins, &parameters);
+        let mut modelled_sink_m_s = Vec::with_capacity(n_w);
         for (row, (bin, inside)) in self.bins.iter().zip(&inside).enumerate() {
-            let (sink, speed) = vehicle.fly(bin, inside);
+            let (sink, speed) = match &past {
+                None => vehicle.fly(bin, inside),
+                Some(effects) => fly_with(&parameters, &vehicle, bin, inside, &effects[row]),
+            };
+            modelled_sink_m_s.push(sink.value);
             residual[row] = bin.mean.sink_m_s - sink.value;
             slopes.row_mut(row).copy_from_slice(&sink.slopes);
             if self.with_speed.get(speed_row - n_w) == Some(&row) {
@@ -368,13 +456,23 @@ impl Problem for SeaProblem {
         }
 
         let nb = self.baseline.len();
+        let bin_of = |row: usize| if row < n_w { row } else { self.with_speed[row - n_w] };
         let candidates = self
             .shapes
             .iter()
             .zip(&self.candidates)
-            .map(|(direction, candidate)| {
-                let after = |row: usize| candidate.version.is_none_or(|jump| row_bins[row].mean.time_s >= jump.value);
-                DMatrix::from_fn(n, 1, |row, _| if after(row) { slopes[(row, *direction)] } else { 0.0 })
+            .map(|(shape, candidate)| match &shape.slopes {
+                Slopes::Direction(direction) => {
+                    let after =
+                        |row: usize| candidate.version.is_none_or(|jump| row_bins[row].mean.time_s >= jump.value);
+                    DMatrix::from_fn(n, 1, |row, _| if after(row) { slopes[(row, *direction)] } else { 0.0 })
+                }
+                Slopes::Past { column, carrier: Some(direction) } => {
+                    DMatrix::from_fn(n, 1, |row, _| column[bin_of(row)] * slopes[(row, *direction)])
+                }
+                Slopes::Past { column, carrier: None } => {
+                    DMatrix::from_fn(n, 1, |row, _| if row < n_w { column[row] * modelled_sink_m_s[row] } else { 0.0 })
+                }
             })
             .collect();
         let mut quantities = vec![Quantity { name: VERTICAL_VELOCITY, unit: "m/s", rows: 0..n_w }];

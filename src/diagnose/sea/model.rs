@@ -34,10 +34,6 @@ impl Directions {
     pub fn len(&self) -> usize {
         self.rows.len()
     }
-
-    pub fn parameter(&self, direction: usize) -> usize {
-        self.rows[direction]
-    }
 }
 
 /// A value and its slope in every direction.
@@ -225,6 +221,7 @@ mod tests {
             sink_se_m_s: 0.002,
             sink_rate_m_s2: 0.0,
             speed_m_s: 0.35,
+            water_met_m_s2: f64::NAN,
             leg: 0,
             dive: 0,
             stretch: 0,

@@ -74,7 +74,7 @@ pub fn diagnose_log(
     if trim == Trim::Neutral {
         tell_trim(&mut told, &baseline);
     }
-    told.diagnosis.rejected.extend(unweighed(&checks, &told, problem.has_speed()));
+    told.diagnosis.rejected.extend(unweighed(&checks, &told, &problem));
     told.diagnosis.consistency = checks;
     told.diagnosis.warnings = problem.doubts(&told.before.point, &told.after.point);
     let evidence = problem.evidence(&told.after.point);
@@ -84,7 +84,8 @@ pub fn diagnose_log(
 /// Diagnoses a problem; once more, where the drag jumped, with the time of the jump looked for more closely.
 fn in_full(problem: SeaProblem) -> (SeaProblem, Outcome) {
     let told = engine::diagnose_in_full(&problem);
-    let jump = told.named.iter().find_map(|named| problem.candidates()[*named].version);
+    let jump = told.named.iter().map(|named| &problem.candidates()[*named]).find(|it| it.name == "drag_step");
+    let jump = jump.and_then(|step| step.version);
     match jump.and_then(|jump| problem.with_jumps_about(jump.value)) {
         Some(finer) => {
             let told = engine::diagnose_in_full(&finer);
@@ -189,7 +190,7 @@ fn name_what_density_hides(told: &mut Outcome, problem: &SeaProblem, checks: &[C
 }
 
 /// The mechanisms that no steady glide can show, and those that the checks settle.
-fn unweighed(checks: &[Check], told: &Outcome, has_speed: bool) -> Vec<crate::diagnose::Rejected> {
+fn unweighed(checks: &[Check], told: &Outcome, problem: &SeaProblem) -> Vec<crate::diagnose::Rejected> {
     let density = checks.iter().find(|check| check.check == consistency::DENSITY);
     let reject = |cause: &str, why: String| crate::diagnose::Rejected {
         cause: cause.to_owned(),
@@ -201,7 +202,13 @@ fn unweighed(checks: &[Check], told: &Outcome, has_speed: bool) -> Vec<crate::di
         "inertia",
         "samples near inflections take no part, and along the glide the vehicle's own inertia is in the model; it has no free size".to_owned(),
     )];
-    if !has_speed {
+    let why = if problem.knows_shear() {
+        "the log's own current is in the model: its force is subtracted, it has no free size"
+    } else {
+        "not checked: the log has no current (columns current_east_m_s and current_north_m_s)"
+    };
+    found.push(reject("shear", why.to_owned()));
+    if !problem.has_speed() {
         let why = "without a measured speed lift slope and drag take up what a scale of the pitch would do";
         found.push(reject("pitch_scale", why.to_owned()));
     }
@@ -263,6 +270,7 @@ mod tests {
                 sink_se_m_s: 0.002,
                 sink_rate_m_s2: 0.0,
                 speed_m_s: glide.speed_m_s + 0.02 * noise(1.0),
+                water_met_m_s2: f64::NAN,
                 leg,
                 dive: leg / 2,
                 stretch: 0,

@@ -17,6 +17,7 @@ fn legs(flown: &[(f64, f64)]) -> Vec<Observation> {
             pitch_rad: -down * pitch_deg.to_radians(),
             sink_m_s: down * speed_m_s * path_rad.sin(),
             speed_m_s: factor * speed_m_s,
+            water_met_m_s2: f64::NAN,
             leg: leg as u32,
             dive: leg as u32 / 2,
             steady: true,

@@ -1,0 +1,449 @@
+//! Mechanisms that go by what the glider met before: columns made once from the whole log.
+//!
+//! A steady glide knows the water around it, not the water an hour ago. What a mechanism keeps of the past is one column: the
+//! change of net mass, of pitch or of the pressure's reading that a unit of its size makes in each bin. With `y` the lag
+//! of a quantity `x`, `dy/dt = (x - y) / tau` (exact for straight lines between samples),
+//! ```text
+//! hull_creep             net mass   rho V lag(P, creep_time)                     standard linear solid, its late part
+//! carried_water          net mass   lag(s, exchange_time) - s                    s = rho / (1 + kappa P), water brought to p = 0
+//! pump_leakback          net mass   rho t_stopped                                since the ballast volume last changed
+//! conductivity_drift     net mass   -V (d rho / d S) t
+//! thermal_lag            net mass   -V (d rho / d S) (d S / d T at one conductivity) dT/dt
+//! clock_offset           pitch      d pitch / dt
+//! pressure_hysteresis    reading    sink 4 (1 - 2 P / P_turn) on ascents         an error h 4 P (1 - P / P_turn), a parabola
+//! shear                  weight     -m dU/dt met along the heading, beside m0 g       no size: by the log's own current
+//! ```
+//! The force of a shear turns the weight of the steady glide by `-atan(F / (m0 g))` and lengthens it; the glider follows it
+//! late by `M V / (2 D)`, as any change of its speed.
+//!
+//! Net mass is linear in each, so a column times the slope along the ballast offset is the slope along the mechanism's size,
+//! exactly. Time constants are not fitted: each one is a version of its mechanism. Knows observations and bins.
+
+use std::sync::Arc;
+
+use crate::diagnose::evidence::Version;
+use crate::dynamics::Parameters;
+use crate::dynamics::buoyancy::WATER_COMPRESSIBILITY_PER_PA;
+use crate::identify::Bin;
+use crate::log::{DBAR_PA, Observation};
+
+/// Change of density with practical salinity \[kg/m3\]: 0.77 at 35 and 10 degC, 0.80 at 0 degC, 0.75 at 25 degC (EOS-80).
+const DENSITY_PER_SALINITY: f64 = 0.77;
+
+/// Change of the salinity that is computed from one conductivity with the temperature that is taken for the cell's \[1/K\]:
+/// -0.98 at 35 and 10 degC (PSS-78).
+const SALINITY_PER_KELVIN: f64 = 0.98;
+
+/// A change of the ballast volume beyond this is a move of the engine \[m3\]: above the noise of a reading, below any stroke.
+const MOVED_M3: f64 = 5e-6;
+
+/// Time constants that are tried \[s\]: a factor of four apart, between which no log of some days tells (the late part of one
+/// differs from that of another half as long by a fifth at most).
+const CREEP_TIMES_S: [f64; 3] = [3600.0, 14_400.0, 57_600.0];
+const EXCHANGE_TIMES_S: [f64; 3] = [600.0, 2400.0, 9600.0];
+
+/// Half the factor between neighbours of these lists.
+const BETWEEN: f64 = 2.0;
+
+/// What a mechanism acts on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Acts {
+    /// The net mass \[kg\].
+    NetMass,
+    /// The pitch \[rad\].
+    Pitch,
+    /// The reading of the vertical velocity, in its own share.
+    Reading,
+}
+
+/// Mechanism, the row of its size, what it acts on.
+const MECHANISMS: [(&str, &str, Acts); 7] = [
+    ("hull_creep", "hull_creep_per_Pa", Acts::NetMass),
+    ("carried_water", "carried_water_m3", Acts::NetMass),
+    ("pump_leakback", "pump_leakback_cc_per_hour", Acts::NetMass),
+    ("conductivity_drift", "salinity_drift_per_day", Acts::NetMass),
+    ("thermal_lag", "thermal_lag_s", Acts::NetMass),
+    ("clock_offset", "clock_offset_s", Acts::Pitch),
+    ("pressure_hysteresis", "pressure_hysteresis", Acts::Reading),
+];
+
+/// What a mechanism of this name acts on, where it goes by the past.
+pub fn acts(mechanism: &str) -> Option<Acts> {
+    MECHANISMS.iter().find(|(name, ..)| *name == mechanism).map(|(.., acts)| *acts)
+}
+
+/// The versions of a mechanism of the past: its time constants, or one without any.
+pub fn versions(mechanism: &str) -> Vec<Option<Version>> {
+    let of = |name, times: &[f64]| {
+        let version =
+            |&value: &f64| Some(Version { name, value, between: [value / BETWEEN, value * BETWEEN], unit: "s" });
+        times.iter().map(version).collect()
+    };
+    match mechanism {
+        "hull_creep" => of("creep_time_s", &CREEP_TIMES_S),
+        "carried_water" => of("exchange_time_s", &EXCHANGE_TIMES_S),
+        _ => vec![None],
+    }
+}
+
+/// The past of every bin of a log.
+#[derive(Debug, Clone)]
+pub struct History {
+    past: Arc<Past>,
+    /// For each bin, which of the samples of the past are its own.
+    of_bin: Vec<Vec<usize>>,
+    /// Volume that the hull displaces at the surface \[m3\].
+    volume_m3: f64,
+}
+
+/// The samples of a log in the order of time; what was not measured is as before.
+#[derive(Debug)]
+struct Past {
+    time_s: Vec<f64>,
+    pressure_Pa: Vec<f64>,
+    density_kg_m3: Vec<f64>,
+    temperature_C: Vec<f64>,
+    /// Time since the ballast volume last changed \[s\].
+    stopped_s: Vec<f64>,
+    /// The largest pressure since the last ascent ended \[Pa\].
+    turn_Pa: Vec<f64>,
+    descends: Vec<bool>,
+}
+
+/// What mechanisms of the past do to one bin.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Effect {
+    /// Change of net mass \[kg\].
+    pub net_mass_kg: f64,
+    /// Change of pitch \[rad\].
+    pub pitch_rad: f64,
+    /// Horizontal force along the heading \[N\].
+    pub along_N: f64,
+    /// Change of the vertical velocity that is read, in its own share.
+    pub reading: f64,
+}
+
+impl History {
+    /// The past of these bins, which are made of steady ones of these samples.
+    pub fn new(bins: &[Bin], samples: &[Observation], parameters: &Parameters<f64>) -> History {
+        let past = Past::new(samples);
+        let of_bin = bins
+            .iter()
+            .map(|bin| {
+                // A bin knows its mean time and its leg; its samples are those of the leg as far around as it has samples.
+                let on_leg = |i: &usize| samples[*i].leg == bin.mean.leg && samples[*i].steady;
+                let near = past.time_s.partition_point(|time| *time < bin.mean.time_s);
+                let half = bin.samples / 2;
+                let own: Vec<usize> =
+                    (near.saturating_sub(half)..(near + half + 1).min(samples.len())).filter(on_leg).collect();
+                if own.is_empty() { vec![near.min(samples.len() - 1)] } else { own }
+            })
+            .collect();
+        let volume_m3 = parameters.displaced_mass_kg / parameters.reference_density_kg_m3;
+        History { past: Arc::new(past), of_bin, volume_m3 }
+    }
+
+    /// The column of a mechanism: what a unit of its size does to each bin, with the time constants of these parameters.
+    pub fn column(&self, mechanism: &str, bins: &[Bin], parameters: &Parameters<f64>) -> Vec<f64> {
+        let past = &*self.past;
+        let mean = |values: &[f64]| -> Vec<f64> {
+            self.of_bin.iter().map(|own| own.iter().map(|i| values[*i]).sum::<f64>() / own.len() as f64).collect()
+        };
+        let with = |values: Vec<f64>, of: fn(&Bin, f64) -> f64| -> Vec<f64> {
+            bins.iter().zip(values).map(|(bin, value)| of(bin, value)).collect()
+        };
+        let volume = self.volume_m3;
+        match mechanism {
+            "hull_creep" => {
+                let late = mean(&lagged(&past.time_s, &past.pressure_Pa, parameters.creep_time_s));
+                with(late, |bin, late| bin.mean.density_kg_m3 * late).iter().map(|per_m3| per_m3 * volume).collect()
+            }
+            "carried_water" => {
+                let at_surface: Vec<f64> = past
+                    .density_kg_m3
+                    .iter()
+                    .zip(&past.pressure_Pa)
+                    .map(|(density, pressure)| density / (1.0 + WATER_COMPRESSIBILITY_PER_PA * pressure))
+                    .collect();
+                let carried = lagged(&past.time_s, &at_surface, parameters.exchange_time_s);
+                let denser: Vec<f64> =
+                    carried.iter().zip(&at_surface).map(|(carried, around)| carried - around).collect();
+                mean(&denser)
+            }
+            "pump_leakback" => {
+                with(mean(&past.stopped_s), |bin, stopped| bin.mean.density_kg_m3 * 1e-6 * stopped / 3600.0)
+            }
+            "conductivity_drift" => with(vec![volume; bins.len()], |bin, volume| {
+                -volume * DENSITY_PER_SALINITY * bin.mean.time_s / 86_400.0
+            }),
+            "thermal_lag" => {
+                let per_kelvin = -volume * DENSITY_PER_SALINITY * SALINITY_PER_KELVIN;
+                self.rates(&past.temperature_C).iter().map(|rate| per_kelvin * rate).collect()
+            }
+            "pressure_hysteresis" => {
+                let share = |i: usize| {
+                    if past.descends[i] || past.turn_Pa[i] <= 0.0 {
+                        0.0
+                    } else {
+                        4.0 * (1.0 - 2.0 * past.pressure_Pa[i] / past.turn_Pa[i])
+                    }
+                };
+                mean(&(0..past.time_s.len()).map(share).collect::<Vec<f64>>())
+            }
+            _ => vec![0.0; bins.len()],
+        }
+    }
+
+    /// The rate of change of the pitch in each bin by its samples \[rad/s\], the column of a late attitude.
+    pub fn pitch_rates(&self, samples: &[Observation]) -> Vec<f64> {
+        self.rates(&samples.iter().map(|o| o.pitch_rad).collect::<Vec<f64>>())
+    }
+
+    /// What the glider meets of a shear in each bin, late by the time in which it follows; nothing where the log has no current.
+    fn met_m_s2(&self, bins: &[Bin], samples: &[Observation], parameters: &Parameters<f64>) -> Option<Vec<f64>> {
+        let met: Vec<f64> =
+            samples.iter().map(|o| if o.water_met_m_s2.is_finite() { o.water_met_m_s2 } else { 0.0 }).collect();
+        if met.iter().all(|met| *met == 0.0) || bins.is_empty() {
+            return None;
+        }
+        // M V / (2 D) with V = w / sin and D = m0 g sin, both as measured, over the log.
+        let mass_kg = parameters.mass_kg() + parameters.added_mass_1_kg;
+        let slow = |bin: &Bin| {
+            let sin2 = bin.mean.pitch_rad.sin().powi(2).max(1e-4);
+            let volume_m3 = bin.mean.ballast_m3.abs().max(MOVED_M3);
+            let weight_N = bin.mean.density_kg_m3 * volume_m3 * parameters.gravity_m_s2;
+            mass_kg * bin.mean.sink_m_s.abs() / (2.0 * weight_N * sin2)
+        };
+        let mut slow_s: Vec<f64> = bins.iter().map(slow).collect();
+        slow_s.sort_by(f64::total_cmp);
+        let late = lagged(&self.past.time_s, &met, slow_s[slow_s.len() / 2]);
+        Some(self.of_bin.iter().map(|own| own.iter().map(|i| late[*i]).sum::<f64>() / own.len() as f64).collect())
+    }
+
+    /// Least-squares slope of a quantity over the samples of each bin.
+    fn rates(&self, values: &[f64]) -> Vec<f64> {
+        let slope = |own: &Vec<usize>| {
+            let n = own.len() as f64;
+            let mean_s = own.iter().map(|i| self.past.time_s[*i]).sum::<f64>() / n;
+            let spread: f64 = own.iter().map(|i| (self.past.time_s[*i] - mean_s).powi(2)).sum();
+            let moment: f64 = own.iter().map(|i| (self.past.time_s[*i] - mean_s) * values[*i]).sum();
+            if spread > 0.0 && moment.is_finite() { moment / spread } else { 0.0 }
+        };
+        self.of_bin.iter().map(slope).collect()
+    }
+}
+
+/// The columns that a problem needs again and again, and their sum at a point.
+#[derive(Debug, Clone)]
+pub struct Columns {
+    history: History,
+    pitch_rates: Vec<f64>,
+    /// Change of the water's velocity along the heading that is met, as late as the glider follows \[m/s2\]; none where the log
+    /// has no current.
+    met_m_s2: Option<Vec<f64>>,
+}
+
+impl Columns {
+    /// From the bins, the samples they are made of, and the vehicle.
+    pub fn new(bins: &[Bin], samples: &[Observation], parameters: &Parameters<f64>) -> Columns {
+        let history = History::new(bins, samples, parameters);
+        let pitch_rates = history.pitch_rates(samples);
+        let met_m_s2 = history.met_m_s2(bins, samples, parameters);
+        Columns { history, pitch_rates, met_m_s2 }
+    }
+
+    /// Whether the log's own current gives the force of its shear.
+    pub fn knows_shear(&self) -> bool {
+        self.met_m_s2.is_some()
+    }
+
+    /// What a unit of a mechanism's size does to each bin.
+    pub fn of(&self, mechanism: &str, bins: &[Bin], parameters: &Parameters<f64>) -> Vec<f64> {
+        match mechanism {
+            "clock_offset" => self.pitch_rates.clone(),
+            _ => self.history.column(mechanism, bins, parameters),
+        }
+    }
+
+    /// What all mechanisms of the past at these parameters do to each bin; nothing where all are neutral.
+    pub fn effects(&self, bins: &[Bin], parameters: &Parameters<f64>) -> Option<Vec<Effect>> {
+        let mut sizes = *parameters;
+        let mass_kg = parameters.mass_kg();
+        let sheared =
+            |met: &Vec<f64>| met.iter().map(|met| Effect { along_N: -mass_kg * met, ..Effect::default() }).collect();
+        let mut effects: Option<Vec<Effect>> = self.met_m_s2.as_ref().map(sheared);
+        for (mechanism, row, acts) in MECHANISMS {
+            let size = crate::dynamics::parameter_index(row).map_or(0.0, |index| *sizes.at(index));
+            if size == 0.0 {
+                continue;
+            }
+            let effects = effects.get_or_insert_with(|| vec![Effect::default(); bins.len()]);
+            for (effect, value) in effects.iter_mut().zip(self.of(mechanism, bins, parameters)) {
+                match acts {
+                    Acts::NetMass => effect.net_mass_kg += size * value,
+                    Acts::Pitch => effect.pitch_rad += size * value,
+                    Acts::Reading => effect.reading += size * value,
+                }
+            }
+        }
+        effects
+    }
+}
+
+impl Past {
+    fn new(samples: &[Observation]) -> Past {
+        let kept = |of: fn(&Observation) -> f64| {
+            let first = samples.iter().map(of).find(|value| value.is_finite()).unwrap_or(0.0);
+            let mut last = first;
+            let held = samples.iter().map(|o| {
+                let value = of(o);
+                if value.is_finite() {
+                    last = value;
+                }
+                last
+            });
+            held.collect::<Vec<f64>>()
+        };
+        let time_s = kept(|o| o.time_s);
+        let pressure_Pa = kept(|o| o.pressure_dbar * DBAR_PA);
+        let ballast_m3 = kept(|o| o.ballast_m3);
+        let descends: Vec<bool> = samples.iter().map(Observation::descends).collect();
+        let (mut stopped_s, mut turn_Pa) = (Vec::new(), Vec::new());
+        let (mut stands_m3, mut since_s, mut turn) = (f64::NAN, time_s.first().copied().unwrap_or(0.0), 0.0f64);
+        for i in 0..samples.len() {
+            if (ballast_m3[i] - stands_m3).abs() > MOVED_M3 || stands_m3.is_nan() {
+                (stands_m3, since_s) = (ballast_m3[i], time_s[i]);
+            }
+            stopped_s.push(time_s[i] - since_s);
+            if descends[i] && i > 0 && !descends[i - 1] {
+                turn = 0.0;
+            }
+            turn = turn.max(pressure_Pa[i]);
+            turn_Pa.push(turn);
+        }
+        Past {
+            pressure_Pa,
+            density_kg_m3: kept(|o| o.density_kg_m3),
+            temperature_C: kept(|o| o.temperature_C),
+            time_s,
+            stopped_s,
+            turn_Pa,
+            descends,
+        }
+    }
+}
+
+/// A quantity that follows another with a time constant, from equality at the beginning; exact where that one goes along
+/// straight lines between samples.
+pub fn lagged(time_s: &[f64], values: &[f64], constant_s: f64) -> Vec<f64> {
+    let mut late = values.first().copied().unwrap_or(0.0);
+    let mut found = Vec::with_capacity(values.len());
+    for i in 0..values.len() {
+        if i > 0 {
+            let (step, from, to) = (time_s[i] - time_s[i - 1], values[i - 1], values[i]);
+            if step > 0.0 {
+                let left = if constant_s > 0.0 { (-step / constant_s).exp() } else { 0.0 };
+                let behind = constant_s * (to - from) / step;
+                late = (to - behind) + (late - (from - behind)) * left;
+            }
+        }
+        found.push(late);
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::Problem;
+    use crate::diagnose::sea::{SeaProblem, Settings};
+    use crate::dynamics::Surroundings;
+    use crate::glide::{Attitude, at_pitch};
+    use crate::vehicle::Vehicle;
+
+    /// Twelve legs through a thermocline, the pitch hunting, every reading that of the steady glide.
+    fn log(p: &Parameters<f64>) -> Vec<Observation> {
+        let sample = |i: u32| {
+            let (leg, within) = (i / 60, f64::from(i % 60));
+            let descends = leg % 2 == 0;
+            let pressure_dbar = 10.0 + 4.0 * if descends { within } else { 59.0 - within };
+            let warm = 0.5 - 0.5 * ((pressure_dbar - 90.0) / 25.0).tanh();
+            let water = Surroundings {
+                density_kg_m3: 1027.0 - 1.5 * warm + 4.5e-3 * pressure_dbar,
+                pressure_Pa: pressure_dbar * DBAR_PA,
+                temperature_C: 8.0 + 7.0 * warm,
+                time_s: 15.0 * f64::from(i),
+            };
+            let sign = if descends { -1.0 } else { 1.0 };
+            let pitch_rad = sign * (24.0 + f64::from(leg % 3)).to_radians() + 0.02 * (water.time_s / 90.0).sin();
+            let ballast_m3 = 2.5e-4 * sign;
+            let net_mass_kg = p.net_mass_kg(ballast_m3, &water);
+            let glide = at_pitch(p, &water, Attitude { pitch_rad, net_mass_kg }).expect("a glide");
+            Observation {
+                time_s: water.time_s,
+                pressure_dbar,
+                pressure_rate_dbar_s: 0.0,
+                temperature_C: water.temperature_C,
+                density_kg_m3: water.density_kg_m3,
+                teos10_density_kg_m3: water.density_kg_m3,
+                teos10_surface_density_kg_m3: f64::NAN,
+                pitch_rad,
+                roll_rad: 0.0,
+                rudder_rad: 0.0,
+                heading_rad: 0.0,
+                ballast_m3,
+                battery_forward_m: f64::NAN,
+                sink_m_s: glide.vertical_velocity_m_s,
+                sink_se_m_s: 0.002,
+                sink_rate_m_s2: 0.0,
+                speed_m_s: glide.speed_m_s,
+                water_met_m_s2: f64::NAN,
+                leg,
+                dive: leg / 2,
+                stretch: 0,
+                steady: (4..56).contains(&(i % 60)),
+            }
+        };
+        (0..720).map(sample).collect()
+    }
+
+    /// The column of a candidate is how the residuals change with its size.
+    #[test]
+    fn every_column_is_the_change_of_what_is_read_with_the_size() {
+        let parameters = Vehicle::load("slocum-graver").expect("a vehicle").glide_parameters();
+        let problem = SeaProblem::new(&log(&parameters), &parameters, Settings::default()).expect("enough bins");
+        let start = problem.start();
+        let before = problem.evidence(&start);
+        let sizes = [1e-11, 3e-4, 0.5, 0.02, 0.1, 1.0, 1e-3];
+        for ((name, ..), size) in MECHANISMS.iter().zip(sizes) {
+            let of_name = (0..problem.candidates().len()).filter(|c| problem.candidates()[*c].name == *name);
+            let of_name: Vec<usize> = of_name.collect();
+            assert_eq!(of_name.len(), versions(name).len(), "{name}");
+            for c in of_name {
+                let mut point = start.clone();
+                point.candidates[c][0] += size;
+                let after = problem.evidence(&point);
+                let column = before.candidates[c].column(0);
+                let most = column.amax() * size;
+                let off = (&before.residual - &after.residual - column * size).amax();
+                assert!(most > 1e-5 && off < 0.03 * most, "{name}: {off} of {most} m/s");
+            }
+        }
+    }
+
+    #[test]
+    fn a_lag_is_the_closed_form_of_a_ramp_and_a_step() {
+        let time: Vec<f64> = (0..2000).map(|i| 3.0 * f64::from(i)).collect();
+        let ramp: Vec<f64> = time.iter().map(|t| 5.0 + 0.2 * t).collect();
+        for (t, late) in time.iter().zip(lagged(&time, &ramp, 400.0)) {
+            let expected = 5.0 + 0.2 * (t - 400.0 * (1.0 - (-t / 400.0).exp()));
+            assert!((late - expected).abs() < 1e-9 * expected, "{t} s: {late} against {expected}");
+        }
+        assert_eq!(lagged(&time, &ramp, 0.0), ramp);
+        // Long after a change of some seconds nothing is left but the tail of a step.
+        let step: Vec<f64> = time.iter().map(|t| if *t < 300.0 { 0.0 } else { 1.0 }).collect();
+        let late = lagged(&time, &step, 400.0);
+        let expected = 1.0 - (-(1500.0 - 298.5) / 400.0f64).exp();
+        assert!((late[500] - expected).abs() < 1e-5, "{} against {expected}", late[500]);
+    }
+}
