@@ -6,6 +6,7 @@ use clap::Args;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::turn_page::Case;
 use super::{Changes, CliError, Output, turn_page, vehicle_input, warn, water_density};
 use crate::dynamics::Surroundings;
 use crate::input::{nearest, printable};
@@ -89,12 +90,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         page.input(vehicle_input(&arguments.vehicle)?).write(arguments.output.folder(out)?)?;
     }
     arguments.output.write_json(&report)
-}
-
-/// One setting and its steady turns.
-pub(super) struct Case {
-    pub setting: Setting,
-    pub turns: Vec<Turn>,
 }
 
 fn no_turn(setting: &Setting) -> String {

@@ -1,6 +1,5 @@
 //! Steady turns as a page: what `glidepolar turn --out` writes.
 
-use super::turn::Case;
 use crate::report::{Axis, Block, Cell, Dash, Figure, Layer, Panel, Report, Section, Table};
 use crate::spatial::Body;
 use crate::spatial::turn::{ROLLS_DEG, SIDESLIPS_DEG, Setting, TURN_RATES_RAD_S, Trim, Turn, continued};
@@ -8,6 +7,12 @@ use crate::vehicle::Vehicle;
 
 /// Points of a polar on each side of the straight glide.
 const POINTS: usize = 30;
+
+/// One setting and its steady turns.
+pub(super) struct Case {
+    pub setting: Setting,
+    pub turns: Vec<Turn>,
+}
 
 /// The turns that were asked for, and the polar of everything that makes this vehicle turn.
 pub(super) fn page(vehicle: &Vehicle, body: &Body<f64>, cases: &[Case]) -> Report {

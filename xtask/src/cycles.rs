@@ -15,10 +15,11 @@ use serde_json::Value;
 
 use crate::workspace::{Workspace, capture};
 
-/// Reads every library and program of the workspace and fails where files depend on each other in a circle.
-pub fn run(workspace: &Workspace) -> Result<()> {
+/// Reads every library and program of the workspace, but for these packages, and fails where files depend on each other in a
+/// circle.
+pub fn run(workspace: &Workspace, except: &[String]) -> Result<()> {
     let metadata = capture(workspace.cargo().args(["metadata", "--no-deps", "--format-version", "1"]))?;
-    let roots = roots(&serde_json::from_str(&metadata)?);
+    let roots = roots(&serde_json::from_str(&metadata)?, except);
     let mut found = Vec::new();
     let mut n_files = 0;
     for root in &roots {
@@ -39,9 +40,15 @@ pub fn run(workspace: &Workspace) -> Result<()> {
 }
 
 /// The first file of every library and program.
-fn roots(metadata: &Value) -> Vec<PathBuf> {
-    let targets =
-        metadata["packages"].as_array().into_iter().flatten().flat_map(|package| package["targets"].as_array());
+fn roots(metadata: &Value, except: &[String]) -> Vec<PathBuf> {
+    let is_read =
+        |package: &&Value| !package["name"].as_str().is_some_and(|name| except.iter().any(|other| other == name));
+    let targets = metadata["packages"]
+        .as_array()
+        .into_iter()
+        .flatten()
+        .filter(is_read)
+        .flat_map(|package| package["targets"].as_array());
     let is_built = |target: &&Value| {
         let kinds = target["kind"].as_array().into_iter().flatten().filter_map(Value::as_str);
         kinds.into_iter().any(|kind| !matches!(kind, "example" | "test" | "bench" | "custom-build"))

