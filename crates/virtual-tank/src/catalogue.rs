@@ -65,7 +65,7 @@ pub const CATALOGUE: &[Entry] = &[
         unit: "N m",
         meaning: "the YM reading shifts by this as soon as a model is under way, after its zero was taken at rest",
         bounds: (-50.0, 50.0),
-        draw: Draw::EitherSign(0.3, 1.0),
+        draw: Draw::EitherSign(0.5, 1.2),
         act: |hidden, size, _| {
             hidden.shift_under_way[2] = size;
             String::new()
@@ -77,7 +77,7 @@ pub const CATALOGUE: &[Entry] = &[
         unit: "",
         meaning: "AF shows this fraction of SF beyond what the stated interaction matrix removes",
         bounds: (-0.5, 0.5),
-        draw: Draw::EitherSign(0.01, 0.04),
+        draw: Draw::EitherSign(0.05, 0.1),
         act: |hidden, size, _| {
             hidden.af_from_sf = size;
             String::new()
@@ -264,7 +264,7 @@ pub const CATALOGUE: &[Entry] = &[
         unit: "",
         meaning: "the water must pass the model within the tank's section: size is the frontal area over that section; across the tank the model takes up more",
         bounds: (0.0, 0.05),
-        draw: Draw::Between(0.005, 0.015),
+        draw: Draw::Between(0.018, 0.03),
         act: |hidden, size, _| {
             hidden.blockage_section_ratio = size;
             String::new()

@@ -336,11 +336,11 @@ impl<'a> TankProblem<'a> {
         };
         if let Shape::Drift(_, channel) = shape {
             candidate.usual[0] = 0.1 * self.largest(channel);
+            if let Some(allowed) = allowed_rates(self.data, &self.days, channel, &TIME_CONSTANTS_H) {
+                candidate.bounds[0] = allowed;
+            }
             for time_constant_h in TIME_CONSTANTS_H {
                 candidate.neutral[1] = time_constant_h;
-                let drift = Drift { time_constant_h };
-                candidate.bounds[0] =
-                    allowed_rates(self.data, &self.days, channel, &drift).unwrap_or(mechanism.parameters[0].bounds);
                 self.candidates.push(candidate.clone());
                 self.shapes.push(shape.clone());
             }

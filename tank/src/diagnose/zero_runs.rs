@@ -8,9 +8,25 @@ use super::drift::{Days, Drift};
 /// How far a drift may lie from what the zero runs show, in their standard errors: what one in some ten thousand does.
 const STANDARD_ERRORS: f64 = 4.0;
 
-/// Lowest and highest rate per hour of a channel's settling zero that the zero runs allow; none where they are too few.
+/// By what share of itself a rate may differ beside: it is fitted with a time constant between those that are asked here.
+const OTHER_TIME_CONSTANT: f64 = 0.5;
+
+/// Lowest and highest rate per hour of a channel's settling zero that the zero runs allow with any of these time constants;
+/// none where they are too few.
+pub fn allowed_rates(data: &Data, days: &Days, channel: usize, time_constants_h: &[f64]) -> Option<(f64, f64)> {
+    let of_each: Option<Vec<(f64, f64)>> = time_constants_h
+        .iter()
+        .map(|time_constant_h| allowed_rate(data, days, channel, &Drift { time_constant_h: *time_constant_h }))
+        .collect();
+    let (low, high) =
+        of_each?.into_iter().fold((f64::INFINITY, f64::NEG_INFINITY), |all, one| (all.0.min(one.0), all.1.max(one.1)));
+    let beside = OTHER_TIME_CONSTANT * low.abs().max(high.abs());
+    Some((low - beside, high + beside))
+}
+
+/// The same with one time constant.
 /// Each stretch of zeros has its own level and each day an even drift, neither of which a settling zero is.
-pub fn allowed_rates(data: &Data, days: &Days, channel: usize, drift: &Drift) -> Option<(f64, f64)> {
+fn allowed_rate(data: &Data, days: &Days, channel: usize, drift: &Drift) -> Option<(f64, f64)> {
     let zeros = &data.zero_runs;
     let day = |i: usize| days.day_at(zeros[i].when_s);
     let mut levels: Vec<(Option<usize>, Option<usize>)> = (0..zeros.len()).map(|i| (zeros[i].hull, day(i))).collect();
