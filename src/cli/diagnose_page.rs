@@ -264,7 +264,7 @@ fn gains(found: &Diagnosis) -> Table {
 fn rejected(found: &Diagnosis) -> Table {
     let mut table = Table::new("What was weighed and not named.", ["Mechanism", "Why"]);
     for one in &found.rejected {
-        table = table.row([Cell::Text(words(&one.cause)), Cell::Text(one.why.clone())]);
+        table = table.row([Cell::Text(words(&one.cause)), Cell::Text(one.remark.clone())]);
     }
     table
 }

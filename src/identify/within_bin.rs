@@ -71,6 +71,8 @@ pub struct Parts {
     /// Where a speed was measured, of the bins in which not every sample has one.
     at_speeds: Vec<AtSpeeds>,
     at_speeds_of_bin: Vec<Range<usize>>,
+    /// Whether forces balance at every moment.
+    quasi_steady: bool,
 }
 
 /// The glide around some measured speeds that follow one another.
@@ -130,9 +132,22 @@ impl Parts {
         }
     }
 
+    /// The same for a glider whose forces balance at every moment.
+    pub fn without_inertia(&self) -> Parts {
+        Parts { quasi_steady: true, ..self.clone() }
+    }
+
+    /// Whether forces are taken to balance at every moment.
+    pub fn is_quasi_steady(&self) -> bool {
+        self.quasi_steady
+    }
+
     /// What happens inside each bin at these parameters; `bins` are those of [`new`](Self::new).
     pub fn inside(&self, parameters: &Parameters<f64>, bins: &[Bin]) -> Vec<Inside> {
-        let of_parts = inertia(parameters, &self.means);
+        let of_parts = match self.quasi_steady {
+            true => vec![Inertia::NONE; self.means.len()],
+            false => inertia(parameters, &self.means),
+        };
         let glider = Glider::new(*parameters);
         let mut guess = None;
         let mut fly = |observed: &Observation, inertia: &Inertia| {

@@ -38,11 +38,12 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
     present.alternate(problem, |lap| (lap.race().best_mechanisms().members, None));
     let curve = present
         .alternate(problem, |lap| decide(lap.race().best_mechanisms(), lap.race().best_with_curve(), lap, problem));
-    let mut refuted = present.thin_out(problem, &baseline);
+    let mut dropped = Vec::new();
+    let mut refuted = present.thin_out(problem, &baseline, &mut dropped);
     // What was found in full, alone, stands where the slopes' choice does no better: in the place of one of its mechanisms,
     // or of them all where it was thinned out to no more than one.
     for mut rival in single.iter().flat_map(|single| present.rivals(single, problem)) {
-        let of_rival = rival.thin_out(problem, &baseline);
+        let of_rival = rival.thin_out(problem, &baseline, &mut dropped);
         if !rival.included.is_empty() {
             (present, refuted) = (rival, of_rival);
             break;
@@ -55,7 +56,7 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
         .or(refuted)
         .filter(|_| lap.is_anything_wrong(&present.included, &limits))
         .or_else(|| lap.unnamed_curve(&present.included, &limits));
-    report(problem, &baseline, &present, curve)
+    report(problem, &baseline, &present, curve, &dropped)
 }
 
 /// The baseline alone, and where it misses the data.

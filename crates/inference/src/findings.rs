@@ -96,6 +96,8 @@ pub struct Cause {
     pub holdout_rms_before: f64,
     /// Error on held-out data with it.
     pub holdout_rms_after: f64,
+    /// Its size on each half of the data; empty where it was not fitted.
+    pub stability: Vec<HalfSize>,
     /// Mechanisms that these data cannot tell from it.
     pub indistinguishable_from: Vec<String>,
 }
@@ -119,7 +121,40 @@ pub struct Rejected {
     /// Error on held-out data with it.
     pub holdout_rms_after: Option<f64>,
     /// Why it was not named.
-    pub why: String,
+    pub why: Why,
+    /// The same in a sentence.
+    pub remark: String,
+}
+
+/// Why a mechanism was not named.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Why {
+    /// It fits, and does not predict held-out data better, or not by enough to act on.
+    PredictsNoBetter,
+    /// It needs another size in another regime, or on the other half of the data.
+    SizeVaries,
+    /// It needs a size that nature does not have.
+    SizeImpossible,
+    /// It makes another quantity worse on held-out data.
+    SpoilsQuantity,
+    /// It explains no more than chance would.
+    ByChance,
+    /// These data cannot separate it from a named mechanism or from the baseline's own parameters.
+    Equivalent,
+}
+
+/// The size of a mechanism on one half of the data.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HalfSize {
+    /// `first` or `second`, in the order of time.
+    pub half: &'static str,
+    /// Its first parameter, fitted to this half alone.
+    pub value: f64,
+    /// Its standard error.
+    pub se: f64,
+    /// Whether this half alone shows it: two standard errors from having no effect, towards the same side as the whole.
+    pub found: bool,
 }
 
 /// Structure that no mechanism explains.

@@ -4,6 +4,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::evidence::{Candidate, Evidence, Point, Problem, names};
+use super::findings::HalfSize;
 use super::holdout::{self, least_squares};
 use super::outcome::Stage;
 use super::score::{whiten, whiten_with_prior};
@@ -23,6 +24,9 @@ const GROSS_MISFIT: f64 = 1.25;
 
 /// Difference of the logarithm of the held-out likelihood within which two single mechanisms are as good as each other.
 const SAME: f64 = 1.0;
+
+/// Standard errors from having no effect at which half of the data shows a mechanism: 95 %.
+const FOUND_AT: f64 = 2.0;
 
 /// A fit of the baseline and the included candidates.
 #[derive(Debug, Clone)]
@@ -241,6 +245,34 @@ impl Fitted {
             covariance,
             covariance_by_blocks,
         }
+    }
+
+    /// The first parameter of an included mechanism, fitted to each half of the data alone.
+    pub(super) fn halves(&self, problem: &impl Problem, place: usize) -> Vec<HalfSize> {
+        let candidates = problem.candidates();
+        let member = self.included[place];
+        let first = self.evidence.baseline.ncols()
+            + self.included[..place].iter().map(|other| candidates[*other].usual.len()).sum::<usize>();
+        let (value, neutral) = (self.point.candidates[member][0], candidates[member].neutral[0]);
+        let mut begins: std::collections::BTreeMap<usize, f64> = std::collections::BTreeMap::new();
+        for (block, time_s) in self.evidence.block.iter().zip(&self.evidence.time_s) {
+            let begin = begins.entry(*block).or_insert(*time_s);
+            *begin = begin.min(*time_s);
+        }
+        let mut times: Vec<f64> = begins.values().copied().collect();
+        times.sort_by(f64::total_cmp);
+        let Some(&middle) = times.get(times.len() / 2) else { return Vec::new() };
+        let columns = self.columns();
+        let of = |half: &'static str| {
+            let keep = |row: usize| (begins[&self.evidence.block[row]] < middle) == (half == "first");
+            let (step, covariance) = holdout::on_part(&self.evidence, &self.noises, &columns, keep)?;
+            let (value_here, se) = (value + step[first], covariance[(first, first)].max(0.0).sqrt());
+            let departs = (value_here - neutral) * (value - neutral).signum();
+            // A column that no row of a half feels says nothing, however sure the belief about it is.
+            let felt = (0..columns.nrows()).any(|row| keep(row) && columns[(row, first)] != 0.0);
+            Some(HalfSize { half, value: value_here, se, found: felt && departs > FOUND_AT * se })
+        };
+        ["first", "second"].into_iter().filter_map(of).collect()
     }
 
     /// The size above which a misfit of each quantity is worth acting on.

@@ -40,6 +40,33 @@ pub fn residuals(evidence: &Evidence, noises: &[Noise], columns: &DMatrix<f64>, 
     left
 }
 
+/// The fit of these columns to the rows for which `keep` is true, with its covariance; none where they are too few.
+pub fn on_part(
+    evidence: &Evidence,
+    noises: &[Noise],
+    columns: &DMatrix<f64>,
+    keep: impl Fn(usize) -> bool,
+) -> Option<(DVector<f64>, DMatrix<f64>)> {
+    let k = columns.ncols();
+    let kept: Vec<usize> = (0..evidence.residual.len()).filter(|row| keep(*row)).collect();
+    if kept.len() <= k {
+        return None;
+    }
+    let part = subset(evidence, &kept);
+    let mut all = DMatrix::zeros(kept.len(), k + 1);
+    for (i, row) in kept.iter().enumerate() {
+        all.view_mut((i, 0), (1, k)).copy_from(&columns.row(*row));
+        all[(i, k)] = evidence.residual[*row];
+    }
+    let all = whiten_with_prior(&part, noises, &all, k);
+    let mut design = all.columns(0, k).into_owned();
+    let sizes: Vec<f64> = (0..k).map(|j| design.column(j).norm().max(f64::MIN_POSITIVE)).collect();
+    sizes.iter().enumerate().for_each(|(j, size)| design.column_mut(j).unscale_mut(*size));
+    let inverse = design.tr_mul(&design).pseudo_inverse(1e-12).ok()?;
+    let covariance = DMatrix::from_fn(k, k, |i, j| inverse[(i, j)] / (sizes[i] * sizes[j]));
+    Some((least_squares(&all), covariance))
+}
+
 /// Solution of a least-squares problem whose right side is the last column; directions that no row sees stay zero.
 pub fn least_squares(all: &DMatrix<f64>) -> DVector<f64> {
     let k = all.ncols() - 1;

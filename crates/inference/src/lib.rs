@@ -35,7 +35,9 @@ mod versions;
 
 pub use engine::{diagnose, diagnose_in_full};
 pub use evidence::{Candidate, Covariate, Evidence, Headline, Point, Problem, Quantity, Version};
-pub use findings::{Alternative, Cause, Check, Checked, Diagnosis, Gain, Left, Rejected, Unexplained, Verdict, Wrong};
+pub use findings::{
+    Alternative, Cause, Check, Checked, Diagnosis, Gain, HalfSize, Left, Rejected, Unexplained, Verdict, Why, Wrong,
+};
 pub use outcome::{Outcome, Stage, gains};
 pub use relevance::Relevance;
 

@@ -4,6 +4,7 @@
 use nalgebra::DMatrix;
 
 use super::evidence::{Problem, Quantity, names};
+use super::findings::Why;
 use super::fitted::Fitted;
 use super::holdout;
 use super::lap::Lap;
@@ -18,22 +19,47 @@ const LEAST_CHANGE: f64 = 0.1;
 /// true cause, too, trades a little of one quantity for another.
 const LEAST_SPOILT_PERCENT: f64 = 2.0;
 
+/// Standard errors by which the sizes on the halves of the data must differ: 1 in 2000 by chance, some twenty mechanisms
+/// being tried.
+const SURELY_APART: f64 = 3.5;
+
+/// Difference of the sizes on the halves, relative to the size, from which on it is no one size any more.
+const LEAST_DIFFERENCE: f64 = 0.5;
+
 /// Least evidence for such a change, beyond the cost of having looked for it everywhere: a factor of 4.
 const LEAST_EXCESS: f64 = 3.0;
 
 impl Fitted {
     /// Drops everything that does not deserve its name; returns with what a refuted size goes. Once one has gone the others
     /// have other sizes, and may have been there for its sake alone: they are asked again, until all that are left stand.
-    pub(super) fn thin_out(&mut self, problem: &impl Problem, baseline: &Fitted) -> Option<String> {
+    pub(super) fn thin_out(
+        &mut self,
+        problem: &impl Problem,
+        baseline: &Fitted,
+        dropped: &mut Vec<(usize, Why)>,
+    ) -> Option<String> {
         let mut refuted = None;
         loop {
             let before = self.included.len();
+            let mut note = |fitted: &Fitted, had: &[usize], why: Why| {
+                let gone = had.iter().filter(|member| !fitted.included.contains(member));
+                dropped.extend(gone.map(|member| (*member, why)));
+                fitted.included.clone()
+            };
+            let had = self.included.clone();
             self.drop_what_does_not_predict(problem, baseline);
+            let had = note(self, &had, Why::PredictsNoBetter);
             self.drop_what_chance_explains(problem, baseline);
+            let had = note(self, &had, Why::ByChance);
             refuted = refuted.or(self.drop_what_needs_other_sizes(problem, baseline));
+            self.drop_what_differs_on_halves(problem, baseline);
+            let had = note(self, &had, Why::SizeVaries);
             self.drop_what_cannot_be(problem, baseline);
+            let had = note(self, &had, Why::SizeImpossible);
             self.drop_what_spoils(problem, baseline);
+            let had = note(self, &had, Why::SpoilsQuantity);
             self.drop_what_is_irrelevant(problem, baseline);
+            note(self, &had, Why::PredictsNoBetter);
             if self.included.len() == before {
                 return refuted;
             }
@@ -113,6 +139,28 @@ impl Fitted {
             self.drop_what_is_weak(problem, baseline, MARGIN.max(worst.excess));
         }
         refuted
+    }
+
+    /// A mechanism whose size differs between the halves of the data for certain, and by much, is another one.
+    pub(super) fn drop_what_differs_on_halves(&mut self, problem: &impl Problem, baseline: &Fitted) {
+        let differs = |fitted: &Fitted, place: usize| {
+            let member = fitted.included[place];
+            let candidate = &problem.candidates()[member];
+            let size = (fitted.point.candidates[member][0] - candidate.neutral[0]).abs();
+            // What began at one time is not the same before and after it.
+            candidate.version.is_none()
+                && match fitted.halves(problem, place).as_slice() {
+                    [a, b] => {
+                        let apart = (a.value - b.value).abs();
+                        apart > SURELY_APART * a.se.hypot(b.se) && apart > LEAST_DIFFERENCE * size
+                    }
+                    _ => false,
+                }
+        };
+        while problem.has_regimes() {
+            let Some(place) = (0..self.included.len()).find(|place| differs(self, *place)) else { return };
+            *self = self.without(problem, baseline, place);
+        }
     }
 
     /// What needs a size that nature does not have is something else that resembles it: it goes, whatever takes its place not

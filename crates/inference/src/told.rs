@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::alternatives::alternatives;
-use super::evidence::{Candidate, Headline, Problem, Quantity, names};
-use super::findings::{Cause, Diagnosis, Left, Rejected, Unexplained, Verdict, Wrong};
+use super::evidence::{Headline, Problem, Quantity, names};
+use super::findings::{Cause, Diagnosis, Left, Rejected, Unexplained, Verdict, Why, Wrong};
 use super::fitted::{Fitted, expected_rms};
 use super::holdout;
 use super::lap::Lap;
@@ -20,7 +20,13 @@ const HARDLY_SHOWN: f64 = 0.1;
 /// Most covariates that are told of what nothing explains.
 const MOST_TOLD: usize = 3;
 
-pub(super) fn report(problem: &impl Problem, baseline: &Fitted, extended: &Fitted, curve: Option<String>) -> Outcome {
+pub(super) fn report(
+    problem: &impl Problem,
+    baseline: &Fitted,
+    extended: &Fitted,
+    curve: Option<String>,
+    dropped: &[(usize, Why)],
+) -> Outcome {
     let candidates = problem.candidates();
     let before = baseline.held_out();
     let after = if extended.included.is_empty() { before.clone() } else { extended.held_out() };
@@ -61,7 +67,7 @@ pub(super) fn report(problem: &impl Problem, baseline: &Fitted, extended: &Fitte
         alternatives: alternatives(problem, extended, &lap),
         trim: None,
         left: left(problem, extended, &lap),
-        rejected: rejected(candidates, extended, &lap, &race, &causes),
+        rejected: rejected(problem, extended, &lap, &race, &causes, dropped),
         causes,
         unexplained,
         gain: gains[headline(problem, baseline, &before, &after)].clone(),
@@ -169,18 +175,21 @@ pub(super) fn cause(
         quantity: quantity.name.to_owned(),
         holdout_rms_before: holdout::rms(&before, quantity.rows.clone()),
         holdout_rms_after: holdout::rms(&after, quantity.rows.clone()),
+        stability: extended.halves(problem, place),
         indistinguishable_from: stand_ins,
     };
     Named { cause, candidate: member, gain, without: before }
 }
 
 pub(super) fn rejected(
-    candidates: &[Candidate],
+    problem: &impl Problem,
     extended: &Fitted,
     lap: &Lap<'_>,
     race: &Race<'_>,
     causes: &[Cause],
+    dropped: &[(usize, Why)],
 ) -> Vec<Rejected> {
+    let candidates = problem.candidates();
     let here = if extended.included.is_empty() { 0.0 } else { lap.score.fit(&race.columns(&extended.included)).gain };
     names(candidates)
         .into_iter()
@@ -201,7 +210,8 @@ pub(super) fn rejected(
                     cause: name.to_owned(),
                     p_value: None,
                     holdout_rms_after: None,
-                    why: "these data cannot show it: the baseline's own parameters absorb it".to_owned(),
+                    why: Why::Equivalent,
+                    remark: "these data cannot show it: the baseline's own parameters absorb it".to_owned(),
                 };
             };
             let mut with = extended.clone();
@@ -214,24 +224,51 @@ pub(super) fn rejected(
                 .map(|cause| cause.cause.as_str())
                 .collect();
             let shown = lap.runners[index].columns.first().map_or(0.0, |column| lap.score.seen(*column));
-            let mut why = if !stands_in.is_empty() {
+            let held_out = with.held_out();
+            let predicts = holdout::advantage(&extended.evidence, &extended.noises, &extended.held_out(), &held_out)
+                >= problem.least_advantage();
+            let step = lap.point_of(&with.included, problem).candidates[index][0];
+            let was_dropped = dropped.iter().rev().find(|(member, _)| candidates[*member].name == name);
+            let why = match was_dropped {
+                _ if !stands_in.is_empty() => Why::Equivalent,
+                Some((_, why)) => *why,
+                None if p_value >= SIGNIFICANT => Why::ByChance,
+                None if candidates[index].cannot_be(step, problem.most_usual()) => Why::SizeImpossible,
+                None if !predicts => Why::PredictsNoBetter,
+                // It predicts, and something else predicts as much of the same.
+                None => Why::Equivalent,
+            };
+            let mut remark = if !stands_in.is_empty() {
                 format!("cannot be told from {} in these data", stands_in.join(", "))
-            } else if p_value >= SIGNIFICANT {
+            } else if why == Why::ByChance {
                 format!("explains no more than chance would beside what is named (p = {p_value:.2})")
             } else {
-                format!("explains a part (p = {p_value:.1e}), but does not earn a name: it predicts no better, needs another size elsewhere or one that cannot be, or spoils another quantity")
+                format!("explains a part (p = {p_value:.1e}), but {}", reason(why))
             };
             if shown < HARDLY_SHOWN {
-                why += &format!("; beside the baseline's own parameters {:.1} % of its trace shows", 100.0 * shown);
+                remark += &format!("; beside the baseline's own parameters {:.1} % of its trace shows", 100.0 * shown);
             }
             Rejected {
                 cause: name.to_owned(),
                 p_value: Some(p_value),
-                holdout_rms_after: Some(holdout::rms(&with.held_out(), rows)),
+                holdout_rms_after: Some(holdout::rms(&held_out, rows)),
                 why,
+                remark,
             }
         })
         .collect()
+}
+
+/// Why a mechanism that explains a part was not named.
+fn reason(why: Why) -> &'static str {
+    match why {
+        Why::PredictsNoBetter => "predicts held-out data no better",
+        Why::SizeVaries => "needs another size in another regime",
+        Why::SizeImpossible => "needs a size that nature does not have",
+        Why::SpoilsQuantity => "makes another quantity worse on held-out data",
+        Why::ByChance => "no more than chance would",
+        Why::Equivalent => "others explain the same part",
+    }
 }
 
 /// Where the baseline alone misses the data: along which covariate, in which quantity.

@@ -23,6 +23,7 @@ use crate::log::Observation;
 
 use super::evidence::{Candidate, Evidence, Point, Problem, Quantity};
 use super::findings::{Check, Checked};
+use super::holdout;
 use super::relevance::Relevance;
 use jumps::Jump;
 use model::{Directions, Sloped, Vehicle};
@@ -90,6 +91,10 @@ pub const LEAST_RELEVANT: [(&str, f64); 2] = [(VERTICAL_VELOCITY, 1e-3), (SPEED,
 
 const VERTICAL_VELOCITY: &str = "vertical_velocity";
 const SPEED: &str = "speed_through_water";
+
+/// Reduction of the held-out error by which a baseline without inertia must be better for certain, with a probability of
+/// 97.5 %, before it is taken \[%\]: what a mechanism may spoil of another quantity as well.
+const LEAST_REDUCTION_PERCENT: f64 = 2.0;
 
 /// Samples that a bin must hold at least.
 const MIN_SAMPLES: usize = 3;
@@ -228,6 +233,24 @@ impl SeaProblem {
             finer.look_for(&jumps);
             finer
         })
+    }
+
+    /// This problem, or the same without inertia where that predicts held-out glides better.
+    ///
+    /// A real glider has inertia. A log that was simulated from steady glides has none, and a baseline that had it would miss
+    /// every sharp thermocline.
+    pub(super) fn as_steady_as_the_log(self) -> SeaProblem {
+        let steady = SeaProblem { parts: self.parts.without_inertia(), ..self.clone() };
+        let [with, without] = [&self, &steady].map(|problem| crate::diagnose::engine::baseline(problem).0.held_out);
+        let rows = 0..self.bins.len();
+        let block: Vec<usize> = self.bins.iter().map(|bin| bin.mean.leg as usize).collect();
+        let [least, _] = holdout::reduction_interval(&block, rows, &with, &without);
+        if least > LEAST_REDUCTION_PERCENT { steady } else { self }
+    }
+
+    /// Whether the baseline has no inertia.
+    pub fn is_quasi_steady(&self) -> bool {
+        self.parts.is_quasi_steady()
     }
 
     /// Takes what these data could show for candidates, with these jumps.

@@ -26,6 +26,9 @@ pub struct SeaDiagnosis {
 /// Relative compressibility of sea water \[1/Pa\], within a tenth over the ocean's upper kilometre (TEOS-10).
 const WATER_COMPRESSIBILITY_PER_PA: f64 = 4.4e-10;
 
+/// What is said of a log in which inertia does not show.
+const QUASI_STEADY: &str = "the log follows a glide without inertia better than one with it: the baseline is taken without, as a simulated log may be";
+
 /// Diagnoses a log against a vehicle.
 ///
 /// # Errors
@@ -76,13 +79,17 @@ pub fn diagnose_log(
     }
     told.diagnosis.rejected.extend(unweighed(&checks, &told, &problem));
     told.diagnosis.consistency = checks;
-    told.diagnosis.warnings = problem.doubts(&told.before.point, &told.after.point);
+    if problem.is_quasi_steady() {
+        told.diagnosis.warnings.push(QUASI_STEADY.to_owned());
+    }
+    told.diagnosis.warnings.extend(problem.doubts(&told.before.point, &told.after.point));
     let evidence = problem.evidence(&told.after.point);
     Ok(SeaDiagnosis { told, evidence, problem, baseline })
 }
 
 /// Diagnoses a problem; once more, where the drag jumped, with the time of the jump looked for more closely.
 fn in_full(problem: SeaProblem) -> (SeaProblem, Outcome) {
+    let problem = problem.as_steady_as_the_log();
     let told = engine::diagnose_in_full(&problem);
     let jump = told.named.iter().map(|named| &problem.candidates()[*named]).find(|it| it.name == "drag_step");
     let jump = jump.and_then(|step| step.version);
@@ -140,6 +147,7 @@ fn density_cause(told: &Outcome, evidence: &Evidence, error: DensityError, carri
         quantity: quantity.name.to_owned(),
         holdout_rms_before: before,
         holdout_rms_after: after_it,
+        stability: Vec::new(),
         indistinguishable_from: Vec::new(),
     }
 }
@@ -192,11 +200,12 @@ fn name_what_density_hides(told: &mut Outcome, problem: &SeaProblem, checks: &[C
 /// The mechanisms that no steady glide can show, and those that the checks settle.
 fn unweighed(checks: &[Check], told: &Outcome, problem: &SeaProblem) -> Vec<crate::diagnose::Rejected> {
     let density = checks.iter().find(|check| check.check == consistency::DENSITY);
-    let reject = |cause: &str, why: String| crate::diagnose::Rejected {
+    let reject = |cause: &str, remark: String| crate::diagnose::Rejected {
         cause: cause.to_owned(),
         p_value: None,
         holdout_rms_after: None,
-        why,
+        why: crate::diagnose::Why::Equivalent,
+        remark,
     };
     let mut found = vec![reject(
         "inertia",

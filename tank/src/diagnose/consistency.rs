@@ -41,6 +41,7 @@ pub fn signs(hulls: &[HullResults]) -> Option<Diagnosis> {
         quantity: if moment { "CM" } else { "CL" }.to_owned(),
         holdout_rms_before: slope.abs(),
         holdout_rms_after: slope.abs(),
+        stability: Vec::new(),
         indistinguishable_from: Vec::new(),
     };
     let quantity = cause.quantity.clone();
@@ -118,6 +119,7 @@ pub fn temperatures(data: &mut Data) -> Option<Cause> {
         quantity: "water temperature".to_owned(),
         holdout_rms_before: error.abs(),
         holdout_rms_after: variance.sqrt(),
+        stability: Vec::new(),
         indistinguishable_from: Vec::new(),
     })
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use glidepolar_hull::hull_tests::{ExtendedFit, HullFit};
 use glidepolar_inference::estimate::Estimate;
 use glidepolar_inference::holdout::{reduction_interval, reduction_percent, rms};
-use glidepolar_inference::{Cause, Diagnosis, Gain, Outcome, Problem, Rejected, Unexplained, Verdict, Wrong};
+use glidepolar_inference::{Cause, Diagnosis, Gain, Outcome, Problem, Rejected, Unexplained, Verdict, Why, Wrong};
 use nalgebra::DMatrix;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -35,7 +35,8 @@ pub fn write(data: &Data, problem: &TankProblem<'_>, outcome: &Outcome, hulls: &
             cause: mechanism.name.to_owned(),
             p_value: None,
             holdout_rms_after: None,
-            why: why.clone(),
+            why: Why::Equivalent,
+            remark: why.clone(),
         })
     };
     campaign.rejected.extend(not_shown());

@@ -299,7 +299,7 @@ fn hulls_table(results: &Results, diagnoses: &Diagnoses) -> Table {
 fn rejected_table(overall: &Diagnosis) -> Table {
     let mut table = Table::new("Mechanisms that were weighed and not named.", ["Mechanism", "why not"]);
     for rejected in &overall.rejected {
-        table.push([Cell::from(words(&rejected.cause)), Cell::from(rejected.why.as_str())]);
+        table.push([Cell::from(words(&rejected.cause)), Cell::from(rejected.remark.as_str())]);
     }
     table
 }
