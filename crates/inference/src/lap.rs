@@ -196,6 +196,13 @@ impl<'a> Lap<'a> {
     /// Whether something that no name explains is there beside the others: a curve that chance does not bring, that is
     /// large enough to act on and that predicts.
     pub(super) fn is_wrong(&self, others: &[usize], curve: usize, limits: &[f64]) -> bool {
+        // A curve in all quantities together is there where it is in one of them: what is clear in one and large in another one
+        // is neither.
+        let here = self.curves.iter().find(|known| known.runner == curve);
+        if here.is_some_and(|here| here.quantity.is_none()) {
+            let of_quantities = (1..=self.evidence.quantities.len()).map(|place| curve + place);
+            return of_quantities.into_iter().any(|one| self.is_wrong(others, one, limits));
+        }
         let tests = self.curves.len().max(1) as f64;
         self.is_relevant(others, &[curve], limits) && tests * self.chance(others, &[curve]) <= SIGNIFICANT
     }

@@ -92,10 +92,6 @@ pub const LEAST_RELEVANT: [(&str, f64); 2] = [(VERTICAL_VELOCITY, 1e-3), (SPEED,
 const VERTICAL_VELOCITY: &str = "vertical_velocity";
 const SPEED: &str = "speed_through_water";
 
-/// Reduction of the held-out error by which a baseline without inertia must be better for certain, with a probability of
-/// 97.5 %, before it is taken \[%\]: what a mechanism may spoil of another quantity as well.
-const LEAST_REDUCTION_PERCENT: f64 = 2.0;
-
 /// Samples that a bin must hold at least.
 const MIN_SAMPLES: usize = 3;
 
@@ -237,7 +233,7 @@ impl SeaProblem {
 
     /// This problem, or the same without inertia where that predicts held-out glides better.
     ///
-    /// A real glider has inertia. A log that was simulated from steady glides has none, and a baseline that had it would miss
+    /// Better means for certain, with a probability of 97.5 % by resampled legs. A real glider has inertia. A log that was simulated from steady glides has none, and a baseline that had it would miss
     /// every sharp thermocline.
     pub(super) fn as_steady_as_the_log(self) -> SeaProblem {
         let steady = SeaProblem { parts: self.parts.without_inertia(), ..self.clone() };
@@ -245,7 +241,7 @@ impl SeaProblem {
         let rows = 0..self.bins.len();
         let block: Vec<usize> = self.bins.iter().map(|bin| bin.mean.leg as usize).collect();
         let [least, _] = holdout::reduction_interval(&block, rows, &with, &without);
-        if least > LEAST_REDUCTION_PERCENT { steady } else { self }
+        if least > 0.0 { steady } else { self }
     }
 
     /// Whether the baseline has no inertia.

@@ -50,6 +50,8 @@ pub struct Sea {
     pub waves_m_s: f64,
     waves: Vec<(f64, f64, f64)>,
     depth_m: f64,
+    /// Pressure at each metre of the column at rest, dbar.
+    pressure_dbar: Vec<f64>,
     /// Shear of the horizontal current.
     pub shear: Option<Shear>,
 }
@@ -82,7 +84,7 @@ impl Sea {
             at_m: bottom_m.min(300.0) * between(random, 0.2, 0.7),
             direction_rad: between(random, 0.0, TAU),
         });
-        Sea {
+        let mut sea = Sea {
             surface_c: between(random, 8.0, 24.0),
             fall_k: if mixed { 0.0 } else { between(random, 1.0, 12.0) },
             surface_psu: between(random, 30.0, 36.0),
@@ -95,20 +97,35 @@ impl Sea {
             waves_m_s,
             waves,
             depth_m: bottom_m,
+            pressure_dbar: Vec::new(),
             shear,
+        };
+        // What a pressure sensor reads is the weight of the water above: with a mean density it would be off by half a per
+        // cent, and the vertical velocity made of it by as much.
+        let mut pressure_dbar = 0.0;
+        for metre in 0..(bottom_m + 50.0) as usize {
+            sea.pressure_dbar.push(pressure_dbar);
+            let (c, psu) = sea.temperature_and_salinity(metre as f64 + 0.5);
+            pressure_dbar += density_eos80(psu, c, pressure_dbar) * GRAVITY_M_S2 * 1e-4;
         }
+        sea
+    }
+
+    fn temperature_and_salinity(&self, depth_m: f64) -> (f64, f64) {
+        let deep = 0.5 * (1.0 + ((depth_m - self.thermocline_m) / self.thickness_m).tanh());
+        (self.surface_c - self.fall_k * deep, self.surface_psu + self.rise_psu * deep)
     }
 
     /// Temperature, salinity, density at a depth of water that was moved there from `heave_m` above.
     fn water(&self, depth_m: f64, heave_m: f64) -> (f64, f64, f64) {
-        let deep = 0.5 * (1.0 + ((depth_m - heave_m - self.thermocline_m) / self.thickness_m).tanh());
-        let (c, psu) = (self.surface_c - self.fall_k * deep, self.surface_psu + self.rise_psu * deep);
+        let (c, psu) = self.temperature_and_salinity(depth_m - heave_m);
         (c, psu, density_eos80(psu, c, self.pressure_dbar(depth_m)))
     }
 
     fn pressure_dbar(&self, depth_m: f64) -> f64 {
-        // The column's mean density to within a tenth of a per cent; nothing depends on it but the column's own depth.
-        depth_m * 1026.5 * GRAVITY_M_S2 * 1e-4
+        let place = depth_m.clamp(0.0, (self.pressure_dbar.len() - 2) as f64);
+        let above = self.pressure_dbar[place as usize];
+        above + (self.pressure_dbar[place as usize + 1] - above) * place.fract()
     }
 
     /// Vertical velocity (down positive) and displacement of the internal waves.
