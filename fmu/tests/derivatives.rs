@@ -10,7 +10,7 @@ use glidepolar_fmu::model::{Causality, Kind, Slot, variable};
 use support::*;
 
 /// Somewhere away from every special value, in free water, the servos within their rates, every mechanism at work.
-const SOMEWHERE: [(&str, f64); 27] = [
+const SOMEWHERE: [(&str, f64); 39] = [
     ("ballast_command_m3", -4.0e-5),
     ("moving_mass_command_m", 0.021),
     // Pumping out, which costs energy: at rest the power has a corner.
@@ -39,6 +39,18 @@ const SOMEWHERE: [(&str, f64); 27] = [
     ("pump_J_per_Pa_m3", 2.0),
     ("pitch_damping_CMq", -0.4),
     ("pump_J_per_m3", 1e6),
+    ("current_x_shear_1_s", 0.012),
+    ("current_x_rate_m_s2", 2e-3),
+    ("current_z_rate_m_s2", -1e-3),
+    ("climb_dive_lift_ratio", 1.1),
+    ("hull_creep_per_Pa", 3e-10),
+    ("creep_time_s", 3600.0),
+    ("creep_pressure_Pa", 4e4),
+    ("carried_water_m3", 0.012),
+    ("exchange_time_s", 900.0),
+    ("carried_density_kg_m3", -0.7),
+    ("pump_leakback_cc_per_hour", 25.0),
+    ("leaked_back_m3", 3e-6),
 ];
 
 fn forward(glider: &Glider3, unknowns: &[u32], knowns: &[u32], seed: &[f64]) -> Vec<f64> {
