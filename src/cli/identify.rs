@@ -11,6 +11,7 @@ use crate::log::Shorten;
 use crate::output::OutputFolder;
 use crate::report::{InputFile, Report as Page};
 use crate::vehicle::Vehicle;
+use glidepolar_turning::{ByLeg, Turning, turning};
 
 /// Glide polar, ballast offset and more from flight logs, and what the data cannot identify
 #[derive(Debug, Args)]
@@ -109,6 +110,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let mut report = found.report(&vehicle, log.w_filter, log.notes);
     warnings.append(&mut report.warnings);
     report.warnings = warnings;
+    report.turning = turning(&log.observations);
+    if let Some(turning) = &report.turning {
+        report.warnings.extend(turning.warnings.iter().cloned());
+    }
     let identified = match &arguments.write {
         Some(path) => {
             let identified = identify_write::identified(&vehicle, &found, &report)?;
@@ -322,8 +327,50 @@ fn print(report: &Report, found: &Identification) {
             legs.joint_w_rms_m_s * 1e3
         );
     }
+    if let Some(turning) = &report.turning {
+        print_turning(turning);
+    }
     for note in &report.notes {
         println!("note: {note}");
+    }
+}
+
+fn print_turning(turning: &Turning) {
+    let ByLeg { descent, ascent } = &turning.turn_rate_per_roll_1_s;
+    println!();
+    println!("turning, {} settled stretches of {} dives", turning.stretches, turning.dives);
+    let centre = |of: fn(&ByLeg<Option<crate::estimate::Estimate>>) -> &Option<crate::estimate::Estimate>| {
+        turning.roll_centre.as_ref().and_then(|centre| of(centre).clone())
+    };
+    for (name, quantity) in [
+        ("turn rate per roll, descents", descent.clone()),
+        ("turn rate per roll, ascents", ascent.clone()),
+        ("turn rate per rudder", turning.turn_rate_per_rudder_1_s.clone()),
+        ("static list", turning.static_list_rad.clone()),
+        ("rudder offset", turning.rudder_offset_rad.clone()),
+        ("roll per roll mass", turning.roll_per_roll_mass.clone()),
+        ("roll centre, descents", centre(|c| &c.descent)),
+        ("roll centre, ascents", centre(|c| &c.ascent)),
+    ] {
+        if let Some(q) = quantity {
+            println!(
+                "{name:<30} {:>12} {:>11}   {:>12} {:>12}  {}",
+                figure(q.value),
+                figure(q.se),
+                figure(q.ci95[0]),
+                figure(q.ci95[1]),
+                q.unit
+            );
+        }
+    }
+    if let Some(held_out) = &turning.holdout_rms_rad_s {
+        println!(
+            "turn rate, rms held out of sd: descents {:.3} of {:.3}, ascents {:.3} of {:.3} deg/s",
+            held_out.descent.to_degrees(),
+            turning.sd_rad_s.descent.to_degrees(),
+            held_out.ascent.to_degrees(),
+            turning.sd_rad_s.ascent.to_degrees()
+        );
     }
 }
 

@@ -17,6 +17,7 @@ use crate::dynamics::{PARAMETERS, parameter_index};
 use crate::hull_tests::Estimate;
 use crate::vehicle::Vehicle;
 use glidepolar_inference::covariance::{condition_number, correlation};
+use glidepolar_turning::Turning;
 
 /// The result in the form of `identify --json`.
 #[derive(Debug, Clone, Serialize)]
@@ -55,6 +56,9 @@ pub struct Report {
     /// Steady and unsteady where the glider turns.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unsteady: Option<Comparison>,
+    /// How it turns, where the log has heading and roll or rudder.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turning: Option<Turning>,
     /// The balance of pitching moments.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pitch_balance: Option<PitchBalanceSummary>,
@@ -178,6 +182,7 @@ impl Identification {
             },
             legs_apart: self.legs.clone(),
             unsteady: self.inflections.as_ref().map(|flown| flown.comparison),
+            turning: None,
             pitch_balance: self.pitch_balance.as_ref().map(PitchBalance::summary),
             lift_slope_profile: self.profile.clone(),
             warnings: self.warnings.clone(),

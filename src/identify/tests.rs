@@ -49,6 +49,7 @@ fn sample_in(
         pitch_rad: glide.pitch_rad,
         roll_rad: 0.0,
         rudder_rad: 0.0,
+        roll_mass_rad: f64::NAN,
         heading_rad: f64::NAN,
         ballast_m3: glide.ballast_m3,
         battery_forward_m: glide.moving_mass_m,
@@ -60,6 +61,7 @@ fn sample_in(
         leg: 2 * dive + u32::from(path_deg > 0.0),
         dive,
         stretch: 0,
+        motor_moving: false,
         steady: true,
     }
 }

@@ -42,6 +42,7 @@ channels! {
     Conductivity "conductivity_S_m" [] "Conductivity";
     Roll "roll_rad" ["roll_deg" * DEG] "Roll";
     Heading "heading_rad" ["heading_deg" * DEG] "Heading";
+    RollMass "roll_mass_rad" ["roll_mass_deg" * DEG] "Angle of the roll mass, to starboard positive";
     Rudder "fin_rad" ["fin_deg" * DEG, "rudder_rad" * 1.0, "rudder_deg" * DEG] "Rudder angle";
     BatteryPosition "battpos_m" [] "Battery position, positive forward";
     PitchMass "pitch_mass_m" [] "Seaglider pitch mass, positive nose up";

@@ -106,6 +106,7 @@ pub fn read_glide_table(path: &Path, columns: &Columns) -> Result<Vec<Observatio
             pitch_rad,
             roll_rad: roll,
             rudder_rad: rudder,
+            roll_mass_rad: f64::NAN,
             heading_rad: heading,
             ballast_m3: vbd_cc * 1e-6,
             battery_forward_m: battery,
@@ -117,6 +118,7 @@ pub fn read_glide_table(path: &Path, columns: &Columns) -> Result<Vec<Observatio
             leg: glides.len() as u32,
             dive,
             stretch: glides.len() as u32,
+            motor_moving: false,
             steady: (pitch_rad < 0.0) == (up < 0.0),
         });
     }

@@ -26,6 +26,8 @@ pub struct Observation {
     pub roll_rad: f64,
     /// Rudder angle \[rad\].
     pub rudder_rad: f64,
+    /// Angle of the roll mass, to starboard positive \[rad\].
+    pub roll_mass_rad: f64,
     /// Heading \[rad\].
     pub heading_rad: f64,
     /// Ballast volume \[m3\].
@@ -49,6 +51,8 @@ pub struct Observation {
     pub dive: u32,
     /// Which unbroken stretch of samples: legs that follow one another without a gap share it.
     pub stretch: u32,
+    /// Whether the log says that a motor moves.
+    pub motor_moving: bool,
     /// Whether a steady glide can be expected: away from turns, surface and moving motors.
     pub steady: bool,
 }
@@ -72,6 +76,7 @@ impl Observation {
             pitch_rad: of(|o| o.pitch_rad),
             roll_rad: of(|o| o.roll_rad),
             rudder_rad: of(|o| o.rudder_rad),
+            roll_mass_rad: of(|o| o.roll_mass_rad),
             heading_rad: of(|o| o.heading_rad),
             ballast_m3: of(|o| o.ballast_m3),
             battery_forward_m: of(|o| o.battery_forward_m),

@@ -236,6 +236,7 @@ impl Preparation {
                     pitch_rad,
                     roll_rad: log.at(Channel::Roll, i),
                     rudder_rad: log.at(Channel::Rudder, i),
+                    roll_mass_rad: log.at(Channel::RollMass, i),
                     heading_rad: log.at(Channel::Heading, i),
                     ballast_m3: ballast_cc * 1e-6,
                     battery_forward_m,
@@ -247,6 +248,7 @@ impl Preparation {
                     leg: self.counters.leg,
                     dive: self.counters.dive,
                     stretch,
+                    motor_moving: log.at(Channel::MotorMoving, i) > 0.5,
                     steady: under_way && after_turn && !moving[i] && pressure[i] > s.surface_dbar,
                 });
             }
@@ -266,6 +268,7 @@ impl Preparation {
             Channel::Salinity,
             Channel::Conductivity,
             Channel::Roll,
+            Channel::RollMass,
             Channel::Rudder,
             Channel::BatteryPosition,
             Channel::PitchMass,

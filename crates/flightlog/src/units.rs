@@ -108,7 +108,7 @@ fn units(channel: Channel) -> &'static [Unit] {
         Channel::Time => TIMES,
         Channel::Pressure => PRESSURES,
         Channel::Depth | Channel::BatteryPosition | Channel::PitchMass => LENGTHS,
-        Channel::Pitch | Channel::Roll | Channel::Heading | Channel::Rudder => ANGLES,
+        Channel::Pitch | Channel::Roll | Channel::RollMass | Channel::Heading | Channel::Rudder => ANGLES,
         Channel::Ballast => VOLUMES,
         Channel::Density => DENSITIES,
         Channel::Temperature => TEMPERATURES,
@@ -124,7 +124,7 @@ fn units(channel: Channel) -> &'static [Unit] {
 
 /// Whether the channel is an angle of the vehicle.
 pub(super) fn is_angle(channel: Channel) -> bool {
-    matches!(channel, Channel::Pitch | Channel::Roll | Channel::Heading | Channel::Rudder)
+    matches!(channel, Channel::Pitch | Channel::Roll | Channel::RollMass | Channel::Heading | Channel::Rudder)
 }
 
 /// What a unit, as a file or a user writes it, means for a channel; nothing where it is not known.

@@ -214,6 +214,8 @@ mod tests {
             pitch_rad: -0.4,
             roll_rad: 0.1,
             rudder_rad: 0.1,
+            roll_mass_rad: f64::NAN,
+            motor_moving: false,
             heading_rad: 0.0,
             ballast_m3: -2e-4,
             battery_forward_m: f64::NAN,

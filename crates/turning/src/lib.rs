@@ -1,0 +1,505 @@
+//! How a glider turns, from heading, roll and rudder of its log: turn rate per roll on each leg, per rudder, static list,
+//! offset of the rudder, centre of the roll mass.
+//!
+//! ```text
+//! turn rate = a_leg + k_leg roll + k_rudder rudder          one value for each stretch between control moves
+//! ```
+//! Least squares over all stretches; standard errors are robust to whatever the stretches of one dive have in common (cluster
+//! sandwich by dives, Student's t with dives less one). A stretch begins [`SETTLED_S`] after a move of motor, rudder or roll
+//! mass or the turn of a leg. What did not vary is not fitted. Knows no equations of motion: under an autopilot roll and
+//! rudder answer the heading, and what the autopilot suppresses is not in these figures.
+
+#![allow(non_snake_case, reason = "units stand in names as they are written: N, Pa, C, J")]
+
+use std::collections::BTreeSet;
+
+use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+
+use glidepolar_flightlog::Observation;
+use glidepolar_inference::estimate::Estimate;
+
+/// Time after a move from which a turn is steady \[s\]: some time constants of roll and sideslip, which are 5 to 10 s.
+pub const SETTLED_S: f64 = 25.0;
+/// Shortest stretch that gives one turn rate \[s\].
+const SHORTEST_S: f64 = 20.0;
+/// Longest stretch: between the moves of motors, where the log flags them, the rate is constant for minutes; where nothing
+/// moves for a whole leg, depth must be told apart \[s\].
+const LONGEST_S: [f64; 2] = [300.0, 60.0];
+/// Samples of the shortest stretch.
+const LEAST_SAMPLES: usize = 3;
+/// Longer gaps between two samples end a stretch \[s\].
+const LONGEST_GAP_S: f64 = 60.0;
+/// A step larger than this is a move: roll, rudder, roll mass \[rad\].
+const MOVES_RAD: [f64; 3] = [0.12, 0.03, 0.05];
+/// So far from the median pitch of its leg a glider is still pitching \[rad\].
+const PITCHING_RAD: f64 = 0.15;
+/// A control that varies by less than this does not identify its effect: roll, rudder, roll mass \[rad\].
+const VARIES_RAD: [f64; 3] = [0.035, 0.015, 0.05];
+/// A ratio is stated where its denominator is so many standard errors from zero.
+const SURE: f64 = 4.0;
+/// Fewer stretches or dives than this say nothing.
+const LEAST_STRETCHES: usize = 8;
+const LEAST_DIVES: usize = 3;
+/// A rudder held at one angle of at least this size gives a turn rate per rudder through zero \[rad\].
+const HELD_RUDDER_RAD: f64 = 0.05;
+/// Layers into which each leg is cut.
+const LAYERS: usize = 3;
+
+/// The block `turning` of `identify --json`.
+#[derive(Debug, Clone, Serialize)]
+pub struct Turning {
+    /// Stretches between control moves.
+    pub stretches: usize,
+    /// Dives that they come from.
+    pub dives: usize,
+    /// Turn rate per roll \[1/s\].
+    pub turn_rate_per_roll_1_s: ByLeg<Option<Estimate>>,
+    /// Turn rate per rudder angle, both legs together \[1/s\].
+    pub turn_rate_per_rudder_1_s: Option<Estimate>,
+    /// Roll without any deflection of the roll mass \[rad\].
+    pub static_list_rad: Option<Estimate>,
+    /// Reading of the rudder at which a glider without roll goes straight, the other sign \[rad\].
+    pub rudder_offset_rad: Option<Estimate>,
+    /// Roll per angle of the roll mass.
+    pub roll_per_roll_mass: Option<Estimate>,
+    /// Angle of the roll mass at which it goes straight \[rad\].
+    pub roll_centre: Option<ByLeg<Option<Estimate>>>,
+    /// Lateral coefficients, where a log identifies one; turn rates alone identify none.
+    pub coefficients: std::collections::BTreeMap<String, Estimate>,
+    /// Error of the turn rate on dives that the fit did not use \[rad/s\].
+    pub holdout_rms_rad_s: Option<ByLeg<f64>>,
+    /// Standard deviation of the turn rate itself \[rad/s\].
+    pub sd_rad_s: ByLeg<f64>,
+    /// Mean turn rates by depth.
+    pub layers: Vec<Layer>,
+    /// What to read the figures with.
+    pub warnings: Vec<String>,
+}
+
+/// One figure a leg.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ByLeg<T> {
+    /// On descents.
+    pub descent: T,
+    /// On ascents.
+    pub ascent: T,
+}
+
+/// Mean turn rate in a range of pressure.
+#[derive(Debug, Clone, Serialize)]
+pub struct Layer {
+    /// `descent` or `ascent`.
+    pub leg: &'static str,
+    /// Shallow end \[dbar\].
+    pub from_dbar: f64,
+    /// Deep end \[dbar\].
+    pub to_dbar: f64,
+    /// Turn rate \[rad/s\].
+    pub turn_rate_rad_s: Estimate,
+    /// Stretches.
+    pub stretches: usize,
+}
+
+/// What the log says of turning; nothing where it has no heading, neither roll nor rudder, or too few settled stretches.
+pub fn turning(observations: &[Observation]) -> Option<Turning> {
+    let all = stretches(observations);
+    let dives: BTreeSet<u32> = all.iter().map(|s| s.dive).collect();
+    if all.len() < LEAST_STRETCHES || dives.len() < LEAST_DIVES {
+        return None;
+    }
+    let leg = |descends: bool| all.iter().filter(move |s| s.descends == descends);
+    let mut warnings = Vec::new();
+    let model = Model::of(&all);
+    let fit = Fit::of(&model.design(&all), &rates(&all), &clusters(&all));
+    let of_column = |column: Column, unit: &str| {
+        let at = model.columns.iter().position(|known| *known == column)?;
+        fit.as_ref().map(|fit| fit.estimate(at, unit))
+    };
+    let held = held_rudder(&all, &model);
+    if let Some(warning) = held.as_ref().and_then(|_| legs_differ(&all)) {
+        warnings.push(warning);
+    }
+    let layers = layers(&all);
+    warnings.extend(depth_matters(&layers));
+    let centre = |descends: bool| {
+        let of_leg: Vec<Stretch> = leg(descends).copied().collect();
+        zero_of(&of_leg, |s| s.roll_mass_rad, VARIES_RAD[2], "rad")
+    };
+    let roll_mass = line(&all, |s| s.roll_mass_rad, |s| s.roll_rad, VARIES_RAD[2]);
+    let rolls: Vec<f64> = all.iter().map(|s| s.roll_rad).collect();
+    let static_list_rad = match &roll_mass {
+        Some(fit) => Some(fit.estimate(0, "rad")),
+        None if all.iter().all(|s| !s.roll_mass_rad.is_finite()) && sd(&rolls) < 1.5 * VARIES_RAD[0] => {
+            mean(&all, |s| s.roll_rad, "rad")
+        }
+        None => None,
+    };
+    let centres = ByLeg { descent: centre(true), ascent: centre(false) };
+    Some(Turning {
+        stretches: all.len(),
+        dives: dives.len(),
+        turn_rate_per_roll_1_s: ByLeg {
+            descent: of_column(Column::Roll(true), "1/s"),
+            ascent: of_column(Column::Roll(false), "1/s"),
+        },
+        turn_rate_per_rudder_1_s: of_column(Column::Rudder, "1/s").or(held),
+        static_list_rad,
+        rudder_offset_rad: fit.as_ref().and_then(|fit| rudder_offset(fit, &model)),
+        roll_per_roll_mass: roll_mass.map(|fit| fit.estimate(1, "1")),
+        roll_centre: (centres.descent.is_some() || centres.ascent.is_some()).then_some(centres),
+        coefficients: std::collections::BTreeMap::new(),
+        holdout_rms_rad_s: holdout(&all, &model),
+        sd_rad_s: ByLeg {
+            descent: sd(&leg(true).map(|s| s.rate_rad_s).collect::<Vec<_>>()),
+            ascent: sd(&leg(false).map(|s| s.rate_rad_s).collect::<Vec<_>>()),
+        },
+        layers,
+        warnings,
+    })
+}
+
+/// One settled stretch.
+#[derive(Debug, Clone, Copy)]
+struct Stretch {
+    dive: u32,
+    descends: bool,
+    pressure_dbar: f64,
+    rate_rad_s: f64,
+    roll_rad: f64,
+    rudder_rad: f64,
+    roll_mass_rad: f64,
+}
+
+/// The settled stretches of a log with heading.
+fn stretches(observations: &[Observation]) -> Vec<Stretch> {
+    let mut found = Vec::new();
+    // Where the log flags its motors, no move needs to be seen in the readings.
+    let flagged = observations.iter().any(|o| o.motor_moving);
+    for leg in observations.chunk_by(|a, b| a.leg == b.leg && a.stretch == b.stretch) {
+        let mut pitches: Vec<f64> = leg.iter().map(|o| o.pitch_rad).filter(|p| p.is_finite()).collect();
+        if pitches.is_empty() {
+            continue;
+        }
+        let pitch = glidepolar_flightlog::median(&mut pitches);
+        let usable = |o: &Observation| {
+            o.heading_rad.is_finite()
+                && (o.roll_rad.is_finite() || o.rudder_rad.is_finite())
+                && (o.pitch_rad - pitch).abs() < PITCHING_RAD
+                && (o.sink_m_s > 0.0) == (pitch < 0.0)
+        };
+        let mut moved_s = leg[0].time_s;
+        let mut run: Vec<&Observation> = Vec::new();
+        for (i, o) in leg.iter().enumerate() {
+            if o.motor_moving || (!flagged && is_move(leg, i)) {
+                close(&mut run, &mut found);
+                moved_s = o.time_s;
+            }
+            let gap = run.last().is_some_and(|last| o.time_s - last.time_s > LONGEST_GAP_S);
+            let full = run.first().is_some_and(|first| o.time_s - first.time_s > LONGEST_S[usize::from(!flagged)]);
+            if gap || full {
+                close(&mut run, &mut found);
+            }
+            if o.time_s - moved_s >= SETTLED_S && usable(o) {
+                run.push(o);
+            }
+        }
+        close(&mut run, &mut found);
+    }
+    found
+}
+
+/// Whether a control moved from the sample before: by the means of three samples on either side, so that noise is none.
+fn is_move(leg: &[Observation], i: usize) -> bool {
+    let of: [fn(&Observation) -> f64; 3] = [|o| o.roll_rad, |o| o.rudder_rad, |o| o.roll_mass_rad];
+    of.into_iter().zip(MOVES_RAD).any(|(of, moves)| {
+        let mean = |part: &[Observation]| part.iter().map(of).sum::<f64>() / part.len() as f64;
+        let (before, after) = (&leg[i.saturating_sub(3)..i], &leg[i..(i + 3).min(leg.len())]);
+        !before.is_empty() && (mean(after) - mean(before)).abs() > moves
+    })
+}
+
+/// The line through the headings of a run.
+fn close(run: &mut Vec<&Observation>, found: &mut Vec<Stretch>) {
+    let samples = std::mem::take(run);
+    let (Some(first), Some(last)) = (samples.first(), samples.last()) else { return };
+    if samples.len() < LEAST_SAMPLES || last.time_s - first.time_s < SHORTEST_S - 1e-6 {
+        return;
+    }
+    let n = samples.len() as f64;
+    let mean = |of: fn(&Observation) -> f64| samples.iter().map(|o| of(o)).sum::<f64>() / n;
+    let middle = mean(|o| o.time_s);
+    let (mut heading, mut before) = (0.0, first.heading_rad);
+    let (mut upper, mut lower) = (0.0, 0.0);
+    for o in &samples {
+        let turned = o.heading_rad - before;
+        heading += turned - std::f64::consts::TAU * (turned / std::f64::consts::TAU).round();
+        before = o.heading_rad;
+        upper += (o.time_s - middle) * heading;
+        lower += (o.time_s - middle) * (o.time_s - middle);
+    }
+    found.push(Stretch {
+        dive: first.dive,
+        descends: mean(|o| o.pitch_rad) < 0.0,
+        pressure_dbar: mean(|o| o.pressure_dbar),
+        rate_rad_s: upper / lower,
+        roll_rad: mean(|o| o.roll_rad),
+        rudder_rad: mean(|o| o.rudder_rad),
+        roll_mass_rad: mean(|o| o.roll_mass_rad),
+    });
+}
+
+/// What a column of the regression stands for; legs by whether they descend.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Column {
+    Constant(bool),
+    Roll(bool),
+    Rudder,
+}
+
+/// Which effects a log can be asked for.
+struct Model {
+    columns: Vec<Column>,
+}
+
+impl Model {
+    fn of(all: &[Stretch]) -> Self {
+        let mut columns = Vec::new();
+        for descends in [true, false] {
+            let of_leg: Vec<&Stretch> = all.iter().filter(|s| s.descends == descends).collect();
+            if of_leg.is_empty() {
+                continue;
+            }
+            columns.push(Column::Constant(descends));
+            let rolls: Vec<f64> = of_leg.iter().map(|s| s.roll_rad).collect();
+            if of_leg.len() >= LEAST_STRETCHES / 2 && sd(&rolls) > VARIES_RAD[0] {
+                columns.push(Column::Roll(descends));
+            }
+        }
+        let rudders: Vec<f64> = all.iter().map(|s| s.rudder_rad).collect();
+        if sd(&rudders) > VARIES_RAD[1] {
+            columns.push(Column::Rudder);
+        }
+        Model { columns }
+    }
+
+    fn row(&self, s: &Stretch) -> Vec<f64> {
+        let on = |leg: bool, value: f64| if s.descends == leg { value } else { 0.0 };
+        let value = |column: &Column| match *column {
+            Column::Constant(leg) => on(leg, 1.0),
+            Column::Roll(leg) => on(leg, s.roll_rad),
+            Column::Rudder => s.rudder_rad,
+        };
+        self.columns.iter().map(value).collect()
+    }
+
+    fn design(&self, all: &[Stretch]) -> DMatrix<f64> {
+        DMatrix::from_row_iterator(all.len(), self.columns.len(), all.iter().flat_map(|s| self.row(s)))
+    }
+}
+
+/// Least squares with standard errors by clusters.
+struct Fit {
+    values: DVector<f64>,
+    covariance: DMatrix<f64>,
+    clusters: usize,
+}
+
+impl Fit {
+    /// None where the columns do not tell their effects apart, or there are too few clusters.
+    fn of(design: &DMatrix<f64>, measured: &DVector<f64>, clusters: &[u32]) -> Option<Self> {
+        let (n, k) = design.shape();
+        let names: BTreeSet<u32> = clusters.iter().copied().collect();
+        let g = names.len();
+        if n <= k || g < LEAST_DIVES {
+            return None;
+        }
+        let normal = design.transpose() * design;
+        // Columns scaled to one length, so that a unit decides nothing.
+        let scale = DVector::from_iterator(k, normal.diagonal().iter().map(|d| d.sqrt()));
+        let scaled = DMatrix::from_fn(k, k, |i, j| normal[(i, j)] / (scale[i] * scale[j]));
+        if scale.iter().any(|s| *s <= 0.0 || !s.is_finite()) || scaled.symmetric_eigenvalues().min() < 1e-8 {
+            return None;
+        }
+        let inverse = normal.cholesky()?.inverse();
+        let values = &inverse * design.transpose() * measured;
+        let residual = measured - design * &values;
+        let mut meat = DMatrix::zeros(k, k);
+        for name in &names {
+            let mut score = DVector::zeros(k);
+            for i in (0..n).filter(|i| clusters[*i] == *name) {
+                score += design.row(i).transpose() * residual[i];
+            }
+            meat += &score * score.transpose();
+        }
+        let few = g as f64 / (g as f64 - 1.0) * (n as f64 - 1.0) / (n - k) as f64;
+        Some(Fit { values, covariance: &inverse * meat * &inverse * few, clusters: g })
+    }
+
+    fn se(&self, at: usize) -> f64 {
+        self.covariance[(at, at)].max(0.0).sqrt()
+    }
+
+    fn student(&self, value: f64, se: f64, unit: &str) -> Estimate {
+        Estimate::student(value, se, self.clusters as f64 - 1.0, unit)
+    }
+
+    fn estimate(&self, at: usize, unit: &str) -> Estimate {
+        self.student(self.values[at], self.se(at), unit)
+    }
+
+    /// `weights . values / values[below]`, by first-order propagation; none where the denominator may be zero.
+    fn ratio(&self, weights: &DVector<f64>, below: usize, unit: &str) -> Option<Estimate> {
+        let slope = self.values[below];
+        if slope.abs() < SURE * self.se(below) {
+            return None;
+        }
+        let value = weights.dot(&self.values) / slope;
+        let mut gradient = weights / slope;
+        gradient[below] -= value / slope;
+        let variance = (gradient.transpose() * &self.covariance * &gradient)[(0, 0)];
+        Some(self.student(value, variance.max(0.0).sqrt(), unit))
+    }
+}
+
+fn rates(all: &[Stretch]) -> DVector<f64> {
+    DVector::from_iterator(all.len(), all.iter().map(|s| s.rate_rad_s))
+}
+
+fn clusters(all: &[Stretch]) -> Vec<u32> {
+    all.iter().map(|s| s.dive).collect()
+}
+
+/// A straight line of one quantity over another, both legs together; none where the other one hardly varies.
+fn line(all: &[Stretch], over: impl Fn(&Stretch) -> f64, of: impl Fn(&Stretch) -> f64, varies: f64) -> Option<Fit> {
+    let known: Vec<&Stretch> = all.iter().filter(|s| over(s).is_finite() && of(s).is_finite()).collect();
+    let xs: Vec<f64> = known.iter().map(|s| over(s)).collect();
+    if known.len() < LEAST_STRETCHES / 2 || sd(&xs) < varies {
+        return None;
+    }
+    let design = DMatrix::from_fn(known.len(), 2, |i, j| if j == 0 { 1.0 } else { xs[i] });
+    let measured = DVector::from_iterator(known.len(), known.iter().map(|s| of(s)));
+    let clusters: Vec<u32> = known.iter().map(|s| s.dive).collect();
+    Fit::of(&design, &measured, &clusters)
+}
+
+/// Where the turn rate is zero along a control.
+fn zero_of(all: &[Stretch], control: impl Fn(&Stretch) -> f64, varies: f64, unit: &str) -> Option<Estimate> {
+    let fit = line(all, control, |s| s.rate_rad_s, varies)?;
+    fit.ratio(&DVector::from_vec(vec![-1.0, 0.0]), 1, unit)
+}
+
+/// True rudder less the reading: the mean of the legs' turn rates without rudder and roll, over the rate per rudder.
+fn rudder_offset(fit: &Fit, model: &Model) -> Option<Estimate> {
+    let below = model.columns.iter().position(|column| *column == Column::Rudder)?;
+    let constants: Vec<usize> =
+        (0..model.columns.len()).filter(|i| matches!(model.columns[*i], Column::Constant(_))).collect();
+    let mut weights = DVector::zeros(model.columns.len());
+    constants.iter().for_each(|i| weights[*i] = 1.0 / constants.len() as f64);
+    fit.ratio(&weights, below, "rad")
+}
+
+/// Turn rate per rudder where the rudder stands at one angle for the whole log: as if without it the glider went straight.
+fn held_rudder(all: &[Stretch], model: &Model) -> Option<Estimate> {
+    let rudders: Vec<f64> = all.iter().map(|s| s.rudder_rad).collect();
+    let middle = rudders.iter().sum::<f64>() / rudders.len() as f64;
+    if model.columns.contains(&Column::Rudder) || middle.is_nan() || middle.abs() < HELD_RUDDER_RAD {
+        return None;
+    }
+    let design = DMatrix::from_iterator(all.len(), 1, rudders);
+    Some(Fit::of(&design, &rates(all), &clusters(all))?.estimate(0, "1/s"))
+}
+
+/// The mean of a quantity, by dives.
+fn mean(all: &[Stretch], of: impl Fn(&Stretch) -> f64, unit: &str) -> Option<Estimate> {
+    let known: Vec<&Stretch> = all.iter().filter(|s| of(s).is_finite()).collect();
+    let clusters: Vec<u32> = known.iter().map(|s| s.dive).collect();
+    let design = DMatrix::from_element(known.len(), 1, 1.0);
+    let measured = DVector::from_iterator(known.len(), known.iter().map(|s| of(s)));
+    Some(Fit::of(&design, &measured, &clusters)?.estimate(0, unit))
+}
+
+fn legs_differ(all: &[Stretch]) -> Option<String> {
+    let rate = |descends: bool| {
+        let of_leg: Vec<Stretch> = all.iter().filter(|s| s.descends == descends).copied().collect();
+        mean(&of_leg, |s| s.rate_rad_s, "rad/s")
+    };
+    let (down, up) = (rate(true)?, rate(false)?);
+    let apart = (down.value - up.value).abs() / down.se.hypot(up.se);
+    (apart > 3.0).then(|| {
+        format!(
+            "the rudder stands at one angle, and descents turn at {:.4} +- {:.4} rad/s, ascents at {:.4} +- {:.4}: the turn rate \
+             per rudder is the mean of two legs that differ, and what makes them differ is not identified",
+            down.value, down.se, up.value, up.se
+        )
+    })
+}
+
+/// Mean turn rates by depth, each leg in layers of as many stretches.
+fn layers(all: &[Stretch]) -> Vec<Layer> {
+    let mut layers = Vec::new();
+    for (descends, leg) in [(true, "descent"), (false, "ascent")] {
+        let mut of_leg: Vec<Stretch> = all.iter().filter(|s| s.descends == descends).copied().collect();
+        of_leg.sort_by(|a, b| a.pressure_dbar.total_cmp(&b.pressure_dbar));
+        if of_leg.len() < LAYERS * LEAST_STRETCHES / 2 {
+            continue;
+        }
+        for part in of_leg.chunks(of_leg.len().div_ceil(LAYERS)) {
+            let Some(turn_rate_rad_s) = mean(part, |s| s.rate_rad_s, "rad/s") else { continue };
+            layers.push(Layer {
+                leg,
+                from_dbar: part[0].pressure_dbar,
+                to_dbar: part[part.len() - 1].pressure_dbar,
+                turn_rate_rad_s,
+                stretches: part.len(),
+            });
+        }
+    }
+    layers
+}
+
+fn depth_matters(layers: &[Layer]) -> Vec<String> {
+    let mut warnings = Vec::new();
+    for leg in ["descent", "ascent"] {
+        let of_leg: Vec<&Layer> = layers.iter().filter(|layer| layer.leg == leg).collect();
+        let (Some(top), Some(bottom)) = (of_leg.first(), of_leg.last()) else { continue };
+        let (above, below) = (&top.turn_rate_rad_s, &bottom.turn_rate_rad_s);
+        if (above.value - below.value).abs() > 4.0 * above.se.hypot(below.se) {
+            warnings.push(format!(
+                "on {leg}s the turn rate changes with depth, from {:.4} +- {:.4} rad/s above {:.0} dbar to {:.4} +- {:.4} below \
+                 {:.0} dbar: shear, stratification, speed or the compass; averages over whole legs measure no list",
+                above.value, above.se, top.to_dbar, below.value, below.se, bottom.from_dbar
+            ));
+        }
+    }
+    warnings
+}
+
+/// Each half of the dives predicted from the other half.
+fn holdout(all: &[Stretch], model: &Model) -> Option<ByLeg<f64>> {
+    let dives: Vec<u32> = all.iter().map(|s| s.dive).collect::<BTreeSet<_>>().into_iter().collect();
+    let is_odd = |s: &Stretch| dives.binary_search(&s.dive).is_ok_and(|place| place % 2 == 1);
+    let mut errors: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
+    for odd in [false, true] {
+        let (seen, unseen): (Vec<Stretch>, Vec<Stretch>) = all.iter().partition(|s| is_odd(s) == odd);
+        // A half may have fewer dives than standard errors need; values need none.
+        let every: Vec<u32> = (0..seen.len() as u32).collect();
+        let fit = Fit::of(&model.design(&seen), &rates(&seen), &every)?;
+        let predicted = model.design(&unseen) * &fit.values;
+        for (s, predicted) in unseen.iter().zip(predicted.iter()) {
+            errors[usize::from(!s.descends)].push(s.rate_rad_s - predicted);
+        }
+    }
+    let [descent, ascent] = errors.map(|leg| (leg.iter().map(|e| e * e).sum::<f64>() / leg.len().max(1) as f64).sqrt());
+    Some(ByLeg { descent, ascent })
+}
+
+/// Standard deviation; NaN where a value is missing.
+fn sd(values: &[f64]) -> f64 {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0).max(1.0)).sqrt()
+}
+
+#[cfg(test)]
+mod tests;
