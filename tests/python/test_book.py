@@ -9,6 +9,8 @@ Commands of cargo are run in the checkout itself. Lines of HTML above a block sa
 stands; what is not there is listed as skipped:
 
     <!-- in short: A => B; C => -->  run with B in the place of A and without C: a campaign of an hour, of a minute
+    <!-- clean start -->             on top of a page: nothing is there but the checkout, and what a page prints as the
+                                     output of a command (```output behind it) are lines that the command prints
     <!-- with: data/sg542 -->        run where that folder is in the checkout
     <!-- measured: a.csv b.csv -->   run where those tables are among the measured data, put into the reader's folder
 """
@@ -19,7 +21,7 @@ import shlex
 import shutil
 import subprocess
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import pytest
@@ -28,6 +30,7 @@ from conftest import MEASURED, counters, empty_environment, path_from
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "wheel/README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 PROGRAMS = {"glidepolar", "tank-reduce", "cargo", "fmpy", "python", "pip", "man", "printf", "valgrind"}
+CLEAN_START = "<!-- clean start -->"
 MARKER = re.compile(r"<!-- (in short|with|measured): (.+?) -->")
 # Longer than this, and a command belongs into a campaign; those of cargo may have to build first.
 PATIENCE_S, PATIENCE_OF_CARGO_S = 120, 1200
@@ -77,7 +80,11 @@ def blocks_of(page: Path) -> list[Block]:
     number = 0
     while number < len(lines):
         line, begin = lines[number], number
-        if line.startswith("```"):
+        if line.startswith("```output"):
+            end = next(i for i in range(number + 1, len(lines)) if lines[i].startswith("```"))
+            blocks[-1].output = lines[number + 1 : end]
+            number, marker = end + 1, None
+        elif line.startswith("```"):
             end = next(i for i in range(number + 1, len(lines)) if lines[i].startswith("```"))
             blocks.append(Block(begin + 1, "\n".join(lines[number + 1 : end]), line.startswith("```python"), markers))
             number, markers = end + 1, {}
@@ -203,7 +210,10 @@ def kept_files() -> dict[Path, bytes]:
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_every_command_of_a_page_runs(page, programs, given, fmu3, fmu2, wheel, tmp_path, subtests):
     folder = tmp_path / "reader"
-    shutil.copytree(given, folder)
+    if CLEAN_START in page.read_text(encoding="utf-8"):
+        folder.mkdir()
+    else:
+        shutil.copytree(given, folder)
     for below in ("missions", "tank", "vehicles", "examples", "tests"):
         (folder / below).symlink_to(ROOT / below)
     (folder / "target/fmu").mkdir(parents=True)
@@ -230,8 +240,12 @@ def test_every_command_of_a_page_runs(page, programs, given, fmu3, fmu2, wheel, 
             if block.is_python:
                 (folder / "block.py").write_text(block.text)
                 shell("python block.py", folder, programs)
+            printed = ""
             for command in block.commands:
                 if program_of(command) == "cargo":
                     cargo(command, folder, programs)
                 else:
-                    shell(command, folder, programs)
+                    printed += shell(command, folder, programs)
+            words = [" ".join(line.split()) for line in printed.splitlines()]
+            missing = [line for line in block.output if line != "..." and " ".join(line.split()) not in words]
+            assert missing == [], f"{block.commands} prints otherwise:\n{printed}"
