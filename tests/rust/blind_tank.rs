@@ -177,7 +177,7 @@ fn what_steady_runs_cannot_show_is_said_to_be_unseen_and_nothing_is_named() {
         assert!(of_hulls.into_iter().all(|hull| hull.diagnosis.causes.is_empty()), "{effect}");
         if *effect != "none" {
             let rejected = answer.campaign().rejected.iter().find(|rejected| rejected.cause == *effect);
-            assert!(rejected.is_some_and(|rejected| rejected.why.contains("absorb it")), "{effect}");
+            assert!(rejected.is_some_and(|rejected| rejected.remark.contains("absorb it")), "{effect}");
             let words = effect.replace('_', " ");
             assert!(answer.found.warnings.iter().any(|warning| warning.contains(&words)), "{effect}");
         }
