@@ -41,10 +41,9 @@ pub(super) fn identified(vehicle: &Vehicle, found: &Identification, report: &Rep
     }
     for (name, quantity) in &report.parameters {
         let Some(quantity) = quantity else { continue };
-        let is_identified = report.identifiable.get(name).copied().unwrap_or(false);
         let name = long_name(name);
-        // What the balance of moments leaves open stays as the vehicle has it.
-        if OF_MOMENTS.contains(&name) && !is_identified {
+        // The trim in pitch stays as the vehicle has it: these figures balance only together, with masses that no log shows.
+        if OF_MOMENTS.contains(&name) {
             continue;
         }
         for (path, value, se) in places(&identified, &found.best_fit().parameters, name, quantity.value, quantity.se) {
