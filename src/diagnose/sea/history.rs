@@ -390,6 +390,8 @@ mod tests {
                 pitch_rad,
                 roll_rad: 0.0,
                 rudder_rad: 0.0,
+                roll_mass_rad: f64::NAN,
+                motor_moving: false,
                 heading_rad: 0.0,
                 ballast_m3,
                 battery_forward_m: f64::NAN,
