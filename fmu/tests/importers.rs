@@ -207,11 +207,11 @@ fn no_buoyancy_lifts_a_glider_out_of_the_sea() {
 fn a_start_in_trim_is_steady() {
     let changed =
         [("hull_mass_kg", 40.2), ("b", 0.2), ("moving_mass_height_m", 0.03), ("depth_m", 25.0), ("energy_J", 7.0)];
-    let drift = |in_trim: u8| {
+    let drift = |in_trim: i32| {
         let glider = Glider3::co_simulation(Options::default());
         glider.set(&changed);
         // SAFETY: a live instance, one value.
-        glider.ok(unsafe { fmi3SetBoolean(glider.instance, &vr("start_in_trim"), 1, &in_trim, 1) });
+        glider.ok(unsafe { fmi3SetInt32(glider.instance, &vr("start_in_trim"), 1, &in_trim, 1) });
         glider.begin(None);
         assert_eq!((glider.get("depth_m"), glider.get("energy_J")), (25.0, 7.0));
         let before = ["pitch_rad", "v1_m_s", "v3_m_s", "moving_mass_position_m"].map(|name| glider.get(name));
@@ -224,7 +224,7 @@ fn a_start_in_trim_is_steady() {
     glider.set(&[("hull_mass_kg", 45.0)]);
     // SAFETY: a live instance, one value.
     unsafe {
-        glider.ok(fmi3SetBoolean(glider.instance, &vr("start_in_trim"), 1, &1, 1));
+        glider.ok(fmi3SetInt32(glider.instance, &vr("start_in_trim"), 1, &1, 1));
         glider.ok(fmi3EnterInitializationMode(glider.instance, 0, 0.0, 0.0, 0, 0.0));
         assert_eq!(fmi3ExitInitializationMode(glider.instance), ERROR);
     }

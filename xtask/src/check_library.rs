@@ -55,7 +55,8 @@ pub fn check_exports(library: &[u8]) -> Result<()> {
         let export = export?;
         if let NameOrOrdinal::Name(name) = export.name() {
             // On macOS names begin with an underscore.
-            let name = name.strip_prefix(b"_").filter(|_| cfg!(target_os = "macos")).unwrap_or(name);
+            let is_mach = file.format() == BinaryFormat::MachO;
+            let name = name.strip_prefix(b"_").filter(|_| is_mach).unwrap_or(name);
             missing.retain(|wanted| wanted.as_bytes() != name);
         }
     }

@@ -34,7 +34,7 @@ pub fn run(workspace: &Workspace) -> Result<()> {
         let path = workspace.target("debug").join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
         workspace.command(path)
     };
-    let fmus = fmu::run(workspace, &[])?;
+    let fmus = fmu::run(workspace, &[], fmu::Scope::Host)?;
     let mut steps = Vec::new();
 
     let mut step = Step::new(workspace, "A measured hull", "suboff");

@@ -8,9 +8,10 @@ use std::process::Command;
 use anyhow::{Context, Result, bail};
 
 use crate::check_library::{OLDEST_GLIBC, check_exports, newest_glibc, portability_faults};
+use crate::cross;
 use crate::licences;
 use crate::pack::{self, Binaries, Standard};
-use crate::platform::Platform;
+use crate::platform::{PLATFORMS, Platform};
 use crate::python::{self, Python};
 use crate::workspace::{Workspace, run as run_command};
 
@@ -21,12 +22,29 @@ pub struct Fmus {
     pub library: PathBuf,
 }
 
+/// For which platforms the library is built here.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scope {
+    /// For this machine's.
+    Host,
+    /// For every one whose standard library and linker can be had.
+    All,
+}
+
 /// Builds the library, packs it for both standards with the binaries that `merge` brings, and says what was made.
-pub fn run(workspace: &Workspace, merge: &[PathBuf]) -> Result<Fmus> {
+pub fn run(workspace: &Workspace, merge: &[PathBuf], scope: Scope) -> Result<Fmus> {
     pack::check_sources(workspace)?;
     let host = Platform::host()?;
     let library = build(workspace, host)?;
     let mut binaries: Binaries = BTreeMap::new();
+    if scope == Scope::All {
+        for platform in PLATFORMS.iter().filter(|platform| *platform != host) {
+            match cross::library(workspace, platform) {
+                Ok(library) => drop(binaries.insert(platform, fs::read(library)?)),
+                Err(error) => eprintln!("WARNING: no binary for {}: {error:#}", platform.fmi3),
+            }
+        }
+    }
     for other in merge {
         for (platform, library) in pack::binaries_of(workspace, other)? {
             if platform.is_linux() {
@@ -109,14 +127,14 @@ pub fn rustc_flags(workspace: &Workspace, host: &Platform) -> Vec<String> {
     if let Some(cargo) = home("CARGO_HOME", ".cargo") {
         flags.push(format!("--remap-path-prefix={}=cargo", cargo.display()));
     }
-    if host.triple.ends_with("windows-msvc") {
+    if host.triple.ends_with("windows-msvc") && cfg!(windows) {
         flags.push("-Ctarget-feature=+crt-static".to_owned());
     }
     flags
 }
 
 /// Fails if a library that was linked to load everywhere does not.
-fn check_portable(name: &str, library: &[u8]) -> Result<()> {
+pub fn check_portable(name: &str, library: &[u8]) -> Result<()> {
     let faults = portability_faults(library)?;
     if !faults.is_empty() {
         bail!("{name} does not load on every Linux machine:\n  - {}", faults.join("\n  - "));

@@ -5,6 +5,7 @@
 
 mod bench;
 mod check_library;
+mod cross;
 mod cycles;
 mod demo;
 mod fetch_data;
@@ -45,7 +46,12 @@ enum Chore {
         /// Take the binaries of other platforms from these archives, packed there from the same sources
         #[arg(long = "merge", value_name = "OTHER.fmu")]
         merge: Vec<PathBuf>,
+        /// Build for the other platforms, too, where Rust's standard library for them is installed
+        #[arg(long)]
+        all_platforms: bool,
     },
+    /// Fly the library of every platform that can be emulated here (Wine, qemu-user), against this machine's flight
+    Platforms,
     /// Build the wheel with both commands and both FMUs into target/wheels/
     Wheel {
         /// Unoptimised and for this machine only, as the tests take it
@@ -97,7 +103,11 @@ fn run(chore: Chore) -> Result<()> {
     let workspace = Workspace::find()?;
     match chore {
         Chore::Setup => python::ensure(&workspace).map(drop),
-        Chore::Fmu { merge } => fmu::run(&workspace, &merge).map(drop),
+        Chore::Fmu { merge, all_platforms } => {
+            let scope = if all_platforms { fmu::Scope::All } else { fmu::Scope::Host };
+            fmu::run(&workspace, &merge, scope).map(drop)
+        }
+        Chore::Platforms => cross::try_all(&workspace),
         Chore::Wheel { quick } => {
             wheel::run(&workspace, if quick { wheel::Kind::Tests } else { wheel::Kind::Release }).map(drop)
         }

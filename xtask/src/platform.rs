@@ -14,6 +14,8 @@ pub struct Platform {
     pub fmi2_old: Option<&'static str>,
     /// What cargo builds it for.
     pub triple: &'static str,
+    /// What it is built for on a machine of another platform, where the linker is zig's.
+    pub crossed: &'static str,
     /// How cargo names a shared library: before and after its name.
     pub library: (&'static str, &'static str),
 }
@@ -25,6 +27,7 @@ pub const PLATFORMS: [Platform; 5] = [
         fmi2: "linux64",
         fmi2_old: None,
         triple: "x86_64-unknown-linux-gnu",
+        crossed: "x86_64-unknown-linux-gnu",
         library: ("lib", ".so"),
     },
     Platform {
@@ -32,6 +35,7 @@ pub const PLATFORMS: [Platform; 5] = [
         fmi2: "aarch64-linux",
         fmi2_old: Some("linux64"),
         triple: "aarch64-unknown-linux-gnu",
+        crossed: "aarch64-unknown-linux-gnu",
         library: ("lib", ".so"),
     },
     Platform {
@@ -39,6 +43,7 @@ pub const PLATFORMS: [Platform; 5] = [
         fmi2: "win64",
         fmi2_old: None,
         triple: "x86_64-pc-windows-msvc",
+        crossed: "x86_64-pc-windows-gnu",
         library: ("", ".dll"),
     },
     Platform {
@@ -46,6 +51,7 @@ pub const PLATFORMS: [Platform; 5] = [
         fmi2: "darwin64",
         fmi2_old: None,
         triple: "x86_64-apple-darwin",
+        crossed: "x86_64-apple-darwin",
         library: ("lib", ".dylib"),
     },
     Platform {
@@ -53,6 +59,7 @@ pub const PLATFORMS: [Platform; 5] = [
         fmi2: "aarch64-darwin",
         fmi2_old: Some("darwin64"),
         triple: "aarch64-apple-darwin",
+        crossed: "aarch64-apple-darwin",
         library: ("lib", ".dylib"),
     },
 ];

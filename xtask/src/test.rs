@@ -85,7 +85,7 @@ impl Tested {
             "report",
         ]))?;
         let program = |name: &str| workspace.target("debug").join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
-        let fmus = fmu::run(workspace, &[])?;
+        let fmus = fmu::run(workspace, &[], fmu::Scope::Host)?;
         let wheel = wheel::build(workspace, wheel::Kind::Tests, &python, &fmus)?;
         let skipped = workspace.target("skipped-tests.txt");
         fs::write(&skipped, "").with_context(|| format!("cannot write {}", skipped.display()))?;

@@ -38,7 +38,8 @@ pub enum Kind {
 /// Builds the wheel and says where it is.
 pub fn run(workspace: &Workspace, kind: Kind) -> Result<PathBuf> {
     let python = python::ensure(workspace)?;
-    let fmus = fmu::run(workspace, &[])?;
+    let scope = if kind == Kind::Release { fmu::Scope::All } else { fmu::Scope::Host };
+    let fmus = fmu::run(workspace, &[], scope)?;
     build(workspace, kind, &python, &fmus)
 }
 

@@ -65,9 +65,7 @@ get!(/** `fmi2GetString` */ fmi2GetString, *const c_char, |i, references, values
 
 set!(/** `fmi2SetReal` */ fmi2SetReal, f64, |i, references, values| i.set_reals(references, values));
 set!(/** `fmi2SetInteger` */ fmi2SetInteger, c_int, |i, references, values| i.set_integers(references, values));
-set!(/** `fmi2SetBoolean` */ fmi2SetBoolean, Boolean, |i, references, values| {
-    i.set_booleans(references, |place| values[place] != 0)
-});
+set!(/** `fmi2SetBoolean` */ fmi2SetBoolean, Boolean, |i, references, _values| i.set_none(references, Kind::Boolean));
 set!(/** `fmi2SetString` */ fmi2SetString, *const c_char, |i, references, _values| i.set_none(references, Kind::Text));
 
 /// `fmi2GetDirectionalDerivative`

@@ -70,9 +70,7 @@ get!(/** `fmi3GetString` */ fmi3GetString, *const c_char, |i, references, values
 
 set!(/** `fmi3SetFloat64` */ fmi3SetFloat64, f64, |i, references, values| i.set_reals(references, values));
 set!(/** `fmi3SetInt32` */ fmi3SetInt32, i32, |i, references, values| i.set_integers(references, values));
-set!(/** `fmi3SetBoolean` */ fmi3SetBoolean, Boolean, |i, references, values| {
-    i.set_booleans(references, |place| values[place] != 0)
-});
+set!(/** `fmi3SetBoolean` */ fmi3SetBoolean, Boolean, |i, references, _values| i.set_none(references, Kind::Boolean));
 set!(/** `fmi3SetString` */ fmi3SetString, *const c_char, |i, references, _values| i.set_none(references, Kind::Text));
 
 get!(/** `fmi3GetInt64`: how FMI 3.0 reads an enumeration. */ fmi3GetInt64, i64, |i, references, values| {

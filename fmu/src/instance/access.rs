@@ -107,20 +107,8 @@ impl Instance {
             match (variable(reference).map(|variable| variable.slot), actuation_of(value)) {
                 (Some(Slot::Actuation), Some(actuation)) => self.core.glider.actuation = actuation,
                 (Some(Slot::WaterSource), _) => self.core.glider.uses_column = value == 1,
+                (Some(Slot::StartInTrim), _) => self.core.glider.starts_in_trim = value == 1,
                 _ => (),
-            }
-        }
-        Ok(())
-    }
-
-    /// Sets these variables, all or none; `value` gives that of each place.
-    pub fn set_booleans(&mut self, references: &[u32], value: impl Fn(usize) -> bool) -> Outcome {
-        for &reference in references {
-            self.may_set(of_kind(reference, Kind::Boolean)?)?;
-        }
-        for (i, &reference) in references.iter().enumerate() {
-            if variable(reference).is_some_and(|variable| variable.slot == Slot::StartInTrim) {
-                self.core.glider.starts_in_trim = value(i);
             }
         }
         Ok(())

@@ -344,6 +344,7 @@ impl Reading<'_> {
         match slot {
             Slot::Actuation => Some(actuation_number(self.glider.actuation)),
             Slot::WaterSource => Some(i32::from(self.glider.uses_column)),
+            Slot::StartInTrim => Some(i32::from(self.glider.starts_in_trim)),
             Slot::Discrete(Discrete::BallastStop) => Some(stop_number(modes.ballast)),
             Slot::Discrete(Discrete::MovingMassStop) => Some(stop_number(modes.moving_mass)),
             _ => None,
@@ -355,7 +356,6 @@ impl Reading<'_> {
         match slot {
             Slot::Discrete(Discrete::AtSurface) => Some(self.glider.discrete.at_surface),
             Slot::Discrete(Discrete::OnSeabed) => Some(self.glider.discrete.on_seabed),
-            Slot::StartInTrim => Some(self.glider.starts_in_trim),
             _ => None,
         }
     }

@@ -786,13 +786,14 @@ fn water_source() -> Variable {
 }
 
 fn start_in_trim() -> Variable {
-    const MEANING: &str = "Whether the run starts in the steady glide of the parameters and the water that were set, at depth_m: the start values of pitch, velocities, moving mass, ballast and set-points then follow from them";
+    const MEANING: &str = "1: the run starts in the steady glide of the parameters and the water that were set, at depth_m; the start values of pitch, velocities, moving mass, ballast and set-points then follow from them. 0: they are as set";
     Variable {
         reference: 126,
         name: "start_in_trim",
         description: MEANING,
-        kind: Kind::Boolean,
-        bounds: None,
+        // A number and no Boolean: many a script reads every start value as one.
+        kind: Kind::Integer,
+        bounds: Some((0.0, 1.0)),
         slot: Slot::StartInTrim,
         ..actuation()
     }
