@@ -86,6 +86,7 @@ fn inputs_that_nothing_feeds_are_water_of_the_reference_density_without_a_seabed
     let reference = Glider3::started(Options::default(), &[]);
     reference.run(0.0, 100.0, 10.0);
     assert_eq!(glider.states(), reference.states());
+    glider.set(&[("water_density_kg_m3", 1e-8), ("seabed_depth_m", -1e-8)]);
     // Any other density without sense is still refused.
     // SAFETY: a live instance.
     let status = unsafe { fmi3SetFloat64(glider.instance, &vr("water_density_kg_m3"), 1, &1.0, 1) };

@@ -129,9 +129,13 @@ impl Instance {
     /// a seabed at the surface, says that there is no such signal. Then the water is of the reference density, and the
     /// seabed out of reach.
     fn or_not_given(&self, variable: &Variable, value: f64) -> f64 {
+        /// PathSim takes differences about 0 by steps of 1e-8, in both directions.
+        const NOTHING: f64 = 1e-6;
         match (variable.name, variable.bounds) {
-            ("water_density_kg_m3", _) if value == 0.0 => self.core.glider.values.parameters.reference_density_kg_m3,
-            ("seabed_depth_m", Some((_, deepest))) if value == 0.0 => deepest,
+            ("water_density_kg_m3", _) if value.abs() <= NOTHING => {
+                self.core.glider.values.parameters.reference_density_kg_m3
+            }
+            ("seabed_depth_m", Some((_, deepest))) if value.abs() <= NOTHING => deepest,
             _ => value,
         }
     }
