@@ -36,7 +36,7 @@ pub struct Arguments {
     /// In-situ water density [kg/m3]; default: the vehicle's reference
     #[arg(long, value_name = "RHO", allow_negative_numbers = true)]
     density: Option<f64>,
-    /// Depth, for hulls that yield [m]
+    /// Depth, for compressible hulls [m]
     #[arg(long, value_name = "Z", default_value_t = 0.0, allow_negative_numbers = true)]
     depth_m: f64,
     #[command(flatten)]

@@ -52,9 +52,9 @@ pub fn run(workspace: &Workspace, only: Option<Part>) -> Result<()> {
 fn rust_tests(workspace: &Workspace) -> Command {
     let mut command = workspace.cargo();
     if capture(workspace.cargo().args(["nextest", "--version"])).is_ok() {
-        command.args(["nextest", "run", "--workspace"]);
+        command.args(["nextest", "run", "--workspace", "--no-fail-fast"]);
     } else {
-        command.args(["test", "--workspace", "--all-targets"]);
+        command.args(["test", "--workspace", "--all-targets", "--no-fail-fast"]);
     }
     command
 }
