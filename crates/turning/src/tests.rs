@@ -60,6 +60,7 @@ fn log(truth: &Truth, dives: u32, roll_mass: bool, rudder: bool, seed: u64) -> V
                     sink_se_m_s: 1e-3,
                     sink_rate_m_s2: 0.0,
                     speed_m_s: f64::NAN,
+                    water_met_m_s2: f64::NAN,
                     leg: dive * 2 + leg as u32,
                     dive,
                     stretch: dive * 2 + leg as u32,
