@@ -403,8 +403,6 @@ mod tests {
                 leg,
                 dive: leg / 2,
                 stretch: 0,
-                roll_mass_rad: f64::NAN,
-                motor_moving: false,
                 steady: (4..56).contains(&(i % 60)),
             }
         };
