@@ -28,6 +28,42 @@ const TOGETHER: usize = 40;
 /// Variances that are tried, in units of the record's own; even in the logarithm.
 const VARIANCES: [f64; 11] = [0.0, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0];
 
+/// Time constants of a settling zero that are tried, in units of time.
+const SETTLING: [f64; 3] = [0.4 * 3600.0, 0.7 * 3600.0, 1.5 * 3600.0];
+/// A settling this many standard errors large is no walk.
+const CLEARLY: f64 = 4.0;
+
+/// Takes a settling after switching on, alike on every day, out of the readings where the zeros clearly show one: it is a fault
+/// with a name, and no scatter of the zeros. `since` are the times since each day's begin.
+pub fn without_settling(stretches: &mut [Stretch], since: &[Vec<f64>]) {
+    let of = |time_constant: f64| {
+        let (mut pairs, mut xx, mut xy) = (Vec::new(), 0.0, 0.0);
+        for (stretch, since) in stretches.iter().zip(since) {
+            let traces: Vec<(f64, f64)> =
+                stretch.iter().zip(since).map(|((when, _), since)| (*when, (-since / time_constant).exp())).collect();
+            let (Some(reading), Some(trace)) = (Contrasts::of(stretch), Contrasts::of(&traces)) else { continue };
+            for (y, x) in reading.observed.iter().zip(trace.observed.iter()) {
+                pairs.push((*x, *y));
+                (xx, xy) = (xx + x * x, xy + x * y);
+            }
+        }
+        let size = xy / xx;
+        let left: f64 = pairs.iter().map(|(x, y)| (y - size * x).powi(2)).sum();
+        let dof = pairs.len().checked_sub(2).filter(|dof| *dof > 0)?;
+        (xx > 0.0).then(|| (left, size, size.abs() * (xx * dof as f64 / left.max(f64::MIN_POSITIVE)).sqrt()))
+    };
+    let tried = SETTLING.iter().filter_map(|time_constant| Some((*time_constant, of(*time_constant)?)));
+    let Some((time_constant, (_, size, t))) = tried.min_by(|a, b| a.1.0.total_cmp(&b.1.0)) else { return };
+    if t > CLEARLY {
+        for (stretch, since) in stretches.iter_mut().zip(since) {
+            stretch
+                .iter_mut()
+                .zip(since)
+                .for_each(|((_, value), since)| *value -= size * (-since / time_constant).exp());
+        }
+    }
+}
+
 /// The components; `within` is the variance of a zero from within its own record.
 pub fn components(stretches: &[Stretch], within: f64) -> Components {
     let cut: Vec<Contrasts> =

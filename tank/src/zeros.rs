@@ -77,10 +77,14 @@ impl Zeros {
         let mut zeros: Vec<Zero> = taken.into_iter().map(|(zero, _)| zero).collect();
         zeros.sort_by(|a, b| a.when.total_cmp(&b.when));
         let between = [0, 1, 2].map(|channel| {
-            let stretches: Vec<Vec<(f64, f64)>> = stretches(&zeros, in_time)
+            let of_day = stretches(&zeros, in_time);
+            let mut stretches: Vec<Vec<(f64, f64)>> = of_day
                 .iter()
                 .map(|stretch| stretch.iter().map(|i| (zeros[*i].when, zeros[*i].reading[channel])).collect())
                 .collect();
+            if in_time {
+                zero_noise::without_settling(&mut stretches, &since_begin(&zeros, &of_day));
+            }
             zero_noise::components(&stretches, covariance[(channel, channel)])
         });
         (0..3).for_each(|channel| covariance[(channel, channel)] += between[channel].repeat);
@@ -127,6 +131,15 @@ impl Zeros {
         }
         largest
     }
+}
+
+/// Time of each zero since the first zero of its day.
+fn since_begin(zeros: &[Zero], stretches: &[Vec<usize>]) -> Vec<Vec<f64>> {
+    let begin = |zero: usize| {
+        let before = (1..=zero).rev().find(|i| zeros[*i].when - zeros[i - 1].when > PAUSE_S);
+        zeros[before.unwrap_or(0)].when
+    };
+    stretches.iter().map(|stretch| stretch.iter().map(|zero| zeros[*zero].when - begin(*zero)).collect()).collect()
 }
 
 /// Zeros that follow each other with the same hull, on one day.
