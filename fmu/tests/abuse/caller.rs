@@ -205,9 +205,15 @@ impl Memory {
         }
         // Often one kind of variable throughout, or nothing could ever be set.
         if polite || random.one_in(2) {
+            // Mostly of the function's own type, of which there are few beside the numbers.
+            let fitting = polite || !random.one_in(4);
             let first = (0..)
                 .map(|_| random.below(n))
-                .find(|i| !polite || variables()[*i].kind == kind)
+                .find(|i| {
+                    let found = variables()[*i].kind;
+                    // Integers of FMI 2.0 set enumerations, too.
+                    !fitting || found == kind || (kind == Kind::Integer && matches!(found, Kind::Choice(_)))
+                })
                 .expect("a variable of every kind");
             let alike: Vec<u32> = (0..n)
                 .filter(|i| {
