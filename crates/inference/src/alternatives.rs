@@ -3,12 +3,12 @@
 //! What could stand in the place of one mechanism alone is told beside it by the report. Two or more may be exchanged
 //! together as well: a reader who knows more of the glider than the log says may know which set it was.
 
+use super::change_point;
 use super::evidence::Problem;
 use super::findings::Alternative;
 use super::fitted::Fitted;
-use super::lap::Lap;
-use super::search::MARGIN;
-use super::versions;
+use super::iteration::Iteration;
+use super::subset_search::MARGIN;
 
 /// Most sets that are told.
 const MOST_SETS: usize = 3;
@@ -18,48 +18,52 @@ const MOST_TRIED: usize = 12;
 
 /// The sets that explain as much as the named one, within the margin of a stand-in, and foretell no worse; the best first,
 /// of those that differ by one member the best alone.
-pub(super) fn alternatives(problem: &impl Problem, extended: &Fitted, lap: &Lap<'_>) -> Vec<Vec<Alternative>> {
+pub(super) fn alternatives(
+    problem: &impl Problem,
+    extended: &Fitted,
+    iteration: &Iteration<'_>,
+) -> Vec<Vec<Alternative>> {
     // A single mechanism has its stand-ins, and any two explain more than one.
     if extended.included.len() < 2 {
         return Vec::new();
     }
-    let race = lap.race();
-    let apart = |a: &[usize], b: &[usize]| a.iter().filter(|member| !has_family(lap, b, **member)).count();
+    let search = iteration.search();
+    let apart = |a: &[usize], b: &[usize]| a.iter().filter(|member| !has_family(iteration, b, **member)).count();
     let mut told: Vec<Vec<usize>> = Vec::new();
     let mut tried = 0;
-    for choice in race.within(race.criterion(&extended.included) + MARGIN, extended.included.len() + 1) {
+    for choice in search.within(search.criterion(&extended.included) + MARGIN, extended.included.len() + 1) {
         let is_new = told.iter().chain([&extended.included]).all(|known| apart(&choice.members, known) >= 2);
-        if !is_new || !is_possible(problem, lap, &choice.members) {
+        if !is_new || !is_possible(problem, iteration, &choice.members) {
             continue;
         }
         tried += 1;
-        if lap.advantage(&choice.members, &extended.included) > -problem.least_advantage() {
+        if iteration.advantage(&choice.members, &extended.included) > -problem.least_advantage() {
             told.push(choice.members);
         }
         if told.len() == MOST_SETS || tried == MOST_TRIED {
             break;
         }
     }
-    told.iter().map(|members| sizes(problem, lap, members)).collect()
+    told.iter().map(|members| sizes(problem, iteration, members)).collect()
 }
 
-fn has_family(lap: &Lap<'_>, members: &[usize], member: usize) -> bool {
-    members.iter().any(|other| lap.runners[*other].family == lap.runners[member].family)
+fn has_family(iteration: &Iteration<'_>, members: &[usize], member: usize) -> bool {
+    members.iter().any(|other| iteration.regressors[*other].family == iteration.regressors[member].family)
 }
 
-fn is_possible(problem: &impl Problem, lap: &Lap<'_>, members: &[usize]) -> bool {
-    let point = lap.point_of(members, problem);
+fn is_possible(problem: &impl Problem, iteration: &Iteration<'_>, members: &[usize]) -> bool {
+    let point = iteration.point_of(members, problem);
     let cannot_be =
         |member: &usize| problem.candidates()[*member].cannot_be(point.candidates[*member][0], problem.most_usual());
     !members.iter().any(cannot_be)
 }
 
 /// The members of a set with their sizes, by the slopes at the named one.
-fn sizes(problem: &impl Problem, lap: &Lap<'_>, members: &[usize]) -> Vec<Alternative> {
-    let point = lap.point_of(members, problem);
+fn sizes(problem: &impl Problem, iteration: &Iteration<'_>, members: &[usize]) -> Vec<Alternative> {
+    let point = iteration.point_of(members, problem);
     let of = |(place, member): (usize, &usize)| Alternative {
         cause: problem.candidates()[*member].name.to_owned(),
-        parameters: versions::estimates(problem, lap, members, place, &point),
+        parameters: change_point::estimates(problem, iteration, members, place, &point),
     };
     members.iter().enumerate().map(of).collect()
 }

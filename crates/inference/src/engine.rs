@@ -6,10 +6,10 @@
 use super::evidence::{Point, Problem};
 use super::findings::{Diagnosis, Wrong};
 use super::fitted::Fitted;
-use super::lap::Lap;
+use super::iteration::Iteration;
 use super::outcome::{Outcome, Stage};
-use super::search::{Choice, MARGIN};
-use super::told::{report, wrong};
+use super::report::{report, wrong};
+use super::subset_search::{Choice, MARGIN};
 
 /// Alternations of fit and search.
 const MAX_ROUNDS: usize = 6;
@@ -33,29 +33,30 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
 
     // Mechanisms alone first: far from the truth the model bends, and a curve would take up the bend. Once they have done
     // what they can, what is left decides whether a curve was needed after all.
-    let single = baseline.leap(problem);
+    let single = baseline.nonlinear_refit(problem);
     let mut present = single.clone().unwrap_or_else(|| baseline.clone());
-    present.alternate(problem, |lap| (lap.race().best_mechanisms().members, None));
-    let curve = present
-        .alternate(problem, |lap| decide(lap.race().best_mechanisms(), lap.race().best_with_curve(), lap, problem));
+    present.alternate(problem, |iteration| (iteration.search().best_mechanisms().members, None));
+    let curve = present.alternate(problem, |iteration| {
+        decide(iteration.search().best_mechanisms(), iteration.search().best_with_curve(), iteration, problem)
+    });
     let mut dropped = Vec::new();
-    let mut refuted = present.thin_out(problem, &baseline, &mut dropped);
+    let mut refuted = present.eliminate_backward(problem, &baseline, &mut dropped);
     // What was found in full, alone, stands where the slopes' choice does no better: in the place of one of its mechanisms,
     // or of them all where it was thinned out to no more than one.
     for mut rival in single.iter().flat_map(|single| present.rivals(single, problem)) {
-        let of_rival = rival.thin_out(problem, &baseline, &mut dropped);
+        let of_rival = rival.eliminate_backward(problem, &baseline, &mut dropped);
         if !rival.included.is_empty() {
             (present, refuted) = (rival, of_rival);
             break;
         }
     }
-    let lap = Lap::new(candidates, &present);
+    let iteration = Iteration::new(candidates, &present);
     let limits = present.limits(problem);
     // What was refuted on the way is worth a word only where something remains that is.
     let curve = curve
         .or(refuted)
-        .filter(|_| lap.is_anything_wrong(&present.included, &limits))
-        .or_else(|| lap.unnamed_curve(&present.included, &limits));
+        .filter(|_| iteration.is_anything_wrong(&present.included, &limits))
+        .or_else(|| iteration.unnamed_curve(&present.included, &limits));
     report(problem, &baseline, &present, curve, &dropped)
 }
 
@@ -68,33 +69,33 @@ pub fn baseline(problem: &impl Problem) -> (Stage, Vec<Wrong>) {
 }
 
 /// Whether the curve in a choice is there beside its mechanisms, and large enough to act on.
-fn is_wrong(choice: &Choice, lap: &Lap<'_>, problem: &impl Problem) -> bool {
-    let limits = lap.fitted.limits(problem);
+fn is_wrong(choice: &Choice, iteration: &Iteration<'_>, problem: &impl Problem) -> bool {
+    let limits = iteration.fitted.limits(problem);
     let (curves, others): (Vec<usize>, Vec<usize>) =
-        choice.members.iter().partition(|member| lap.runners[**member].is_curve);
-    curves.iter().all(|curve| lap.is_wrong(&others, *curve, &limits))
+        choice.members.iter().partition(|member| iteration.regressors[**member].is_curve);
+    curves.iter().all(|curve| iteration.is_wrong(&others, *curve, &limits))
 }
 
 /// Mechanisms alone, or what is left of them beside a curve that none of them can replace.
 fn decide(
     mechanisms: Choice,
     with_curve: Option<Choice>,
-    lap: &Lap<'_>,
+    iteration: &Iteration<'_>,
     problem: &impl Problem,
 ) -> (Vec<usize>, Option<String>) {
     match with_curve {
         Some(other)
             if other.criterion
                 < mechanisms.criterion.min(0.0) - MARGIN.max(problem.part_unexplained() * -mechanisms.criterion)
-                && lap.foretells(&other.members, &mechanisms.members)
-                && is_wrong(&other, lap, problem) =>
+                && iteration.predicts_better(&other.members, &mechanisms.members)
+                && is_wrong(&other, iteration, problem) =>
         {
             // Beside something unknown a name needs evidence that the unknown cannot take over, and more of it than the
             // unknown has itself: what is unknown may bring along a bit of many a mechanism.
-            let race = lap.race();
+            let search = iteration.search();
             let mut members = other.members.clone();
-            if race.gain(&mechanisms.members) > FULL_SHARE * race.gain(&members)
-                && let Some(curve) = lap.best_curve(&mechanisms.members)
+            if search.gain(&mechanisms.members) > FULL_SHARE * search.gain(&members)
+                && let Some(curve) = iteration.best_curve(&mechanisms.members)
             {
                 members = mechanisms.members;
                 members.push(curve);
@@ -102,9 +103,9 @@ fn decide(
             let lost_without = |members: &[usize], place: usize| {
                 let mut fewer = members.to_vec();
                 fewer.remove(place);
-                race.criterion(&fewer) - race.criterion(members)
+                search.criterion(&fewer) - search.criterion(members)
             };
-            while let Some(curve) = members.iter().position(|member| lap.runners[*member].is_curve) {
+            while let Some(curve) = members.iter().position(|member| iteration.regressors[*member].is_curve) {
                 let needed = MARGIN.max(lost_without(&members, curve));
                 let weak = (0..members.len()).find(|place| *place != curve && lost_without(&members, *place) < needed);
                 match weak {
@@ -113,8 +114,8 @@ fn decide(
                 };
             }
             let (curves, named): (Vec<usize>, Vec<usize>) =
-                members.iter().partition(|member| lap.runners[**member].is_curve);
-            (named, curves.first().and_then(|curve| lap.curve_name(*curve)).map(str::to_owned))
+                members.iter().partition(|member| iteration.regressors[**member].is_curve);
+            (named, curves.first().and_then(|curve| iteration.curve_name(*curve)).map(str::to_owned))
         }
         _ => (mechanisms.members, None),
     }
@@ -125,18 +126,18 @@ impl Fitted {
     fn alternate(
         &mut self,
         problem: &impl Problem,
-        choose: impl Fn(&Lap<'_>) -> (Vec<usize>, Option<String>),
+        choose: impl Fn(&Iteration<'_>) -> (Vec<usize>, Option<String>),
     ) -> Option<String> {
         let mut tried = vec![self.included.clone()];
         let mut curve = None;
         for _ in 0..MAX_ROUNDS {
-            let lap = Lap::new(problem.candidates(), self);
-            let (members, found) = choose(&lap);
+            let iteration = Iteration::new(problem.candidates(), self);
+            let (members, found) = choose(&iteration);
             curve = found;
             if members == self.included {
                 break;
             }
-            let mut next = Fitted::new(problem, lap.point_of(&members, problem), members.clone());
+            let mut next = Fitted::new(problem, iteration.point_of(&members, problem), members.clone());
             next.settle(problem);
             *self = next;
             if tried.contains(&members) {

@@ -83,7 +83,7 @@ impl Fitted {
 
     /// Far from the truth the model bends, and its slopes mislead: there each mechanism is fitted in full, alone, by plain
     /// least squares, and the one that leaves least is the place to start from.
-    pub(super) fn leap(&self, problem: &impl Problem) -> Option<Fitted> {
+    pub(super) fn nonlinear_refit(&self, problem: &impl Problem) -> Option<Fitted> {
         if !problem.bends() {
             return None;
         }

@@ -3,14 +3,16 @@
 //! - [`evidence`]: what the engine is given: residuals and sensitivities at a point, by a [`Problem`].
 //! - [`crate::noise`]: what is left when the model is right, so that correlated residuals count for as little as they tell.
 //! - [`score`], [`search`]: what each set of mechanisms explains, and which set is worth its cost.
-//! - [`smooth`]: curves without a name that run in the same race; where one wins, no mechanism is named.
+//! - [`smooth`]: curves without a name that run in the same search; where one wins, no mechanism is named.
 //! - `clusters`: a test by the scatter between legs or runs, beside that by the model of noise.
 //! - [`relevance`]: which misfit is large enough to act on.
 //! - [`holdout`]: the gain on data that no fit saw.
-//! - [`engine`]: the four answers in their order, with what it is made of: a fit, what is thinned out of it, one lap of the
+//! - [`engine`]: the four answers in their order, with what it is made of: a fit, what is thinned out of it, one iteration of the
 //!   search, versions of one mechanism, what is told.
 
 mod alternatives;
+mod backward_elimination;
+mod change_point;
 mod clusters;
 pub mod covariance;
 pub mod engine;
@@ -20,18 +22,16 @@ pub mod findings;
 mod fitted;
 pub mod gram;
 pub mod holdout;
-mod lap;
+mod iteration;
 pub mod noise;
 pub mod outcome;
 pub mod regimes;
 pub mod relevance;
+mod report;
 pub mod score;
-pub mod search;
 pub mod smooth;
 pub mod specification_test;
-mod thinning;
-mod told;
-mod versions;
+pub mod subset_search;
 
 pub use engine::{diagnose, diagnose_in_full};
 pub use evidence::{Candidate, Covariate, Evidence, Headline, Point, Problem, Quantity, Version};

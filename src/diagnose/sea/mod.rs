@@ -13,9 +13,9 @@ pub mod consistency;
 mod covariates;
 mod history;
 mod jumps;
+mod log_diagnosis;
 mod model;
 mod vehicle_log;
-mod whole;
 
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
 use crate::identify::{Bin, Inside, Parts, bins, surroundings};
@@ -26,10 +26,10 @@ use super::findings::{Check, Checked};
 use super::holdout;
 use super::relevance::Relevance;
 use jumps::Jump;
+pub use log_diagnosis::{SeaDiagnosis, diagnose_log};
 use model::{Directions, Sloped, Vehicle};
 use nalgebra::{DMatrix, DVector};
 pub use vehicle_log::{LiftSlope, Request, VehicleLogError, diagnose_vehicle, extended};
-pub use whole::{SeaDiagnosis, diagnose_log};
 
 /// What is fitted to which data.
 #[derive(Debug, Clone, PartialEq)]

@@ -12,8 +12,8 @@
 //! dynamic pressure.
 
 mod first_guess;
+mod not_identifiable;
 mod samples;
-mod told;
 
 use std::collections::BTreeMap;
 
@@ -33,8 +33,8 @@ use crate::vehicle::Vehicle;
 use first_guess::{first_guess, start_for};
 use glidepolar_inference::covariance::condition_number;
 use glidepolar_inference::gram::Gram;
+use not_identifiable::not_identifiable;
 use samples::PitchSamples;
-use told::untold;
 
 pub use samples::predicted_pitch_rad;
 
@@ -136,7 +136,7 @@ pub fn pitch_balance(
     let same = "it differs from the zero of the battery's reading by changes of dynamic pressure alone".to_owned();
     pinned.insert("CM0".into(), Pin::new(start.CM0, stated("CM0"), source.clone(), same));
 
-    while let Some((position, reason)) = untold(&fit) {
+    while let Some((position, reason)) = not_identifiable(&fit) {
         let row = fit.free[position];
         let name = PARAMETERS[row].name;
         *question.baseline.at(row) = polar.as_array()[row];

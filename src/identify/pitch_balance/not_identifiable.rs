@@ -1,4 +1,4 @@
-//! What the balance does not tell: parameters that others can stand in for. Knows no samples.
+//! Parameters that the balance cannot identify, since others have the same effect. Knows no samples.
 
 use nalgebra::DMatrix;
 
@@ -10,8 +10,8 @@ use glidepolar_inference::gram::Gram;
 /// size to itself, an error of the model would pass for the parameter.
 const INSEPARABLE: f64 = 0.9995;
 
-/// A parameter that the data do not tell, and why; the last of [`ROWS`](super::ROWS) first.
-pub(super) fn untold(fit: &Fit) -> Option<(usize, String)> {
+/// A parameter that the data do not identify, and why; the last of [`ROWS`](super::ROWS) first.
+pub(super) fn not_identifiable(fit: &Fit) -> Option<(usize, String)> {
     let normal = Gram::sum(fit.free.len(), &fit.grams).normal_matrix();
     for name in ["ballast_forward_m", "d_per_rad"] {
         let Some(position) = fit.position(name) else { continue };

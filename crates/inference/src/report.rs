@@ -3,15 +3,15 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::alternatives::alternatives;
+use super::change_point;
 use super::evidence::{Headline, Problem, Quantity, names};
 use super::findings::{Cause, Diagnosis, Left, Rejected, Unexplained, Verdict, Why, Wrong};
 use super::fitted::{Fitted, expected_rms};
 use super::holdout;
-use super::lap::Lap;
+use super::iteration::Iteration;
 use super::outcome::{Outcome, gains};
 use super::score::{SIGNIFICANT, chance};
-use super::search::{MARGIN, Race};
-use super::versions;
+use super::subset_search::{MARGIN, SubsetSearch};
 use crate::estimate::Estimate;
 
 /// Share of a mechanism's trace beside the baseline's parameters below which it hardly shows.
@@ -32,13 +32,13 @@ pub(super) fn report(
     let after = if extended.included.is_empty() { before.clone() } else { extended.held_out() };
     let gains = gains(&baseline.evidence, &before, &after);
 
-    let lap = Lap::new(candidates, extended);
-    let race = lap.race();
+    let iteration = Iteration::new(candidates, extended);
+    let search = iteration.search();
     let n_names = names(candidates).len() as f64;
     let after_stage = extended.stage(after.clone());
     let by_blocks = &after_stage.covariance_by_blocks;
     let mut named: Vec<Named> = (0..extended.included.len())
-        .map(|place| cause(problem, extended, &lap, &race, place, n_names, by_blocks))
+        .map(|place| cause(problem, extended, &iteration, &search, place, n_names, by_blocks))
         .collect();
     named.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let causes: Vec<Cause> = named.iter().map(|named| named.cause.clone()).collect();
@@ -64,10 +64,10 @@ pub(super) fn report(
         consistency: Vec::new(),
         warnings: Vec::new(),
         wrong,
-        alternatives: alternatives(problem, extended, &lap),
+        alternatives: alternatives(problem, extended, &iteration),
         trim: None,
-        left: left(problem, extended, &lap),
-        rejected: rejected(problem, extended, &lap, &race, &causes, dropped),
+        left: left(problem, extended, &iteration),
+        rejected: rejected(problem, extended, &iteration, &search, &causes, dropped),
         causes,
         unexplained,
         gain: gains[headline(problem, baseline, &before, &after)].clone(),
@@ -125,8 +125,8 @@ pub(super) struct Named {
 pub(super) fn cause(
     problem: &impl Problem,
     extended: &Fitted,
-    lap: &Lap<'_>,
-    race: &Race<'_>,
+    iteration: &Iteration<'_>,
+    search: &SubsetSearch<'_>,
     place: usize,
     n_names: f64,
     by_blocks: &DMatrix<f64>,
@@ -134,13 +134,13 @@ pub(super) fn cause(
     let candidates = problem.candidates();
     let member = extended.included[place];
     let candidate = &candidates[member];
-    let fit = lap.score.fit(&race.columns(&extended.included));
+    let fit = iteration.score.fit(&search.columns(&extended.included));
     let others: Vec<usize> = extended.included.iter().copied().filter(|other| *other != member).collect();
-    let gain = fit.gain - if others.is_empty() { 0.0 } else { lap.score.fit(&race.columns(&others)).gain };
-    let df = lap.runners[member].columns.len();
+    let gain = fit.gain - if others.is_empty() { 0.0 } else { iteration.score.fit(&search.columns(&others)).gain };
+    let df = iteration.regressors[member].columns.len();
     let first = extended.evidence.baseline.ncols()
         + extended.included[..place].iter().map(|i| candidates[*i].usual.len()).sum::<usize>();
-    let mut parameters = versions::estimates(problem, lap, &extended.included, place, &extended.point);
+    let mut parameters = change_point::estimates(problem, iteration, &extended.included, place, &extended.point);
     for (i, (name, unit)) in candidate.parameters.iter().enumerate() {
         let of_blocks = by_blocks[(first + i, first + i)].max(0.0).sqrt();
         let size = parameters.get_mut(*name).filter(|size| size.se < of_blocks);
@@ -149,11 +149,11 @@ pub(super) fn cause(
         }
     }
 
-    let mut stand_ins: Vec<String> = Vec::new();
-    for other in race.stand_ins(&extended.included, place, MARGIN) {
+    let mut replacements: Vec<String> = Vec::new();
+    for other in search.replacements(&extended.included, place, MARGIN) {
         let name = candidates[other].name;
-        if name != candidate.name && !stand_ins.iter().any(|known| known == name) {
-            stand_ins.push(name.to_owned());
+        if name != candidate.name && !replacements.iter().any(|known| known == name) {
+            replacements.push(name.to_owned());
         }
     }
 
@@ -171,12 +171,12 @@ pub(super) fn cause(
         cause: candidate.name.to_owned(),
         parameters,
         p_value: (n_names * chance(gain, df)).min(1.0),
-        delta_bic: gain - df as f64 * lap.score.effective_rows.ln(),
+        delta_bic: gain - df as f64 * iteration.score.effective_rows.ln(),
         quantity: quantity.name.to_owned(),
         holdout_rms_before: holdout::rms(&before, quantity.rows.clone()),
         holdout_rms_after: holdout::rms(&after, quantity.rows.clone()),
         stability: extended.halves(problem, place),
-        indistinguishable_from: stand_ins,
+        indistinguishable_from: replacements,
     };
     Named { cause, candidate: member, gain, without: before }
 }
@@ -184,25 +184,26 @@ pub(super) fn cause(
 pub(super) fn rejected(
     problem: &impl Problem,
     extended: &Fitted,
-    lap: &Lap<'_>,
-    race: &Race<'_>,
+    iteration: &Iteration<'_>,
+    search: &SubsetSearch<'_>,
     causes: &[Cause],
     dropped: &[(usize, Why)],
 ) -> Vec<Rejected> {
     let candidates = problem.candidates();
-    let here = if extended.included.is_empty() { 0.0 } else { lap.score.fit(&race.columns(&extended.included)).gain };
+    let here =
+        if extended.included.is_empty() { 0.0 } else { iteration.score.fit(&search.columns(&extended.included)).gain };
     names(candidates)
         .into_iter()
         .filter(|name| !causes.iter().any(|cause| cause.cause == *name))
         .map(|name| {
             let versions = (0..candidates.len()).filter(|i| candidates[*i].name == name);
             let best = versions
-                .filter(|i| lap.runners[*i].columns.iter().any(|column| lap.score.is_seen(*column)))
+                .filter(|i| iteration.regressors[*i].columns.iter().any(|column| iteration.score.is_seen(*column)))
                 .map(|i| {
                     let mut set = extended.included.clone();
                     set.push(i);
-                    let gain = lap.score.fit(&race.columns(&set)).gain - here;
-                    (chance(gain, lap.runners[i].columns.len()), i)
+                    let gain = iteration.score.fit(&search.columns(&set)).gain - here;
+                    (chance(gain, iteration.regressors[i].columns.len()), i)
                 })
                 .min_by(|a, b| a.0.total_cmp(&b.0));
             let Some((p_value, index)) = best else {
@@ -223,11 +224,11 @@ pub(super) fn rejected(
                 .filter(|cause| cause.indistinguishable_from.iter().any(|other| other == name))
                 .map(|cause| cause.cause.as_str())
                 .collect();
-            let shown = lap.runners[index].columns.first().map_or(0.0, |column| lap.score.seen(*column));
+            let shown = iteration.regressors[index].columns.first().map_or(0.0, |column| iteration.score.seen(*column));
             let held_out = with.held_out();
             let predicts = holdout::advantage(&extended.evidence, &extended.noises, &extended.held_out(), &held_out)
                 >= problem.least_advantage();
-            let step = lap.point_of(&with.included, problem).candidates[index][0];
+            let step = iteration.point_of(&with.included, problem).candidates[index][0];
             let was_dropped = dropped.iter().rev().find(|(member, _)| candidates[*member].name == name);
             let why = match was_dropped {
                 _ if !stands_in.is_empty() => Why::Equivalent,
@@ -273,19 +274,19 @@ fn reason(why: Why) -> &'static str {
 
 /// Where the baseline alone misses the data: along which covariate, in which quantity.
 pub(super) fn wrong(problem: &impl Problem, baseline: &Fitted) -> Vec<Wrong> {
-    let lap = Lap::new(problem.candidates(), baseline);
+    let iteration = Iteration::new(problem.candidates(), baseline);
     let limits = baseline.limits(problem);
     let evidence = &baseline.evidence;
-    let tests = lap.curves.len().max(1) as f64;
+    let tests = iteration.curves.len().max(1) as f64;
     let mut found: Vec<Wrong> = Vec::new();
-    for curve in &lap.curves {
+    for curve in &iteration.curves {
         // What quantities share is told of them one by one.
         let Some(quantity_index) = curve.quantity else { continue };
-        let size = lap.sizes(&[], &[curve.runner])[quantity_index];
+        let size = iteration.sizes(&[], &[curve.regressor])[quantity_index];
         if size <= limits[quantity_index] {
             continue;
         }
-        let p_value = (tests * lap.chance(&[], &[curve.runner])).min(1.0);
+        let p_value = (tests * iteration.chance(&[], &[curve.regressor])).min(1.0);
         if p_value > SIGNIFICANT {
             continue;
         }
@@ -309,18 +310,18 @@ pub(super) fn wrong(problem: &impl Problem, baseline: &Fitted) -> Vec<Wrong> {
 }
 
 /// For each quantity the clearest dependence that is left beside what is included, relevant or not.
-fn left(problem: &impl Problem, extended: &Fitted, lap: &Lap<'_>) -> Vec<Left> {
+fn left(problem: &impl Problem, extended: &Fitted, iteration: &Iteration<'_>) -> Vec<Left> {
     let limits = extended.limits(problem);
-    let tests = lap.curves.len().max(1) as f64;
+    let tests = iteration.curves.len().max(1) as f64;
     let of = |(index, quantity): (usize, &Quantity)| {
-        let curves = lap.curves.iter().filter(|curve| curve.quantity == Some(index));
+        let curves = iteration.curves.iter().filter(|curve| curve.quantity == Some(index));
         let (p_value, curve) = curves
-            .map(|curve| (lap.chance(&extended.included, &[curve.runner]), curve))
+            .map(|curve| (iteration.chance(&extended.included, &[curve.regressor]), curve))
             .min_by(|a, b| a.0.total_cmp(&b.0))?;
         Some(Left {
             quantity: quantity.name.to_owned(),
             depends_on: curve.covariate.to_owned(),
-            size: lap.sizes(&extended.included, &[curve.runner])[index],
+            size: iteration.sizes(&extended.included, &[curve.regressor])[index],
             relevant_above: limits[index],
             p_value: (tests * p_value).min(1.0),
         })

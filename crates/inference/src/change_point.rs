@@ -1,6 +1,6 @@
 //! Versions of one mechanism: a jump of the drag may have been at this time or at that one, of which one is taken.
 //!
-//! All of them run in the race, so the data have said what each explains. A version stands for a range of the value in which
+//! All of them run in the search, so the data have said what each explains. A version stands for a range of the value in which
 //! versions differ (between two stretches of glide nothing tells when the drag jumped), and with every value as likely
 //! beforehand, its probability is
 //! ```text
@@ -11,19 +11,19 @@
 use std::collections::BTreeMap;
 
 use super::evidence::{Candidate, Point, Problem, Version};
-use super::lap::Lap;
+use super::iteration::Iteration;
 use crate::estimate::Estimate;
 
 /// The parameters of one member of a set by their names, at a point of the fit; the errors are those of the slopes there.
 pub(super) fn estimates(
     problem: &impl Problem,
-    lap: &Lap<'_>,
+    iteration: &Iteration<'_>,
     members: &[usize],
     place: usize,
     point: &Point,
 ) -> BTreeMap<String, Estimate> {
     let candidate = &problem.candidates()[members[place]];
-    let (rivals, taken) = rivals(problem.candidates(), lap, members, place);
+    let (rivals, taken) = rivals(problem.candidates(), iteration, members, place);
     let values = candidate.parameters.iter().zip(&point.candidates[members[place]]);
     let fitted = values.enumerate().map(|(i, ((name, unit), value))| {
         let apart = |r: &Rival| r.value[i] - rivals[taken].value[i];
@@ -47,8 +47,13 @@ struct Rival<'a> {
 }
 
 /// The versions that could stand in a member's place, and which of them is the member itself.
-fn rivals<'a>(candidates: &'a [Candidate], lap: &Lap<'_>, members: &[usize], place: usize) -> (Vec<Rival<'a>>, usize) {
-    let (member, race) = (members[place], lap.race());
+fn rivals<'a>(
+    candidates: &'a [Candidate],
+    iteration: &Iteration<'_>,
+    members: &[usize],
+    place: usize,
+) -> (Vec<Rival<'a>>, usize) {
+    let (member, search) = (members[place], iteration.search());
     let is_version = |i: usize| candidates[i].name == candidates[member].name && candidates[i].version.is_some();
     let versions: Vec<usize> = match candidates[member].version {
         Some(_) => (0..candidates.len()).filter(|i| is_version(*i)).collect(),
@@ -60,7 +65,7 @@ fn rivals<'a>(candidates: &'a [Candidate], lap: &Lap<'_>, members: &[usize], pla
     for &version in &versions {
         let mut set = members.to_vec();
         set[place] = version;
-        let fit = lap.score.fit(&race.columns(&set));
+        let fit = iteration.score.fit(&search.columns(&set));
         let neutral = &candidates[version].neutral;
         gains.push(fit.gain);
         found.push(Rival {

@@ -1,7 +1,7 @@
 //! Which candidates, if any: every set is weighed by what it explains and what it costs.
 //!
 //! The cost is the extended Bayesian criterion (Chen and Chen 2008): `df ln n_eff + 2 ln M` for each member chosen among
-//! M, `n_eff` the number of independent rows. Curves in the covariates run in the same race: where a curve that nobody
+//! M, `n_eff` the number of independent rows. Curves in the covariates run in the same search: where a curve that nobody
 //! can name beats every mechanism, no mechanism is named.
 
 use super::score::Score;
@@ -10,9 +10,9 @@ use super::score::Score;
 /// a mechanism may be and still count as a stand-in: a factor of 20 in evidence.
 pub(crate) const MARGIN: f64 = 6.0;
 
-/// Something that runs in the race.
+/// Something that runs in the search.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Runner {
+pub struct Regressor {
     /// Its columns in the score.
     pub columns: Vec<usize>,
     /// Runners of one family exclude each other: versions of one mechanism.
@@ -23,7 +23,7 @@ pub struct Runner {
     pub bounds: Vec<(f64, f64)>,
 }
 
-/// A set of runners with its criterion: smaller is better, 0 is the baseline alone.
+/// A set of regressors with its criterion: smaller is better, 0 is the baseline alone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Choice {
     /// The members, by index.
@@ -38,28 +38,28 @@ const MAX_MEMBERS: usize = 4;
 /// How many sets are kept to be grown further.
 const BEAM: usize = 12;
 
-/// The race over one score.
+/// The search over one score.
 #[derive(Debug, Clone)]
-pub struct Race<'a> {
+pub struct SubsetSearch<'a> {
     score: &'a Score,
-    runners: &'a [Runner],
+    regressors: &'a [Regressor],
     n_families: usize,
     n_curves: usize,
 }
 
-impl<'a> Race<'a> {
-    /// A race of these runners.
-    pub fn new(score: &'a Score, runners: &'a [Runner]) -> Self {
-        let mut families: Vec<usize> = runners.iter().filter(|r| !r.is_curve).map(|r| r.family).collect();
+impl<'a> SubsetSearch<'a> {
+    /// A search of these regressors.
+    pub fn new(score: &'a Score, regressors: &'a [Regressor]) -> Self {
+        let mut families: Vec<usize> = regressors.iter().filter(|r| !r.is_curve).map(|r| r.family).collect();
         families.sort_unstable();
         families.dedup();
-        let n_curves = runners.iter().filter(|r| r.is_curve).count();
-        Race { score, runners, n_families: families.len().max(1), n_curves: n_curves.max(1) }
+        let n_curves = regressors.iter().filter(|r| r.is_curve).count();
+        SubsetSearch { score, regressors, n_families: families.len().max(1), n_curves: n_curves.max(1) }
     }
 
     /// The columns of a set.
     pub fn columns(&self, members: &[usize]) -> Vec<usize> {
-        members.iter().flat_map(|member| self.runners[*member].columns.clone()).collect()
+        members.iter().flat_map(|member| self.regressors[*member].columns.clone()).collect()
     }
 
     /// Cost less gain of a set; infinite where its fit asks for what physics forbids.
@@ -71,9 +71,9 @@ impl<'a> Race<'a> {
         let fit = self.score.fit(&columns);
         let mut steps = fit.step.iter();
         for member in members {
-            let runner = &self.runners[*member];
-            for (place, step) in (0..runner.columns.len()).zip(&mut steps) {
-                let bounds = runner.bounds.get(place);
+            let regressor = &self.regressors[*member];
+            for (place, step) in (0..regressor.columns.len()).zip(&mut steps) {
+                let bounds = regressor.bounds.get(place);
                 if bounds.is_some_and(|(low, high)| step < low || step > high) {
                     return f64::INFINITY;
                 }
@@ -89,24 +89,24 @@ impl<'a> Race<'a> {
     }
 
     fn cost(&self, member: usize) -> f64 {
-        let runner = &self.runners[member];
-        let among = if runner.is_curve { self.n_curves } else { self.n_families };
-        let versions = self.runners.iter().filter(|r| r.family == runner.family).count();
-        runner.columns.len() as f64 * self.score.effective_rows.ln()
+        let regressor = &self.regressors[member];
+        let among = if regressor.is_curve { self.n_curves } else { self.n_families };
+        let versions = self.regressors.iter().filter(|r| r.family == regressor.family).count();
+        regressor.columns.len() as f64 * self.score.effective_rows.ln()
             + 2.0 * (among as f64).ln()
             + 2.0 * (versions as f64).ln()
     }
 
     /// The best set of mechanisms alone: all singles and pairs, larger sets grown from the best ones.
     pub fn best_mechanisms(&self) -> Choice {
-        let named: Vec<usize> = (0..self.runners.len()).filter(|i| !self.runners[*i].is_curve).collect();
+        let named: Vec<usize> = (0..self.regressors.len()).filter(|i| !self.regressors[*i].is_curve).collect();
         self.grow(vec![Choice { members: Vec::new(), criterion: 0.0 }], &named, MAX_MEMBERS, &mut |_| ())
     }
 
     /// The sets of mechanisms alone whose criterion is below a limit, of those that a search for the best one meets, the best
     /// first.
     pub fn within(&self, criterion: f64, max_members: usize) -> Vec<Choice> {
-        let named: Vec<usize> = (0..self.runners.len()).filter(|i| !self.runners[*i].is_curve).collect();
+        let named: Vec<usize> = (0..self.regressors.len()).filter(|i| !self.regressors[*i].is_curve).collect();
         let mut found: Vec<Choice> = Vec::new();
         let start = vec![Choice { members: Vec::new(), criterion: 0.0 }];
         self.grow(start, &named, max_members, &mut |choice| {
@@ -120,9 +120,9 @@ impl<'a> Race<'a> {
 
     /// The best set with one curve in it.
     pub fn best_with_curve(&self) -> Option<Choice> {
-        let named: Vec<usize> = (0..self.runners.len()).filter(|i| !self.runners[*i].is_curve).collect();
-        let curves = (0..self.runners.len())
-            .filter(|i| self.runners[*i].is_curve)
+        let named: Vec<usize> = (0..self.regressors.len()).filter(|i| !self.regressors[*i].is_curve).collect();
+        let curves = (0..self.regressors.len())
+            .filter(|i| self.regressors[*i].is_curve)
             .map(|curve| Choice { members: vec![curve], criterion: self.criterion(&[curve]) });
         let mut starts: Vec<Choice> = curves.collect();
         starts.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
@@ -131,11 +131,11 @@ impl<'a> Race<'a> {
     }
 
     /// The members that could stand in one member's place with a criterion at most `margin` worse, best first.
-    pub fn stand_ins(&self, members: &[usize], place: usize, margin: f64) -> Vec<usize> {
+    pub fn replacements(&self, members: &[usize], place: usize, margin: f64) -> Vec<usize> {
         let here = self.criterion(members);
-        let others = (0..self.runners.len()).filter(|i| {
-            let family = self.runners[*i].family;
-            !self.runners[*i].is_curve && members.iter().all(|member| self.runners[*member].family != family)
+        let others = (0..self.regressors.len()).filter(|i| {
+            let family = self.regressors[*i].family;
+            !self.regressors[*i].is_curve && members.iter().all(|member| self.regressors[*member].family != family)
         });
         let mut found: Vec<(f64, usize)> = others
             .filter_map(|other| {
@@ -161,8 +161,8 @@ impl<'a> Race<'a> {
             let mut next: Vec<Choice> = Vec::new();
             for choice in &level {
                 for other in named {
-                    let family = self.runners[*other].family;
-                    if choice.members.iter().any(|member| self.runners[*member].family == family) {
+                    let family = self.regressors[*other].family;
+                    if choice.members.iter().any(|member| self.regressors[*member].family == family) {
                         continue;
                     }
                     let mut members = choice.members.clone();

@@ -1,4 +1,4 @@
-//! One round of the search around a fit: every mechanism and every curve without a name as runners of one race.
+//! One round of the search around a fit: every mechanism and every curve without a name as regressors of one search.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -6,13 +6,13 @@ use super::evidence::{Candidate, Evidence, Point, Problem};
 use super::fitted::{Fitted, side_by_side};
 use super::holdout;
 use super::score::{SIGNIFICANT, Score, chance};
-use super::search::{MARGIN, Race, Runner};
 use super::smooth;
+use super::subset_search::{MARGIN, Regressor, SubsetSearch};
 
-/// A curve in the race.
+/// A curve in the search.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct CurveRunner {
-    pub(super) runner: usize,
+pub(super) struct CurveRegressor {
+    pub(super) regressor: usize,
     /// Along which covariate it runs.
     pub(super) covariate: &'static str,
     /// In which quantity; none where in all together.
@@ -20,25 +20,25 @@ pub(super) struct CurveRunner {
 }
 
 /// One round of the search around a fit.
-pub(super) struct Lap<'a> {
+pub(super) struct Iteration<'a> {
     pub(super) candidates: &'a [Candidate],
     pub(super) fitted: &'a Fitted,
-    pub(super) runners: Vec<Runner>,
-    pub(super) curves: Vec<CurveRunner>,
+    pub(super) regressors: Vec<Regressor>,
+    pub(super) curves: Vec<CurveRegressor>,
     pub(super) score: Score,
     /// Residuals and beliefs of the baseline alone.
     evidence: Evidence,
-    /// Every runner's columns side by side, and what is believed of each.
+    /// Every regressor's columns side by side, and what is believed of each.
     columns: DMatrix<f64>,
     usual: Vec<f64>,
 }
 
-impl<'a> Lap<'a> {
+impl<'a> Iteration<'a> {
     pub(super) fn new(candidates: &'a [Candidate], fitted: &'a Fitted) -> Self {
         let mut evidence = fitted.evidence.clone();
         evidence.residual = fitted.without_candidates(candidates);
         evidence.prior.truncate(evidence.baseline.ncols());
-        let mut runners: Vec<Runner> = Vec::new();
+        let mut regressors: Vec<Regressor> = Vec::new();
         let mut parts_of_all: Vec<DMatrix<f64>> = Vec::new();
         let mut usual: Vec<f64> = Vec::new();
         let mut n_columns = 0;
@@ -49,10 +49,10 @@ impl<'a> Lap<'a> {
             let columns: Vec<usize> = (n_columns..n_columns + evidence.candidates[index].ncols()).collect();
             n_columns += columns.len();
             parts_of_all.push(evidence.candidates[index].clone());
-            runners.push(Runner { columns, family, is_curve: false, bounds });
+            regressors.push(Regressor { columns, family, is_curve: false, bounds });
             usual.extend(&candidate.usual);
         }
-        let mut curves: Vec<CurveRunner> = Vec::new();
+        let mut curves: Vec<CurveRegressor> = Vec::new();
         for (covariate, shapes) in curve_shapes(&evidence) {
             // Columns of each shape in each quantity; any of them together may be what is there.
             let columns: Vec<Vec<Vec<usize>>> = shapes
@@ -68,9 +68,9 @@ impl<'a> Lap<'a> {
                 })
                 .collect();
             let mut add = |quantity: Option<usize>, columns: Vec<usize>| {
-                let runner = runners.len();
-                runners.push(Runner { columns, family: runner, is_curve: true, bounds: Vec::new() });
-                curves.push(CurveRunner { runner, covariate, quantity });
+                let regressor = regressors.len();
+                regressors.push(Regressor { columns, family: regressor, is_curve: true, bounds: Vec::new() });
+                curves.push(CurveRegressor { regressor, covariate, quantity });
             };
             let n_quantities = evidence.quantities.len();
             let mut shapes: Vec<Vec<Vec<usize>>> = columns.clone();
@@ -92,47 +92,47 @@ impl<'a> Lap<'a> {
         let all = side_by_side(evidence.residual.len(), &parts.iter().collect::<Vec<_>>());
         usual.resize(all.ncols(), f64::INFINITY);
         let score = Score::new(&evidence, &fitted.noises, &evidence.baseline, &all, &usual);
-        Lap { candidates, fitted, runners, curves, score, evidence, columns: all, usual }
+        Iteration { candidates, fitted, regressors, curves, score, evidence, columns: all, usual }
     }
 
-    pub(super) fn race(&self) -> Race<'_> {
-        Race::new(&self.score, &self.runners)
+    pub(super) fn search(&self) -> SubsetSearch<'_> {
+        SubsetSearch::new(&self.score, &self.regressors)
     }
 
     /// The covariate of the curve that explains what these members leave, if one clearly does.
     pub(super) fn unnamed_curve(&self, members: &[usize], limits: &[f64]) -> Option<String> {
         let curve = self.best_curve(members).filter(|curve| self.is_wrong(members, *curve, limits))?;
         let with: Vec<usize> = members.iter().copied().chain([curve]).collect();
-        if self.foretells(&with, members) { self.curve_name(curve).map(str::to_owned) } else { None }
+        if self.predicts_better(&with, members) { self.curve_name(curve).map(str::to_owned) } else { None }
     }
 
     /// The curve that best explains what these members leave, if one clearly does.
     pub(super) fn best_curve(&self, members: &[usize]) -> Option<usize> {
-        let race = self.race();
-        let here = race.criterion(members);
+        let search = self.search();
+        let here = search.criterion(members);
         let best = self.curves.iter().map(|curve| {
             let mut with = members.to_vec();
-            with.push(curve.runner);
-            (race.criterion(&with), curve.runner)
+            with.push(curve.regressor);
+            (search.criterion(&with), curve.regressor)
         });
-        let (criterion, runner) = best.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        (criterion < here - MARGIN).then_some(runner)
+        let (criterion, regressor) = best.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        (criterion < here - MARGIN).then_some(regressor)
     }
 
-    /// Whether a set with a curve foretells data that were held out no worse than one without it: what is at work is there
+    /// Whether a set with a curve predicts_better data that were held out no worse than one without it: what is at work is there
     /// on the next glide, too; a wave that a few glides happened to meet is not.
-    pub(super) fn foretells(&self, with: &[usize], without: &[usize]) -> bool {
+    pub(super) fn predicts_better(&self, with: &[usize], without: &[usize]) -> bool {
         self.advantage(with, without) > 0.0
     }
 
-    /// How sure it is that a set foretells data that were held out better than another.
+    /// How sure it is that a set predicts_better data that were held out better than another.
     pub(super) fn advantage(&self, with: &[usize], without: &[usize]) -> f64 {
         holdout::advantage(&self.evidence, &self.fitted.noises, &self.held_out(without), &self.held_out(with))
     }
 
     /// What a set leaves of the rows that its fit did not see.
     fn held_out(&self, members: &[usize]) -> DVector<f64> {
-        let chosen = self.race().columns(members);
+        let chosen = self.search().columns(members);
         let mut evidence = self.evidence.clone();
         evidence.prior.extend(chosen.iter().map(|column| (0.0, self.usual[*column])));
         let members = self.columns.select_columns(&chosen);
@@ -143,15 +143,15 @@ impl<'a> Lap<'a> {
     /// Probability that chance alone explains what the tested members add to the others: the larger of that by the model of
     /// the noise and that by the scatter between legs or runs.
     pub(super) fn chance(&self, others: &[usize], tested: &[usize]) -> f64 {
-        let race = self.race();
+        let search = self.search();
         let with: Vec<usize> = others.iter().chain(tested).copied().collect();
-        let columns = race.columns(tested);
-        let by_model = chance(race.gain(&with) - race.gain(others), columns.len());
+        let columns = search.columns(tested);
+        let by_model = chance(search.gain(&with) - search.gain(others), columns.len());
         // The second test costs more; where the first one is content it has no say.
         if by_model > 0.5 {
             by_model
         } else {
-            by_model.max(self.score.chance_by_clusters(&race.columns(others), &columns))
+            by_model.max(self.score.chance_by_clusters(&search.columns(others), &columns))
         }
     }
 
@@ -160,9 +160,9 @@ impl<'a> Lap<'a> {
     ///
     /// For nested fits the change of the predictions has the covariance of the one less that of the other.
     pub(super) fn sizes(&self, others: &[usize], tested: &[usize]) -> Vec<f64> {
-        let race = self.race();
+        let search = self.search();
         let with: Vec<usize> = others.iter().chain(tested).copied().collect();
-        let (all, few) = (race.columns(&with), race.columns(others));
+        let (all, few) = (search.columns(&with), search.columns(others));
         let mut outside = self.columns.select_columns(&all);
         for (j, column) in all.iter().enumerate() {
             let absorbed = &self.evidence.baseline * self.score.absorbed(*column);
@@ -198,7 +198,7 @@ impl<'a> Lap<'a> {
     pub(super) fn is_wrong(&self, others: &[usize], curve: usize, limits: &[f64]) -> bool {
         // A curve in all quantities together is there where it is in one of them: what is clear in one and large in another one
         // is neither.
-        let here = self.curves.iter().find(|known| known.runner == curve);
+        let here = self.curves.iter().find(|known| known.regressor == curve);
         if here.is_some_and(|here| here.quantity.is_none()) {
             let of_quantities = (1..=self.evidence.quantities.len()).map(|place| curve + place);
             return of_quantities.into_iter().any(|one| self.is_wrong(others, one, limits));
@@ -209,11 +209,11 @@ impl<'a> Lap<'a> {
 
     /// Whether any curve is there beside these members and large enough to act on.
     pub(super) fn is_anything_wrong(&self, members: &[usize], limits: &[f64]) -> bool {
-        self.curves.iter().any(|curve| self.is_wrong(members, curve.runner, limits))
+        self.curves.iter().any(|curve| self.is_wrong(members, curve.regressor, limits))
     }
 
-    pub(super) fn curve_name(&self, runner: usize) -> Option<&str> {
-        self.curves.iter().find(|curve| curve.runner == runner).map(|curve| curve.covariate)
+    pub(super) fn curve_name(&self, regressor: usize) -> Option<&str> {
+        self.curves.iter().find(|curve| curve.regressor == regressor).map(|curve| curve.covariate)
     }
 
     /// Where the linearised fit of a set lies.
@@ -222,7 +222,7 @@ impl<'a> Lap<'a> {
         for (values, candidate) in point.candidates.iter_mut().zip(self.candidates) {
             values.clone_from(&candidate.neutral);
         }
-        let columns = self.race().columns(members);
+        let columns = self.search().columns(members);
         if columns.is_empty() {
             return Point { baseline: problem.start().baseline, ..point };
         }

@@ -7,9 +7,9 @@ use super::evidence::{Problem, Quantity, names};
 use super::findings::Why;
 use super::fitted::Fitted;
 use super::holdout;
-use super::lap::Lap;
+use super::iteration::Iteration;
 use super::regimes;
-use super::search::MARGIN;
+use super::subset_search::MARGIN;
 
 /// Change of a mechanism's size from regime to regime, relative to it, from which on it is another mechanism; less may
 /// be due to what the model leaves out.
@@ -32,7 +32,7 @@ const LEAST_EXCESS: f64 = 3.0;
 impl Fitted {
     /// Drops everything that does not deserve its name; returns with what a refuted size goes. Once one has gone the others
     /// have other sizes, and may have been there for its sake alone: they are asked again, until all that are left stand.
-    pub(super) fn thin_out(
+    pub(super) fn eliminate_backward(
         &mut self,
         problem: &impl Problem,
         baseline: &Fitted,
@@ -93,11 +93,11 @@ impl Fitted {
         let candidates = problem.candidates();
         let n_names = names(candidates).len() as f64;
         while !self.included.is_empty() {
-            let lap = Lap::new(candidates, self);
+            let iteration = Iteration::new(candidates, self);
             let p_value = |place: usize| {
                 let mut fewer = self.included.clone();
                 let tested = fewer.remove(place);
-                n_names * lap.chance(&fewer, &[tested])
+                n_names * iteration.chance(&fewer, &[tested])
             };
             let worst = (0..self.included.len())
                 .map(|place| (p_value(place), place))
@@ -123,9 +123,9 @@ impl Fitted {
                 let size = self.point.candidates[member][0] - problem.candidates()[member].neutral[0];
                 let mut others = self.included.clone();
                 others.remove(misfit.place);
-                let lap = Lap::new(problem.candidates(), self);
-                let race = lap.race();
-                let worth = race.criterion(&others) - race.criterion(&self.included);
+                let iteration = Iteration::new(problem.candidates(), self);
+                let search = iteration.search();
+                let worth = search.criterion(&others) - search.criterion(&self.included);
                 misfit.excess > LEAST_EXCESS.max(problem.part_unexplained() * worth)
                     && misfit.change.abs() > LEAST_CHANGE * size.abs()
             };
@@ -202,13 +202,13 @@ impl Fitted {
     /// What changes no quantity by enough to act on goes, the smallest first.
     pub(super) fn drop_what_is_irrelevant(&mut self, problem: &impl Problem, baseline: &Fitted) {
         while !self.included.is_empty() {
-            let lap = Lap::new(problem.candidates(), self);
+            let iteration = Iteration::new(problem.candidates(), self);
             let limits = self.limits(problem);
             // The largest effect of one member in units of the limit of its quantity.
             let worth = |place: usize| {
                 let mut fewer = self.included.clone();
                 let member = fewer.remove(place);
-                let sizes = lap.sizes(&fewer, &[member]);
+                let sizes = iteration.sizes(&fewer, &[member]);
                 sizes.iter().zip(&limits).map(|(size, limit)| size / limit).fold(0.0, f64::max)
             };
             let least = (0..self.included.len()).map(|place| (worth(place), place)).min_by(|a, b| a.0.total_cmp(&b.0));
@@ -222,13 +222,13 @@ impl Fitted {
     /// Only what is worth more than so much of the criterion stays.
     pub(super) fn drop_what_is_weak(&mut self, problem: &impl Problem, baseline: &Fitted, needed: f64) {
         while !self.included.is_empty() {
-            let lap = Lap::new(problem.candidates(), self);
-            let race = lap.race();
-            let here = race.criterion(&self.included);
+            let iteration = Iteration::new(problem.candidates(), self);
+            let search = iteration.search();
+            let here = search.criterion(&self.included);
             let worth = |place: usize| {
                 let mut fewer = self.included.clone();
                 fewer.remove(place);
-                race.criterion(&fewer) - here
+                search.criterion(&fewer) - here
             };
             let weakest = (0..self.included.len()).min_by(|a, b| worth(*a).total_cmp(&worth(*b)));
             let Some(place) = weakest.filter(|place| worth(*place) < needed) else {
