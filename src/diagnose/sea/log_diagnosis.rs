@@ -89,7 +89,7 @@ pub fn diagnose_log(
 
 /// Diagnoses a problem; once more, where the drag jumped, with the time of the jump looked for more closely.
 fn in_full(problem: SeaProblem) -> (SeaProblem, Outcome) {
-    let problem = problem.as_steady_as_the_log();
+    let problem = problem.with_inertia_only_if_it_helps();
     let told = engine::diagnose_in_full(&problem);
     let jump = told.named.iter().map(|named| &problem.candidates()[*named]).find(|it| it.name == "drag_step");
     let jump = jump.and_then(|step| step.version);

@@ -235,7 +235,7 @@ impl SeaProblem {
     ///
     /// Better means for certain, with a probability of 97.5 % by resampled legs. A real glider has inertia. A log that was simulated from steady glides has none, and a baseline that had it would miss
     /// every sharp thermocline.
-    pub(super) fn as_steady_as_the_log(self) -> SeaProblem {
+    pub(super) fn with_inertia_only_if_it_helps(self) -> SeaProblem {
         let steady = SeaProblem { parts: self.parts.without_inertia(), ..self.clone() };
         let [with, without] = [&self, &steady].map(|problem| crate::diagnose::engine::baseline(problem).0.held_out);
         let rows = 0..self.bins.len();
