@@ -113,7 +113,7 @@ pub const CATALOGUE: &[Entry] = &[
         unit: "N/h",
         meaning: "rate at which one channel's zero starts to run away at the morning's switching-on, beside its even drift; settles exponentially",
         bounds: (-50.0, 50.0),
-        draw: Draw::EitherSign(2.0, 5.0),
+        draw: Draw::EitherSign(20.0, 40.0),
         act: |hidden, size, stream| {
             let warm_up =
                 WarmUp { channel: stream.index(2), rate_per_hour: size, time_constant_h: stream.between(0.5, 0.9) };
