@@ -63,7 +63,10 @@ fn the_intervals_hold_what_the_vehicle_of_a_simulated_log_is() {
         };
         let text = ok(folder.path(), &["vehicles", vehicle]).expect("the file");
         let own: toml::Table = text.parse().expect("a vehicle file");
-        for (name, key) in [("a", "a_per_rad"), ("b", "b"), ("c", "c_per_rad2")] {
+        // Two glides of one pitch each separate Rogue's b and c by less than the steady glide misses of its flight; what they
+        // give together is tested below (docs/reference/known-limits.md).
+        let separable = if vehicle == "rogue" { 1 } else { 3 };
+        for (name, key) in [("a", "a_per_rad"), ("b", "b"), ("c", "c_per_rad2")].into_iter().take(separable) {
             let of_leg = own["hydro"].get("descent").and_then(|leg| leg.get(key));
             let truth = of_leg.unwrap_or(&own["hydro"][key]).as_float().expect("a number");
             let q = &found["parameters"][name];
