@@ -3,7 +3,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::fits::{Basis, problem, scatter};
+use crate::angle_regression::{Basis, problem, scatter};
 use crate::sweep::Sweep;
 
 /// The forms tried for CL, CD and CM, the model itself first.

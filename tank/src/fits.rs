@@ -3,11 +3,11 @@
 
 use glidepolar_hull::hull_tests::{Estimate, HullFit};
 use glidepolar_input::printable;
-use nalgebra::{DMatrix, DVector};
 
 use crate::adequacy::{self, Adequacy};
+use crate::angle_regression::{Basis, problem, scatter};
 use crate::outlier::{self, Outlier};
-use crate::regression::{self, Fit, Problem, Scatter};
+use crate::regression::{self, Fit, Scatter};
 use crate::series::distinct;
 use crate::sweep::{NAMES, Sweep};
 use crate::zero_drift::{self, Slope};
@@ -141,25 +141,6 @@ fn in_radians(sweep: &Sweep, fits: &[Fit; 3]) -> Option<NoFit> {
     let (name, per_rad) = slopes.into_iter().find(|(_, slope)| slope.abs() > STEEPEST_PER_RAD)?;
     (widest_deg < WIDEST_RAD).then_some(NoFit::Radians { name, per_rad, widest_deg })
 }
-
-/// How the points of a sweep are weighted: by their own errors and the scatter between runs where these are known.
-pub fn scatter(sweep: &Sweep) -> Scatter {
-    if sweep.has_errors() { Scatter::BetweenRuns } else { Scatter::Equal }
-}
-
-/// The regression of one coefficient (0 CL, 1 CD, 2 CM) on functions of the angle.
-pub fn problem(sweep: &Sweep, rows: &[usize], coefficient: usize, basis: Basis) -> Problem {
-    let alpha: Vec<f64> = rows.iter().map(|i| sweep.points[*i].alpha_rad()).collect();
-    Problem {
-        design: DMatrix::from_fn(rows.len(), basis.len(), |i, j| basis[j](alpha[i])),
-        observed: DVector::from_iterator(rows.len(), rows.iter().map(|i| sweep.points[*i].coefficients[coefficient])),
-        variance: DVector::from_iterator(rows.len(), rows.iter().map(|i| sweep.points[*i].se[coefficient].powi(2))),
-        shared: sweep.shared_for(rows, coefficient),
-    }
-}
-
-/// Functions of the angle in radians, one per parameter.
-pub type Basis = &'static [fn(f64) -> f64];
 
 /// The model: functions of the angle for CL, CD, CM.
 pub const MODEL: [Basis; 3] = [&[|x| x], &[|_| 1.0, |x| x * x], &[|x| x]];

@@ -7,6 +7,7 @@
 #![allow(non_snake_case, reason = "units stand in names as they are written: N, Pa, C")]
 
 pub mod adequacy;
+pub mod angle_regression;
 pub mod campaign;
 pub mod checks;
 mod clipping;

@@ -3,7 +3,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::fits::Basis;
+use crate::angle_regression::Basis;
 use crate::sweep::{NAMES, Sweep};
 
 /// A point is told that departs by more standard errors from the fit to the others: models that are merely too simple, and

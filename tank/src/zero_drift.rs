@@ -8,7 +8,7 @@
 
 use glidepolar_hull::hull_tests::Estimate;
 
-use crate::fits::{Basis, problem, scatter};
+use crate::angle_regression::{Basis, problem, scatter};
 use crate::sweep::Sweep;
 
 /// Points further out do not enter: the series would have to follow separated flow there \[deg\].

@@ -159,6 +159,17 @@ impl Needs {
     }
 }
 
+/// Fails if a library that was linked to load everywhere does not.
+pub fn check_portable(name: &str, library: &[u8]) -> Result<()> {
+    let faults = portability_faults(library)?;
+    if !faults.is_empty() {
+        bail!("{name} does not load on every Linux machine:\n  - {}", faults.join("\n  - "));
+    }
+    let newest = newest_glibc(library)?.map_or_else(|| "any".to_owned(), |version| version.to_string());
+    eprintln!("{name} needs nothing but glibc {newest} or newer");
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -9,9 +9,8 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 
-use crate::check_library::{OLDEST_GLIBC, check_exports, is_built_for};
-use crate::fmu::{check_portable, rustc_flags};
-use crate::platform::{PLATFORMS, Platform};
+use crate::check_library::{OLDEST_GLIBC, check_exports, check_portable, is_built_for};
+use crate::platform::{PLATFORMS, Platform, rustc_flags};
 use crate::python;
 use crate::workspace::{Workspace, capture, run as run_command};
 

@@ -5,13 +5,13 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 
-use crate::check_library::{OLDEST_GLIBC, check_exports, newest_glibc, portability_faults};
+use crate::check_library::{OLDEST_GLIBC, check_exports, check_portable, portability_faults};
 use crate::cross;
 use crate::licences;
 use crate::pack::{self, Binaries, Standard};
-use crate::platform::{PLATFORMS, Platform};
+use crate::platform::{PLATFORMS, Platform, rustc_flags};
 use crate::python::{self, Python};
 use crate::workspace::{Workspace, run as run_command};
 
@@ -115,33 +115,6 @@ fn portable_cargo(workspace: &Workspace, host: &Platform) -> Option<Command> {
     // The linker is the one of the ziglang package, wherever another may be installed.
     command.env("CARGO_ZIGBUILD_PYTHON_PATH", python.interpreter());
     Some(command)
-}
-
-/// Flags that keep this machine out of the binary: no paths of it in the messages, on Windows no runtime library to
-/// install first.
-pub fn rustc_flags(workspace: &Workspace, host: &Platform) -> Vec<String> {
-    let mut flags = vec![format!("--remap-path-prefix={}=glidepolar", workspace.path("").display())];
-    let home = |variable: &str, below: &str| {
-        std::env::var_os(variable).map(PathBuf::from).or_else(|| Some(std::env::home_dir()?.join(below)))
-    };
-    if let Some(cargo) = home("CARGO_HOME", ".cargo") {
-        flags.push(format!("--remap-path-prefix={}=cargo", cargo.display()));
-    }
-    if host.triple.ends_with("windows-msvc") && cfg!(windows) {
-        flags.push("-Ctarget-feature=+crt-static".to_owned());
-    }
-    flags
-}
-
-/// Fails if a library that was linked to load everywhere does not.
-pub fn check_portable(name: &str, library: &[u8]) -> Result<()> {
-    let faults = portability_faults(library)?;
-    if !faults.is_empty() {
-        bail!("{name} does not load on every Linux machine:\n  - {}", faults.join("\n  - "));
-    }
-    let newest = newest_glibc(library)?.map_or_else(|| "any".to_owned(), |version| version.to_string());
-    eprintln!("{name} needs nothing but glibc {newest} or newer");
-    Ok(())
 }
 
 fn warn_unless_portable(name: &str, library: &[u8]) -> Result<()> {

@@ -1,6 +1,10 @@
 //! The platforms an FMU can carry binaries for, and what each standard calls their folders.
 
+use std::path::PathBuf;
+
 use anyhow::{Context, Result};
+
+use crate::workspace::Workspace;
 
 /// One platform. FMI 2.0 names folders for 32- and 64-bit x86 only and refers to the tuples of FMI 3.0 for everything
 /// else (FMI 2.0.5, section 2.3; FMI 3.0, section 2.5.1.4.1).
@@ -86,6 +90,22 @@ impl Platform {
     pub fn is_linux(&self) -> bool {
         self.library.1 == ".so"
     }
+}
+
+/// Flags that keep this machine out of the binary: no paths of it in the messages, on Windows no runtime library to
+/// install first.
+pub fn rustc_flags(workspace: &Workspace, host: &Platform) -> Vec<String> {
+    let mut flags = vec![format!("--remap-path-prefix={}=glidepolar", workspace.path("").display())];
+    let home = |variable: &str, below: &str| {
+        std::env::var_os(variable).map(PathBuf::from).or_else(|| Some(std::env::home_dir()?.join(below)))
+    };
+    if let Some(cargo) = home("CARGO_HOME", ".cargo") {
+        flags.push(format!("--remap-path-prefix={}=cargo", cargo.display()));
+    }
+    if host.triple.ends_with("windows-msvc") && cfg!(windows) {
+        flags.push("-Ctarget-feature=+crt-static".to_owned());
+    }
+    flags
 }
 
 #[cfg(test)]

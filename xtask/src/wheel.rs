@@ -11,7 +11,7 @@ use anyhow::{Context, Result, bail};
 use crate::check_library::OLDEST_GLIBC;
 use crate::fmu::{self, Fmus};
 use crate::licences;
-use crate::platform::Platform;
+use crate::platform::{Platform, rustc_flags};
 use crate::python::{self, Python};
 use crate::workspace::{Workspace, capture, run as run_command};
 
@@ -59,7 +59,7 @@ pub fn build(workspace: &Workspace, kind: Kind, python: &Python, fmus: &Fmus) ->
     } else {
         let host = Platform::host()?;
         maturin.args(["--release", "--target", host.triple]);
-        maturin.env("CARGO_ENCODED_RUSTFLAGS", fmu::rustc_flags(workspace, host).join("\x1f"));
+        maturin.env("CARGO_ENCODED_RUSTFLAGS", rustc_flags(workspace, host).join("\x1f"));
         if host.is_linux() {
             // maturin then checks that the programs need nothing newer.
             let tag = format!("manylinux_{}", OLDEST_GLIBC.to_string().replace('.', "_"));
