@@ -9,10 +9,10 @@ pub enum Colour {
     White,
     /// Independent, Student's t of 5 degrees of freedom.
     HeavyTailed,
-    /// White and a first-order autoregressive process of this time [s], with equal variances.
+    /// White and a first-order autoregressive process of this time \[s\], with equal variances.
     Red(f64),
     /// 1/f: autoregressive processes of equal variance, each lasting four times as long as the one before, from this time
-    /// [s] on, beside white noise.
+    /// \[s\] on, beside white noise.
     Pink(f64),
 }
 
