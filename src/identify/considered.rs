@@ -15,7 +15,7 @@ pub struct Doubt {
 pub struct Carried {
     /// What is held.
     pub doubt: Doubt,
-    /// Moves of the free parameters, in the order of [`Fit::free`].
+    /// Moves of the free parameters, in the order of the fit.
     pub moves: Vec<f64>,
 }
 
