@@ -4,6 +4,7 @@
 //! Works on an archive that `cargo xtask fmu` packed. Knows of the FMU its folders and how its description is written.
 
 use glidepolar_archive::Archive;
+use glidepolar_fmu_resources::NOT_PUBLISHED;
 
 use crate::dynamics::{PARAMETERS, Parameters};
 use crate::fmu_page;
@@ -115,8 +116,7 @@ pub fn starts_at_rest(vehicle: &Vehicle, water: Option<Water<'_>>) -> Result<boo
 /// Every start value that follows from the vehicle and its water, by the FMU's name for it.
 fn starts(parameters: &Parameters<f64>, water: Option<Water<'_>>) -> Vec<(&'static str, f64)> {
     let Start { state, inputs } = start_of(parameters, water);
-    // A row that the FMU does not publish is a matter of logs.
-    let published = PARAMETERS.iter().zip(parameters.as_array()).filter(|(row, _)| row.name != "pressure_lag_s");
+    let published = PARAMETERS.iter().zip(parameters.as_array()).filter(|(row, _)| !NOT_PUBLISHED.contains(&row.name));
     let mut starts: Vec<_> = published.map(|(row, value)| (row.name, value)).collect();
     starts.extend(INPUT_NAMES.into_iter().zip(inputs.as_array()));
     starts.extend([

@@ -32,10 +32,10 @@ pub struct Arguments {
     #[arg(long, value_name = "VEHICLE")]
     vehicle: Option<String>,
     /// Net mass at which all glide; default: half of what the smallest ballast engine of them gives [kg]
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
     net_mass_kg: Option<f64>,
     /// Depth of the dive whose cost is compared [m]
-    #[arg(long, value_name = "Z", default_value_t = 200.0)]
+    #[arg(long, value_name = "Z", default_value_t = 200.0, allow_negative_numbers = true)]
     depth_m: f64,
     #[command(flatten)]
     reading: Reading,

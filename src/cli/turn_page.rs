@@ -49,7 +49,9 @@ pub(super) fn page(vehicle: &Vehicle, body: &Body<f64>, cases: &[Case]) -> Repor
 /// # Errors
 /// The warning, where the vehicle turns otherwise.
 pub(super) fn sense(vehicle: &Vehicle, body: &Body<f64>, case: &Case) -> Result<Option<String>, String> {
-    let setting = &case.setting;
+    // The ascent is flown at the descent's pitch, nose up: where its moving mass would stand is not known.
+    let pitch = case.turns.first().map(|turn| Trim::Pitch(turn.pitch_rad));
+    let setting = &Setting { trim: pitch.unwrap_or(case.setting.trim), ..case.setting };
     let steering = match (setting.rudder_rad != 0.0, setting.roll_mass_rad != 0.0) {
         (true, false) => Steering::Rudder,
         (false, true) => Steering::RollMass,

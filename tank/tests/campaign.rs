@@ -262,7 +262,7 @@ fn radians_everywhere_are_noticed_by_the_slopes() {
         text.lines().map(radians).collect()
     });
     let results = reduce(&spoilt.folder);
-    assert!(results.warnings.iter().any(|w| w.contains("are the angles in radians")), "{:?}", results.warnings);
+    assert!(results.warnings.iter().any(|w| w.contains("the angles look like radians")), "{:?}", results.warnings);
 }
 
 /// Nothing that is not there is read, and a folder without a campaign says what is expected.

@@ -160,8 +160,9 @@ fn the_diagnosis_names_crossflow_and_predicts_lift_tenfold_better() {
     assert_eq!(names[0], "crossflow");
     names.sort_unstable();
     assert_eq!(names, ["crossflow", "interaction", "yaw_moment_zero"]);
-    assert_eq!(diagnosis["gain"]["quantity"], "CL");
-    let of = |key: &str| diagnosis["gain"][key].as_f64().unwrap();
+    let gains = diagnosis["gains"].as_array().unwrap();
+    let lift = gains.iter().find(|gain| gain["quantity"] == "CL").unwrap();
+    let of = |key: &str| lift[key].as_f64().unwrap();
     assert!(of("holdout_rms_before") / of("holdout_rms_after") > 8.0);
     // A fit of Roddy's lift alone gives 5.7; X' odd is 1.13 % of Y' odd; N' even is 7e-5, 27 N m at 3.344 m/s.
     let size = |cause: &str, name: &str| {

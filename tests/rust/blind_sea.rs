@@ -156,7 +156,8 @@ fn on_a_shelf_in_summer_nothing_is_named_either() {
         let weather = Weather { shelf: true, ..Weather::default() };
         let options = Options { weather, hours: 36.0, dives: 260, ..Options::seeded(seed) };
         let name = first(&diagnosed(&glidepolar_virtual_sea::generate(&options)));
-        assert_eq!(name, "none", "seed {seed}");
+        // That something is unexplained there still happens (docs/evidence/diagnosis.md).
+        assert!(["none", "unexplained"].contains(&name.as_str()), "seed {seed}: {name}");
     }
 }
 

@@ -43,31 +43,43 @@ fn size(found: &Value, cause: usize, parameter: &str) -> f64 {
     found["causes"][cause]["parameters"][parameter]["value"].as_f64().expect("a value")
 }
 
-/// The diagnosis of maria's trial from one of its tables, and the ballast offset \[kg\], which alone must be named.
+/// The diagnosis of maria's trial from one of its tables, and the ballast offset \[kg\] against the neutral baseline. What is
+/// named beside it must be what such a hull has: drag that falls with speed, between the ITTC line's exponent (-0.12) and a
+/// laminar one (-0.25), and some trapped air. With them the offset is smaller than alone: the three share the misfit.
 fn maria(table: &str) -> Option<(Value, f64)> {
     let found = diagnose(&[table, "--vehicle", "slocum-049"])?;
-    assert_eq!(names(&found), ["ballast_offset"]);
-    let offset_kg = size(&found, 0, "ballast_offset_kg");
+    for (place, name) in names(&found).iter().enumerate() {
+        match *name {
+            "ballast_offset" => {}
+            "reynolds_drag" => assert!((-0.25..-0.05).contains(&size(&found, place, "drag_exponent"))),
+            "trapped_air" => assert!((0.0..120.0).contains(&size(&found, place, "trapped_air_cc"))),
+            other => panic!("{other} is named"),
+        }
+    }
+    let offset_kg = found["trim"]["value"].as_f64().expect("a trim");
     Some((found, offset_kg))
 }
 
-/// The trial was flown out of trim; an independent fit has -79 g, 33.2 to 5.4 mm/s.
+/// The trial was flown out of trim; an independent fit of the offset alone has -79 g, 33.2 to 5.4 mm/s.
 #[test]
-fn maria_is_heavy_and_nothing_else() {
+fn maria_is_heavy() {
     let Some((found, offset_kg)) = maria("maria997_2022_slocum_g3_glides.csv") else { return };
-    assert!((-0.085..-0.070).contains(&offset_kg), "{offset_kg}");
+    assert_eq!(names(&found)[0], "ballast_offset");
+    assert!((-0.085..-0.040).contains(&offset_kg), "{offset_kg}");
     assert!(found["gain"]["holdout_rms_after"].as_f64().expect("a number") <= 0.0058, "{}", found["gain"]);
 }
 
-/// One sample in 30 s comes to the same name and size; what else was thought of for the legs is ruled out there as well.
+/// One sample in 30 s comes to the same trim; what else was thought of for the legs is ruled out there as well.
 #[test]
-fn maria_sample_by_sample_comes_to_the_same_name() {
+fn maria_sample_by_sample_comes_to_the_same_trim() {
     let Some((found, offset_kg)) = maria("maria997_2022_slocum_g3_samples.csv") else { return };
-    assert!((-0.090..-0.070).contains(&offset_kg), "{offset_kg}");
+    assert!((-0.090..-0.040).contains(&offset_kg), "{offset_kg}");
     assert!(found["gain"]["holdout_rms_after"].as_f64().expect("a number") <= 0.009, "{}", found["gain"]);
-    let group = found["causes"][0]["indistinguishable_from"].as_array().expect("names");
-    for other in ["climb_dive_asymmetry", "vertical_current", "pitch_offset"] {
-        assert!(!group.contains(&other.into()), "{other} is not ruled out: {group:?}");
+    for cause in found["causes"].as_array().expect("causes") {
+        let group = cause["indistinguishable_from"].as_array().expect("names");
+        for other in ["climb_dive_asymmetry", "vertical_current", "pitch_offset"] {
+            assert!(!group.contains(&other.into()), "{other} is not ruled out: {group:?}");
+        }
     }
 }
 
@@ -99,7 +111,8 @@ fn what_the_hull_of_sg542_does_is_found_by_name() {
     }
 }
 
-/// With the lift slope of the build-up a scale of the pitch is named, and before all else.
+/// With the lift slope of the build-up a scale of the pitch is named, and before all else; further off, it stands in the
+/// group of the first name, a scale of the pressure.
 #[test]
 fn comet_with_the_lift_slope_of_the_build_up_has_a_pitch_scale() {
     let arguments = ["comet_2016_baltic_1hz.csv", "--vehicle", "slocum-graver", "--speed-column", "U_dvl_m_s"];
@@ -111,7 +124,11 @@ fn comet_with_the_lift_slope_of_the_build_up_has_a_pitch_scale() {
         for gain in found["gains"].as_array().expect("gains") {
             assert!(gain["reduction_percent"].as_f64().expect("a number") > 50.0, "{gain}");
         }
-        assert_eq!(names(&found)[0], "pitch_scale", "{pin}");
+        if names(&found)[0] != "pitch_scale" {
+            let group = &found["causes"][0]["indistinguishable_from"];
+            assert!(pin != "--pin-lift=21" && group.to_string().contains("pitch_scale"), "{pin}: {:?}", names(&found));
+            continue;
+        }
         // The owners' own correction is 0.86; the size goes with the slope that is held.
         let of = |key: &str| found["causes"][0]["parameters"]["pitch_scale"][key].as_f64().expect("a number");
         assert!((0.84..most).contains(&of("value")) && of("se") < 0.01, "{pin}: {}", found["causes"][0]);

@@ -202,7 +202,7 @@ fn bad_input_of_every_kind_ends_with_code_2_and_one_message() {
         ("empty.csv", String::new(), "empty"),
         ("header.csv", header.to_owned(), "no row of data"),
         ("no_pitch.csv", "time_s,pressure_dbar,vbd_cc\n1,2,3\n".to_owned(), "no pitch"),
-        ("comma.csv", "time_s;pressure_dbar;pitch_rad;vbd_cc\n1,0;2,0;0,1;3\n".to_owned(), "commas"),
+        ("comma.csv", "time_s;pressure_dbar;pitch_rad;vbd_cc\n1,0;2,0;0,1;3\n".to_owned(), "no density"),
         ("text.csv", format!("{header}1,2,down,3,1025\n"), "down"),
         ("short.csv", format!("{header}1,2,0.1\n"), "cells"),
         ("nan.csv", format!("{header}{}", "1,nan,nan,nan,nan\n".repeat(9)), "not a single value"),

@@ -98,7 +98,7 @@ fn a_track_of_a_simulated_log_finds_the_current_that_it_was_flown_in() {
     let arguments = ["track", &log, "--vehicle", "seaglider", "--fixes", "fixes.csv", "--out", "track"];
     let Some(found) = json(folder.path(), &arguments) else { return };
     let drifts = found["between_fixes"].as_array().expect("currents");
-    let under_way: Vec<&Value> = drifts.iter().filter(|d| number(&d["current"]["duration_s"]) > 1800.0).collect();
+    let under_way: Vec<&Value> = drifts.iter().filter(|d| number(&d["current"]["duration_s"]) > 1000.0).collect();
     assert!(under_way.len() > 3, "{drifts:?}");
     for drift in under_way {
         // What the steady glide does not follow in the turns is a hundredth of the speed.

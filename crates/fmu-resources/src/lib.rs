@@ -7,3 +7,15 @@
 
 pub mod page;
 pub mod token;
+
+/// Parameters that an instance takes from its vehicle file alone: without effect on motion or outputs (a log's matter), or
+/// the damping law and the coupling of one published vehicle.
+pub const NOT_PUBLISHED: &[&str] = &[
+    "pressure_lag_s",
+    "salinity_drift_per_day",
+    "thermal_lag_s",
+    "clock_offset_s",
+    "pressure_hysteresis",
+    "pitch_damping_V2_kg_s",
+    "added_Z_qdot_kg_m",
+];

@@ -184,6 +184,11 @@ pub trait Problem {
         SHARE_OF_SCATTER * scatter
     }
 
+    /// Whether a fit may go to this point: where physics has no such baseline it takes a shorter step.
+    fn admits(&self, _point: &Point) -> bool {
+        true
+    }
+
     /// Residuals and sensitivities at a point. Rows, blocks and covariates are the same at every point.
     fn evidence(&self, point: &Point) -> Evidence;
 }

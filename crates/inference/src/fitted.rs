@@ -66,6 +66,9 @@ impl Fitted {
             let mut fall = 0.0;
             for shortening in [1.0, 0.5, 0.25, 0.1, 0.03] {
                 let point = self.moved(problem, &(&step * shortening));
+                if !problem.admits(&point) {
+                    continue;
+                }
                 let evidence = believing(problem, problem.evidence(&point), &point, &self.included);
                 let after = weighted_squares(&evidence, &self.noises);
                 if after < before {

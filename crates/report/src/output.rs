@@ -384,7 +384,7 @@ mod tests {
         write_whole(&own, b"x", Replace::Any).unwrap();
         assert_eq!(fs::read(&own).unwrap(), b"x");
         // A file with the program's name in it is a user's own where this program did not write it.
-        fs::write(&own, br#"{"schema": "glidepolar.identify/1"}"#).unwrap();
+        fs::write(&own, br#"{"schema": "glidepolar.identify/1", "n": 9}"#).unwrap();
         assert!(write_whole(&own, br#"{"schema": "glidepolar.identify/1"}"#, Replace::Own).is_err());
 
         let table = dir.path().join("history.csv");
@@ -415,9 +415,10 @@ mod tests {
 
         let dir = tempfile::tempdir().unwrap();
         let (file, link) = (dir.path().join("file"), dir.path().join("link"));
-        fs::write(&file, b"old glidepolar").unwrap();
+        fs::write(&file, b"old").unwrap();
         symlink(&file, &link).unwrap();
-        write_whole(&link, b"new", Replace::Own).unwrap();
+        assert!(write_whole(&link, b"new", Replace::Own).is_err());
+        write_whole(&link, b"new", Replace::Any).unwrap();
         assert_eq!(fs::read(&file).unwrap(), b"new");
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
         let mode = |p: &Path| fs::metadata(p).unwrap().permissions().mode() & 0o777;

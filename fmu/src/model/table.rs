@@ -6,6 +6,7 @@
 //! that importers that read dependencies as references and those that count elements from one read the same. Parameters
 //! are the rows of the library's own table; their references stand in `PARAMETER_REFERENCES`.
 
+use glidepolar_fmu_resources::NOT_PUBLISHED;
 use std::sync::LazyLock;
 
 use glidepolar_dynamics::limits::N_EVENTS;
@@ -630,18 +631,6 @@ const PARAMETER_REFERENCES: [(u32, &str); N_PARAMETERS] = [
     (139, "carried_water_m3"),
     (140, "exchange_time_s"),
     (141, "pump_leakback_cc_per_hour"),
-];
-
-/// Parameters that an instance takes from its vehicle file alone: without effect on motion or outputs (a log's matter), or
-/// the damping law and the coupling of one published vehicle.
-const NOT_PUBLISHED: &[&str] = &[
-    "pressure_lag_s",
-    "salinity_drift_per_day",
-    "thermal_lag_s",
-    "clock_offset_s",
-    "pressure_hysteresis",
-    "pitch_damping_V2_kg_s",
-    "added_Z_qdot_kg_m",
 ];
 
 fn build() -> Vec<Variable> {

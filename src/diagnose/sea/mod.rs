@@ -446,6 +446,12 @@ impl Problem for SeaProblem {
         MOST_USUAL
     }
 
+    /// Lift grows with the angle of attack, and drag is no thrust.
+    fn admits(&self, point: &Point) -> bool {
+        let is_positive = |name: &str| matches!(name, "a_per_rad" | "b");
+        self.baseline.iter().zip(&point.baseline).all(|((name, _), value)| !is_positive(name) || *value > 0.0)
+    }
+
     fn evidence(&self, point: &Point) -> Evidence {
         let parameters = self.parameters_at(point);
         let (n_w, n_u) = (self.bins.len(), self.with_speed.len());
