@@ -175,5 +175,5 @@ fn the_diagnosis_names_crossflow_and_predicts_lift_tenfold_better() {
     let extended = reduced.hulls[0].extended.as_ref().unwrap();
     assert!(extended.nonlinear_lift_per_rad2.is_some() && extended.fit.a.value < 0.3);
     let rejected = diagnosis["rejected"].as_array().unwrap();
-    assert!(rejected.iter().any(|r| r["cause"] == "speed_scale" && r["why"].as_str().unwrap().contains("absorb")));
+    assert!(rejected.iter().any(|r| r["cause"] == "speed_scale" && r["remark"].as_str().unwrap().contains("absorb")));
 }
