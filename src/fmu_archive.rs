@@ -132,6 +132,9 @@ fn starts(parameters: &Parameters<f64>, water: Option<Water<'_>>) -> Vec<(&'stat
         ("PP3_kg_m_s", state.momentum_3_kg_m_s),
         ("ballast_mass_kg", state.ballast_mass_kg),
         ("energy_J", state.energy_J),
+        ("creep_pressure_Pa", state.creep_pressure_Pa),
+        ("carried_density_kg_m3", state.carried_density_kg_m3),
+        ("leaked_back_m3", state.leaked_back_m3),
     ]);
     starts
 }

@@ -44,6 +44,7 @@ class Block:
     text: str
     is_python: bool
     markers: dict[str, str]
+    output: list[str] = field(default_factory=list)
 
     @property
     def commands(self) -> list[str]:
@@ -161,9 +162,9 @@ def given(programs, tmp_path_factory) -> Path:
         glidepolar simulate slocum-049 --mission {shlex.quote(str(mission))} --interval 4 --log log.csv --quiet
         """
     shell(command, folder, programs)
-    # A simulated log has no heading: one is added, and two fixes.
+    # Two fixes beside the log.
     header, *rows = [line for line in (folder / "log.csv").read_text().splitlines() if not line.startswith("#")]
-    (folder / "flight.csv").write_text("\n".join([header + ",heading_rad", *(row + ",1.0" for row in rows)]) + "\n")
+    (folder / "flight.csv").write_text("\n".join([header, *rows]) + "\n")
     (folder / "log.csv").unlink()
     (folder / "fixes.csv").write_text("time_s,lat_deg,lon_deg\n0,47.5,-52.5\n4200,47.506,-52.488\n18000,47.52,-52.43\n")
     moves, dives = counters()

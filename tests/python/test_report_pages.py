@@ -72,8 +72,7 @@ def tables(tmp_path_factory) -> dict[str, Path]:
     command = [path_from("GLIDEPOLAR_COMMAND"), "simulate", "slocum-049", "--mission", mission, "--quiet", "--log", found["LOG"]]
     subprocess.run(command, check=True)
     header, *rows = [line for line in found["LOG"].read_text().splitlines() if not line.startswith("#")]
-    turning = (f"{row},{1 + number / 600:.4f}" for number, row in enumerate(rows))
-    found["LOG"].write_text("\n".join([f"{header},heading_rad", *turning]) + "\n")
+    found["LOG"].write_text("\n".join([header, *rows]) + "\n")
     found["FIXES"].write_text(
         "time_s,lat_deg,lon_deg,dac_east_m_s,dac_north_m_s\n"
         "0,47.5,-52.5,0.05,0.02\n4000,47.508,-52.487,0.04,0.03\n11000,47.51,-52.46,0.02,0.05\n18000,47.5,-52.44,0,0\n"
