@@ -6,24 +6,23 @@ use differential_equations::methods::{DormandPrince, ExplicitRungeKutta, Ordinar
 use differential_equations::ode::{ODE, OrdinaryNumericalMethod};
 use differential_equations::status::Status;
 
-use super::method::{Method, Scaled, Stretch, Trial};
+use super::method::{Method, Stretch, Trial};
 use super::{IntegrationError, LONGEST_STEP_S, System};
-use crate::state::N_STATES;
 
 /// The method.
-pub struct Explicit(ExplicitRungeKutta<Ordinary, DormandPrince, f64, Scaled, 8, 12, 16>);
+pub struct Explicit<const N: usize>(ExplicitRungeKutta<Ordinary, DormandPrince, f64, [f64; N], 8, 12, 16>);
 
-impl<S: System> Method<S> for Explicit {
-    fn begin(stretch: &Stretch<'_, S>, tolerance: f64, time_s: f64, step_s: f64) -> Result<Self, IntegrationError> {
+impl<S: System<N, F, E>, const N: usize, const F: usize, const E: usize> Method<S, N, F, E> for Explicit<N> {
+    fn begin(stretch: &Stretch<'_, S, N>, tolerance: f64, time_s: f64, step_s: f64) -> Result<Self, IntegrationError> {
         let far = time_s + 1e12;
-        let start = [0.0; N_STATES];
+        let start = [0.0; N];
         let mut method = ExplicitRungeKutta::dop853()
             .rtol(tolerance)
             .atol(tolerance)
             .h0(step_s)
             .h_max(LONGEST_STEP_S)
             .max_steps(usize::MAX);
-        let started = method.init(stretch, time_s, far, &start);
+        let started = method.init(&Equations(stretch), time_s, far, &start);
         method.set_status(Status::Solving);
         if started.is_err() {
             return Err(IntegrationError::StepTooSmall { time_s });
@@ -31,8 +30,8 @@ impl<S: System> Method<S> for Explicit {
         Ok(Explicit(method))
     }
 
-    fn step(&mut self, stretch: &Stretch<'_, S>) -> Trial {
-        match self.0.step(stretch) {
+    fn step(&mut self, stretch: &Stretch<'_, S, N>) -> Trial {
+        match self.0.step(&Equations(stretch)) {
             Err(_) => Trial::Failed,
             Ok(_) if matches!(self.0.status(), Status::RejectedStep) => Trial::Rejected,
             Ok(_) => Trial::Accepted,
@@ -43,7 +42,7 @@ impl<S: System> Method<S> for Explicit {
         self.0.t()
     }
 
-    fn place(&self) -> &Scaled {
+    fn place(&self) -> &[f64; N] {
         self.0.y()
     }
 
@@ -55,13 +54,18 @@ impl<S: System> Method<S> for Explicit {
         self.0.set_h(step_s);
     }
 
-    fn inside(&mut self, time_s: f64) -> Option<Scaled> {
+    fn inside(&mut self, time_s: f64) -> Option<[f64; N]> {
         self.0.interpolate(time_s.clamp(self.0.t_prev(), self.0.t())).ok()
     }
 }
 
-impl<S: System> ODE<f64, Scaled> for Stretch<'_, S> {
-    fn diff(&self, time_s: f64, scaled: &Scaled, rates: &mut Scaled) {
-        *rates = self.rates(time_s, scaled);
+/// The stretch as the crate of the method knows equations.
+struct Equations<'a, S, const N: usize, const F: usize, const E: usize>(&'a Stretch<'a, S, N>);
+
+impl<S: System<N, F, E>, const N: usize, const F: usize, const E: usize> ODE<f64, [f64; N]>
+    for Equations<'_, S, N, F, E>
+{
+    fn diff(&self, time_s: f64, scaled: &[f64; N], rates: &mut [f64; N]) {
+        *rates = self.0.rates(time_s, scaled);
     }
 }

@@ -4,44 +4,43 @@
 //! that polynomial, whichever method made it (Berrut and Trefethen, Barycentric Lagrange interpolation, SIAM Review 46:501,
 //! 2004). Knows neither methods nor equations.
 
-use crate::state::{N_STATES, STATE_NOMINALS, State};
-
 /// Degree of the richest dense output, that of DOP853.
 const DEGREE: usize = 7;
-
-/// Numbers that [`Ahead::numbers`] writes.
-pub const N_NUMBERS: usize = 3 + N_STATES * (DEGREE + 1);
 
 /// How far a state that rests may seem to move by rounding, in units of its size.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// The states from the beginning of a step to its end.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ahead {
+pub struct Ahead<const N: usize> {
     begun_s: f64,
     end_s: f64,
     known_to_s: f64,
-    start: State<f64>,
+    start: [f64; N],
     /// What is added to `start` at every Chebyshev point but the first, where it is nothing.
-    moves: [[f64; N_STATES]; DEGREE],
+    moves: [[f64; N]; DEGREE],
 }
 
-impl Ahead {
+impl<const N: usize> Ahead<N> {
+    /// Numbers that [`Ahead::numbers`] gives.
+    pub const N_NUMBERS: usize = 3 + N * (DEGREE + 1);
+
     /// The way of a step from `begun_s` to `end_s`, given by its state at each time, good up to `known_to_s`, where an event
     /// may cut it short. None where `inside` knows no state.
     pub fn new(
         (begun_s, end_s, known_to_s): (f64, f64, f64),
-        start: State<f64>,
-        mut inside: impl FnMut(f64) -> Option<State<f64>>,
+        start: [f64; N],
+        nominals: &[f64; N],
+        mut inside: impl FnMut(f64) -> Option<[f64; N]>,
     ) -> Option<Self> {
-        let from = start.as_array();
-        let mut moves = [[0.0; N_STATES]; DEGREE];
+        let from = &start;
+        let mut moves = [[0.0; N]; DEGREE];
         for (j, moves) in moves.iter_mut().enumerate() {
-            let there = inside(begun_s + (end_s - begun_s) * point(j + 1))?.as_array();
+            let there = inside(begun_s + (end_s - begun_s) * point(j + 1))?;
             *moves = std::array::from_fn(|i| there[i] - from[i]);
         }
-        // A ballast or a moving mass that rests at its limit must not be moved off it by rounding.
-        for (i, nominal) in STATE_NOMINALS.as_array().into_iter().enumerate() {
+        // A state that rests, at a limit for example, must not be moved off it by rounding.
+        for (i, nominal) in nominals.iter().enumerate() {
             if moves.iter().all(|moves| moves[i].abs() <= ROUNDING * (from[i].abs() + nominal)) {
                 moves.iter_mut().for_each(|moves| moves[i] = 0.0);
             }
@@ -55,18 +54,18 @@ impl Ahead {
     }
 
     /// The end of the step, unless an event comes before it.
-    pub fn end(&self) -> Option<(f64, State<f64>)> {
+    pub fn end(&self) -> Option<(f64, [f64; N])> {
         (self.known_to_s >= self.end_s).then(|| (self.end_s, self.at(self.end_s)))
     }
 
     /// The state at a time that it knows.
-    pub fn at(&self, time_s: f64) -> State<f64> {
+    pub fn at(&self, time_s: f64) -> [f64; N] {
         let place = (time_s - self.begun_s) / (self.end_s - self.begun_s);
-        let (mut sum, mut weights) = ([0.0; N_STATES], 0.0);
+        let (mut sum, mut weights) = ([0.0; N], 0.0);
         for j in 0..=DEGREE {
             let distance = place - point(j);
             if distance == 0.0 {
-                return self.moved(&if j == 0 { [0.0; N_STATES] } else { self.moves[j - 1] });
+                return self.moved(&if j == 0 { [0.0; N] } else { self.moves[j - 1] });
             }
             let weight = sign(j) / distance;
             weights += weight;
@@ -78,25 +77,28 @@ impl Ahead {
     }
 
     /// All of it as plain numbers.
-    pub fn numbers(&self) -> [f64; N_NUMBERS] {
-        let states = std::iter::once(self.start.as_array()).chain(self.moves).flatten();
-        let mut numbers = [self.begun_s, self.end_s, self.known_to_s].into_iter().chain(states);
-        std::array::from_fn(|_| numbers.next().unwrap_or(f64::NAN))
+    pub fn numbers(&self) -> impl Iterator<Item = f64> {
+        let states = std::iter::once(self.start).chain(self.moves).flatten();
+        [self.begun_s, self.end_s, self.known_to_s].into_iter().chain(states)
     }
 
     /// What [`Ahead::numbers`] wrote; none where they are no way through a step.
-    pub fn from_numbers(numbers: &[f64; N_NUMBERS]) -> Option<Self> {
-        let ([begun_s, end_s, known_to_s], states) = numbers.split_first_chunk::<3>()?;
-        let (start, moves) = states.split_first_chunk::<N_STATES>()?;
+    pub fn from_numbers(numbers: &[f64]) -> Option<Self> {
+        let (&[begun_s, end_s, known_to_s], states) = numbers.split_first_chunk::<3>()?;
+        let (start, moves) = states.split_first_chunk::<N>()?;
         let is_a_step = begun_s < end_s && known_to_s <= end_s && numbers.iter().all(|number| number.is_finite());
-        let moves = std::array::from_fn(|j| std::array::from_fn(|i| moves[j * N_STATES + i]));
-        let (begun_s, end_s, known_to_s) = (*begun_s, *end_s, *known_to_s);
-        is_a_step.then(|| Ahead { begun_s, end_s, known_to_s, start: State::from_array(*start), moves })
+        let is_whole = moves.len() == N * DEGREE;
+        (is_a_step && is_whole).then(|| Ahead {
+            begun_s,
+            end_s,
+            known_to_s,
+            start: *start,
+            moves: std::array::from_fn(|j| std::array::from_fn(|i| moves[j * N + i])),
+        })
     }
 
-    fn moved(&self, moves: &[f64; N_STATES]) -> State<f64> {
-        let start = self.start.as_array();
-        State::from_array(std::array::from_fn(|i| start[i] + moves[i]))
+    fn moved(&self, moves: &[f64; N]) -> [f64; N] {
+        std::array::from_fn(|i| self.start[i] + moves[i])
     }
 }
 
@@ -126,30 +128,32 @@ fn sign(j: usize) -> f64 {
 mod tests {
     use super::*;
 
-    fn at(time_s: f64) -> State<f64> {
+    fn at(time_s: f64) -> [f64; 4] {
         let s = time_s - 100.0;
-        let mut state = [0.0; N_STATES];
+        let mut state = [0.0; 4];
         state[0] = 5e5 + s * (1.0 + s * (0.3 - s * (0.02 - s * (1e-3 + s * (2e-5 - s * (1e-6 - 3e-8 * s))))));
         state[1] = -0.1;
         state[2] = 0.3 + 1e-17 * s;
-        State::from_array(state)
+        state
     }
 
     #[test]
     fn a_polynomial_of_degree_seven_comes_back_and_what_rests_does_not_move() {
-        let ahead = Ahead::new((100.0, 112.0, 110.0), at(100.0), |time_s| Some(at(time_s))).unwrap();
+        let ahead = Ahead::new((100.0, 112.0, 110.0), at(100.0), &[1.0; 4], |time_s| Some(at(time_s))).unwrap();
         for k in 0..=120 {
             let time_s = 100.0 + 0.1 * f64::from(k);
-            let (found, expected) = (ahead.at(time_s).as_array(), at(time_s).as_array());
+            let (found, expected) = (ahead.at(time_s), at(time_s));
             assert!((found[0] - expected[0]).abs() < 1e-9, "{found:?} {expected:?} at {time_s}");
             assert_eq!(found[1..3], [-0.1, 0.3]);
         }
         assert!(ahead.knows(100.0) && ahead.knows(110.0) && !ahead.knows(110.1) && !ahead.knows(99.9));
         assert_eq!(ahead.end(), None);
-        assert_eq!(Ahead::from_numbers(&ahead.numbers()), Some(ahead));
-        let mut broken = ahead.numbers();
+        let numbers: Vec<f64> = ahead.numbers().collect();
+        assert_eq!(Ahead::from_numbers(&numbers), Some(ahead));
+        assert_eq!(Ahead::<4>::from_numbers(&numbers[1..]), None);
+        let mut broken = numbers;
         broken[1] = 99.0;
-        assert_eq!(Ahead::from_numbers(&broken), None);
+        assert_eq!(Ahead::<4>::from_numbers(&broken), None);
     }
 
     #[test]

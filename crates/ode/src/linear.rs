@@ -4,29 +4,28 @@
 //! [`Decomposition::solve`] runs over whole pieces of a column, zeros included: of a fixed length, each becomes a few vector
 //! instructions.
 
-use super::method::{Felt, N_FELT};
-
 /// A matrix brought to triangular form.
-pub struct Decomposition {
+pub struct Decomposition<const F: usize> {
     /// Columns of the multipliers below the diagonal; zero elsewhere.
-    lower: [Felt; N_FELT],
+    lower: [[f64; F]; F],
     /// Columns of the upper factor above the diagonal; zero elsewhere.
-    upper: [Felt; N_FELT],
+    upper: [[f64; F]; F],
     /// Reciprocals of the pivots.
-    reciprocals: Felt,
+    reciprocals: [f64; F],
     /// Which row of the matrix stands in each row.
-    rows: [usize; N_FELT],
+    rows: [usize; F],
 }
 
-impl Decomposition {
+impl<const F: usize> Decomposition<F> {
     /// Of the matrix with these columns; none for one that is singular or not finite.
-    pub fn of(mut columns: [Felt; N_FELT]) -> Option<Self> {
-        let mut rows: [usize; N_FELT] = std::array::from_fn(|row| row);
-        let mut reciprocals = [0.0; N_FELT];
-        for pivot in 0..N_FELT {
+    pub fn of(mut columns: [[f64; F]; F]) -> Option<Self> {
+        const { assert!(F.is_multiple_of(PIECE), "solve takes rows in pieces") };
+        let mut rows: [usize; F] = std::array::from_fn(|row| row);
+        let mut reciprocals = [0.0; F];
+        for pivot in 0..F {
             let column = &columns[pivot];
             let mut largest = pivot;
-            for row in pivot + 1..N_FELT {
+            for row in pivot + 1..F {
                 if column[row].abs() > column[largest].abs() {
                     largest = row;
                 }
@@ -45,7 +44,7 @@ impl Decomposition {
             for column in &mut columns[pivot + 1..] {
                 let top = column[pivot];
                 if top != 0.0 {
-                    for row in pivot + 1..N_FELT {
+                    for row in pivot + 1..F {
                         column[row] -= multipliers[row] * top;
                     }
                 }
@@ -58,8 +57,8 @@ impl Decomposition {
     }
 
     /// The solution for this right side.
-    pub fn solve(&self, right: &Felt) -> Felt {
-        let mut solution: Felt = std::array::from_fn(|row| right[self.rows[row]]);
+    pub fn solve(&self, right: &[f64; F]) -> [f64; F] {
+        let mut solution: [f64; F] = std::array::from_fn(|row| right[self.rows[row]]);
         for (pivot, column) in self.lower.iter().enumerate() {
             let top = solution[pivot];
             let first = pivot - pivot % PIECE;
@@ -77,7 +76,6 @@ impl Decomposition {
 
 /// Rows that are taken at once.
 const PIECE: usize = 2;
-const _: () = assert!(N_FELT.is_multiple_of(PIECE));
 
 fn subtract(from: &mut [f64], column: &[f64], times: f64) {
     for (values, multipliers) in from.as_chunks_mut::<PIECE>().0.iter_mut().zip(column.as_chunks::<PIECE>().0) {

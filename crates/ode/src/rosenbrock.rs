@@ -14,9 +14,8 @@
 use nalgebra::SVector;
 
 use super::linear::Decomposition;
-use super::method::{COUNTED, Method, Scaled, Slopes, Stretch, Trial, felt};
-use super::{IntegrationError, LONGEST_STEP_S, System};
-use crate::state::{N_MEMORY, N_STATES};
+use super::method::{Method, Stretch, Trial};
+use super::{IntegrationError, LONGEST_STEP_S, Slopes, System};
 
 const STAGES: usize = 8;
 
@@ -107,33 +106,31 @@ const SAFETY: f64 = 0.9;
 /// How much shorter or longer the next step may be.
 const CHANGE: (f64, f64) = (0.05, 6.0);
 
-type Vector = SVector<f64, N_STATES>;
-
 /// The method at a place.
-pub struct Rosenbrock {
+pub struct Rosenbrock<const N: usize, const F: usize> {
     tolerance: f64,
     time_s: f64,
-    place: Scaled,
+    place: [f64; N],
     next_step_s: f64,
     /// At `place`, once a trial needed them: a trial that failed leaves them to the next.
-    slopes: Option<Slopes>,
-    last: Option<Last>,
+    slopes: Option<Slopes<N, F>>,
+    last: Option<Last<N>>,
     was_rejected: bool,
 }
 
 /// The last accepted step.
-struct Last {
+struct Last<const N: usize> {
     time_s: f64,
     step_s: f64,
-    place: Vector,
-    stages: [Vector; STAGES],
+    place: SVector<f64, N>,
+    stages: [SVector<f64, N>; STAGES],
     /// What dense output needs, once it was asked for.
-    inside: Option<[Vector; 3]>,
+    inside: Option<[SVector<f64, N>; 3]>,
 }
 
-impl<S: System> Method<S> for Rosenbrock {
-    fn begin(stretch: &Stretch<'_, S>, tolerance: f64, time_s: f64, step_s: f64) -> Result<Self, IntegrationError> {
-        let place = [0.0; N_STATES];
+impl<S: System<N, F, E>, const N: usize, const F: usize, const E: usize> Method<S, N, F, E> for Rosenbrock<N, F> {
+    fn begin(stretch: &Stretch<'_, S, N>, tolerance: f64, time_s: f64, step_s: f64) -> Result<Self, IntegrationError> {
+        let place = [0.0; N];
         let slopes = stretch.slopes(time_s, &place);
         if !slopes.are_finite() {
             return Err(IntegrationError::NotFinite { time_s });
@@ -149,14 +146,16 @@ impl<S: System> Method<S> for Rosenbrock {
         })
     }
 
-    fn step(&mut self, stretch: &Stretch<'_, S>) -> Trial {
+    fn step(&mut self, stretch: &Stretch<'_, S, N>) -> Trial {
         let slopes = self.slopes.take().unwrap_or_else(|| stretch.slopes(self.time_s, &self.place));
         if !slopes.are_finite() {
             return Trial::Failed;
         }
         let step_s = self.next_step_s;
         let stages = stages(stretch, &slopes, self.time_s, &self.place, step_s);
-        let error = stages.as_ref().map_or(f64::INFINITY, |(_, stages)| self.error(&stages[STAGES - 1]));
+        let error = stages
+            .as_ref()
+            .map_or(f64::INFINITY, |(_, stages)| error(&stages[STAGES - 1], self.tolerance, S::COUNTED_IN_ERROR));
         let Some((reached, stages)) = stages.filter(|_| error <= 1.0) else {
             let shorter = if error.is_finite() { SAFETY * error.powf(-0.2) } else { 0.0 };
             self.next_step_s = step_s * shorter.max(CHANGE.0);
@@ -167,7 +166,7 @@ impl<S: System> Method<S> for Rosenbrock {
         let longest = if self.was_rejected { 1.0 } else { CHANGE.1 };
         // An error of nothing makes the power infinite, and the longest step the next.
         let change = (SAFETY * error.powf(-0.2)).clamp(CHANGE.0, longest);
-        self.last = Some(Last { time_s: self.time_s, step_s, place: Vector::from(self.place), stages, inside: None });
+        self.last = Some(Last { time_s: self.time_s, step_s, place: SVector::from(self.place), stages, inside: None });
         (self.time_s, self.place) = (self.time_s + step_s, reached.into());
         self.next_step_s = (step_s * change).min(LONGEST_STEP_S);
         self.was_rejected = false;
@@ -178,7 +177,7 @@ impl<S: System> Method<S> for Rosenbrock {
         self.time_s
     }
 
-    fn place(&self) -> &Scaled {
+    fn place(&self) -> &[f64; N] {
         &self.place
     }
 
@@ -190,45 +189,38 @@ impl<S: System> Method<S> for Rosenbrock {
         self.next_step_s = step_s;
     }
 
-    fn inside(&mut self, time_s: f64) -> Option<Scaled> {
+    fn inside(&mut self, time_s: f64) -> Option<[f64; N]> {
         let last = self.last.as_mut()?;
         let s = ((time_s - last.time_s) / last.step_s).clamp(0.0, 1.0);
         let [q1, q2, q3] = *last.inside.get_or_insert_with(|| H.map(|row| combine(&row, &last.stages)));
-        let end = Vector::from(self.place);
+        let end = SVector::from(self.place);
         Some((last.place * (1.0 - s) + (end + (q1 + (q2 + q3 * s) * s) * (1.0 - s)) * s).into())
     }
 }
 
-impl Rosenbrock {
-    /// Root mean square of the error in units of the tolerance; infinite for what is no number. States of the memory add
-    /// their errors and are not counted: where they rest the steps are those without them.
-    fn error(&self, estimate: &Vector) -> f64 {
-        let error = (estimate.norm_squared() / (N_STATES - N_MEMORY) as f64).sqrt() / self.tolerance;
-        if error.is_nan() { f64::INFINITY } else { error }
-    }
+/// Root mean square of the error in units of the tolerance; infinite for what is no number.
+fn error<const N: usize>(estimate: &SVector<f64, N>, tolerance: f64, counted: usize) -> f64 {
+    let error = (estimate.norm_squared() / counted as f64).sqrt() / tolerance;
+    if error.is_nan() { f64::INFINITY } else { error }
 }
 
-impl Slopes {
-    fn are_finite(&self) -> bool {
-        let vectors = self.rates.iter().chain(&self.in_time);
-        vectors.chain(self.jacobian.iter().flatten()).all(|slope| slope.is_finite())
-    }
-}
+/// A state and the stages that led to it.
+type Stages<const N: usize> = (SVector<f64, N>, [SVector<f64, N>; STAGES]);
 
 /// The state after one step and its stages; none where the decomposition fails.
-fn stages<S: System>(
-    stretch: &Stretch<'_, S>,
-    slopes: &Slopes,
+fn stages<S: System<N, F, E>, const N: usize, const F: usize, const E: usize>(
+    stretch: &Stretch<'_, S, N>,
+    slopes: &Slopes<N, F>,
     time_s: f64,
-    place: &Scaled,
+    place: &[f64; N],
     step_s: f64,
-) -> Option<(Vector, [Vector; STAGES])> {
+) -> Option<Stages<N>> {
     let diagonal = 1.0 / (step_s * GAMMA);
-    let matrix = Decomposition::of(std::array::from_fn(|j| {
-        std::array::from_fn(|i| if i == j { diagonal } else { 0.0 } - slopes.jacobian[i + 1][j])
+    let matrix = Decomposition::<F>::of(std::array::from_fn(|j| {
+        std::array::from_fn(|i| if i == j { diagonal } else { 0.0 } - slopes.jacobian[i + S::FIRST_FELT][j])
     }))?;
-    let (start, in_time) = (Vector::from(*place), Vector::from(slopes.in_time));
-    let mut k = [Vector::zeros(); STAGES];
+    let (start, in_time) = (SVector::from(*place), SVector::from(slopes.in_time));
+    let mut k = [SVector::zeros(); STAGES];
     let mut at = start;
     for i in 0..STAGES {
         at = match i {
@@ -237,10 +229,11 @@ fn stages<S: System>(
             _ => at + k[i - 1],
         };
         let rates = if i == 0 { slopes.rates } else { stretch.rates(time_s + C_TIME[i] * step_s, &at.into()) };
-        let right = Vector::from(rates) + in_time * (D[i] * step_s) + combine(&C[i], &k[..i]) / step_s;
-        let solved = matrix.solve(&felt(&right.into()));
-        k[i].as_mut_slice()[1..=solved.len()].copy_from_slice(&solved);
-        for counted in COUNTED {
+        let right = SVector::from(rates) + in_time * (D[i] * step_s) + combine(&C[i], &k[..i]) / step_s;
+        let felt = S::FIRST_FELT..S::FIRST_FELT + F;
+        let solved = matrix.solve(&std::array::from_fn(|j| right[j + S::FIRST_FELT]));
+        k[i].as_mut_slice()[felt.clone()].copy_from_slice(&solved);
+        for counted in (0..N).filter(|i| !felt.contains(i)) {
             let passed_on: f64 = slopes.jacobian[counted].iter().zip(&solved).map(|(slope, k)| slope * k).sum();
             k[i][counted] = (right[counted] + passed_on) / diagonal;
         }
@@ -248,8 +241,8 @@ fn stages<S: System>(
     Some((at + k[STAGES - 1], k))
 }
 
-fn combine(weights: &[f64], vectors: &[Vector]) -> Vector {
-    let mut sum = Vector::zeros();
+fn combine<const N: usize>(weights: &[f64], vectors: &[SVector<f64, N>]) -> SVector<f64, N> {
+    let mut sum = SVector::zeros();
     for (weight, vector) in weights.iter().zip(vectors) {
         sum += vector * *weight;
     }

@@ -4,8 +4,6 @@ use super::ahead::Ahead;
 use super::crossing::{EVENT_WIDTH_S, first_change, locate, sign_changes};
 use super::method::{Method, Stretch, Trial};
 use super::{Advance, FIRST_STEP_S, IntegrationError, LONGEST_STEP_S, System};
-use crate::limits::N_EVENTS;
-use crate::state::State;
 
 /// Rejections in a row after which the step is given up.
 const MAX_REJECTIONS: usize = 100;
@@ -18,17 +16,17 @@ const LANDING_S: f64 = 1e-2;
 
 /// Where a run stands.
 #[derive(Debug, Clone, Copy)]
-pub struct Place {
+pub struct Place<const N: usize> {
     /// Time \[s\].
     pub time_s: f64,
     /// State.
-    pub state: State<f64>,
+    pub state: [f64; N],
     /// The step that is next \[s\].
     pub step_s: f64,
     /// Explicit steps still to go before the implicit method is tried again.
     pub explicit_steps: usize,
     /// The step that went beyond time and state, if it did.
-    pub ahead: Option<Ahead>,
+    pub ahead: Option<Ahead<N>>,
 }
 
 /// Where steps lead.
@@ -56,15 +54,18 @@ impl Until {
     }
 }
 
-impl<S: System> Stretch<'_, S> {
+impl<S, const N: usize> Stretch<'_, S, N> {
     /// Steps to what is wanted, an event, or the end of the stretch. Returns how many were accepted, and the event.
-    pub fn walk<M: Method<S>>(
+    pub fn walk<M: Method<S, N, F, E>, const F: usize, const E: usize>(
         &self,
         tolerance: f64,
-        place: &mut Place,
+        place: &mut Place<N>,
         aim: Aim,
         until: Until,
-    ) -> Result<(usize, Option<Advance>), IntegrationError> {
+    ) -> Result<(usize, Option<Advance<E>>), IntegrationError>
+    where
+        S: System<N, F, E>,
+    {
         let mut method = M::begin(self, tolerance, place.time_s, place.step_s.min(LONGEST_STEP_S))?;
         let mut before = self.system.event_indicators(place.time_s, &place.state);
         let (mut accepted, mut rejected) = (0, 0);
@@ -101,7 +102,7 @@ impl<S: System> Stretch<'_, S> {
             if let Some(ends) = first_change(self, &mut method, (place.time_s, reached_s), (&before, &after)) {
                 let (event_s, event) = locate(self, &mut method, ends, &before);
                 if event_s <= aim.wanted_s {
-                    let passed = self.land::<M>(tolerance, place, (event_s, event, &before), aim.wanted_s)?;
+                    let passed = self.land::<M, F, E>(tolerance, place, (event_s, event, &before), aim.wanted_s)?;
                     return Ok((accepted, passed));
                 }
                 known_to_s = (event_s - LANDING_S).max(aim.wanted_s);
@@ -111,12 +112,13 @@ impl<S: System> Stretch<'_, S> {
             if reached_s > aim.wanted_s {
                 let span = (place.time_s, reached_s, known_to_s);
                 let inside = |time_s| method.inside(time_s).map(|scaled| self.state(&scaled));
-                let ahead = Ahead::new(span, place.state, inside).ok_or_else(|| self.too_small(place))?;
+                let ahead = Ahead::new(span, place.state, &S::NOMINALS, inside).ok_or_else(|| self.too_small(place))?;
                 let wanted = ahead.at(aim.wanted_s);
                 let changed = sign_changes(&before, &self.system.event_indicators(aim.wanted_s, &wanted));
                 if changed.contains(&true) {
                     // An event so near that rounding decides: the method's own state there says whether it has happened.
-                    let passed = self.land::<M>(tolerance, place, (aim.wanted_s, changed, &before), aim.wanted_s)?;
+                    let passed =
+                        self.land::<M, F, E>(tolerance, place, (aim.wanted_s, changed, &before), aim.wanted_s)?;
                     return Ok((accepted, passed));
                 }
                 (place.time_s, place.state, place.ahead) = (aim.wanted_s, wanted, Some(ahead));
@@ -132,13 +134,16 @@ impl<S: System> Stretch<'_, S> {
     /// Goes to the event by steps of its own, so that the state there has the order of the method, not of the dense
     /// output that found it. The two differ by the tolerance, and a slow crossing may not have happened yet where the
     /// dense output has it: then a little further, or the same event would be found again without end.
-    fn land<M: Method<S>>(
+    fn land<M: Method<S, N, F, E>, const F: usize, const E: usize>(
         &self,
         tolerance: f64,
-        place: &mut Place,
-        (mut event_s, changed, before): (f64, [bool; N_EVENTS], &[f64; N_EVENTS]),
+        place: &mut Place<N>,
+        (mut event_s, changed, before): (f64, [bool; E], &[f64; E]),
         target_s: f64,
-    ) -> Result<Option<Advance>, IntegrationError> {
+    ) -> Result<Option<Advance<E>>, IntegrationError>
+    where
+        S: System<N, F, E>,
+    {
         let stretch = &Stretch { origin: place.state, ..*self };
         let first_step_s = (event_s - place.time_s).min(place.step_s).clamp(EVENT_WIDTH_S, LONGEST_STEP_S);
         let mut method = M::begin(stretch, tolerance, place.time_s, first_step_s)?;
@@ -172,15 +177,21 @@ impl<S: System> Stretch<'_, S> {
     }
 
     /// Where a step from here must end at the latest: at a bend of the rates, or at the target.
-    fn next_stop_s(&self, place: &Place, target_s: f64) -> f64 {
+    fn next_stop_s<const F: usize, const E: usize>(&self, place: &Place<N>, target_s: f64) -> f64
+    where
+        S: System<N, F, E>,
+    {
         let is_ahead = |bend_s: &f64| *bend_s > place.time_s + AT_A_BEND_S && *bend_s < target_s - AT_A_BEND_S;
         self.system.next_bend_s(place.time_s, &place.state).filter(is_ahead).unwrap_or(target_s)
     }
 
     /// Why there is no way on: rates that are no numbers reject every step, however small.
-    fn too_small(&self, place: &Place) -> IntegrationError {
+    fn too_small<const F: usize, const E: usize>(&self, place: &Place<N>) -> IntegrationError
+    where
+        S: System<N, F, E>,
+    {
         let time_s = place.time_s;
-        let rates = self.system.derivative(time_s.min(self.last_s), &place.state).as_array();
+        let rates = self.system.derivative(time_s.min(self.last_s), &place.state);
         if rates.iter().all(|rate| rate.is_finite()) {
             IntegrationError::StepTooSmall { time_s }
         } else {

@@ -11,7 +11,7 @@
 //!
 //! Between two calls of [`Integrator::advance`] time, state and step size are all there is, between two of
 //! [`Integrator::follow`] also the rest of the last step: a run that is saved, restored and continued goes on bit for bit.
-//! Knows no glider beyond its number of states.
+//! Knows no glider.
 
 mod ahead;
 mod crossing;
@@ -19,19 +19,17 @@ mod explicit;
 mod linear;
 mod method;
 mod rosenbrock;
+mod slopes;
 mod stretch;
 #[cfg(test)]
 mod tests;
 
 use ahead::Ahead;
 use explicit::Explicit;
-pub use method::Jet;
 use method::Stretch;
 use rosenbrock::Rosenbrock;
+pub use slopes::{Jet, Slopes};
 use stretch::{Aim, Place, Until};
-
-use super::limits::N_EVENTS;
-use super::state::State;
 
 /// Usual relative tolerance.
 pub const DEFAULT_TOLERANCE: f64 = 1e-8;
@@ -60,38 +58,47 @@ const LONGEST_STEP_S: f64 = 60.0;
 /// for stiffness, which counts over the life of a solver, from ending long voyages.
 const STEPS_PER_ORIGIN: usize = 64;
 
-/// Numbers that [`Integrator::numbers`] writes.
-pub const N_NUMBERS: usize = N_OWN_NUMBERS + ahead::N_NUMBERS;
-
-/// Those of them that are no part of a step that reached further.
+/// Those of [`Integrator::numbers`] that are no part of a step that reached further.
 const N_OWN_NUMBERS: usize = 4;
 
-/// What moves: the equations, closed over parameters, modes and inputs.
-pub trait System {
-    /// Rates of change of the state.
-    fn derivative(&self, time_s: f64, state: &State<f64>) -> State<f64>;
+/// What moves: the equations of `N` states, closed over parameters, modes and inputs. `F` of the states are felt: rates of
+/// change may depend on them. The others are only counted, or felt so little that the error control may answer for them.
+/// The sign of any of `E` indicators changes at an event.
+pub trait System<const N: usize, const F: usize, const E: usize> {
+    /// The usual size of every state, on which the tolerance is meant.
+    const NOMINALS: [f64; N];
 
-    /// The same equations in numbers that carry slopes along.
-    fn linearised(&self, time_s: Jet, state: &State<Jet>) -> State<Jet>;
+    /// The first of the states that are felt; the others of them follow.
+    const FIRST_FELT: usize;
+
+    /// How many states the mean of the error is taken over. States that rest for most users are left out: where they rest
+    /// the steps are those without them.
+    const COUNTED_IN_ERROR: usize = N;
+
+    /// Rates of change of the state.
+    fn derivative(&self, time_s: f64, state: &[f64; N]) -> [f64; N];
+
+    /// The same with their slopes, see [`Slopes::of`].
+    fn slopes(&self, time_s: f64, state: &[f64; N]) -> Slopes<N, F>;
 
     /// Functions whose change of sign is an event.
-    fn event_indicators(&self, time_s: f64, state: &State<f64>) -> [f64; N_EVENTS];
+    fn event_indicators(&self, time_s: f64, state: &[f64; N]) -> [f64; E];
 
     /// The next time after `time_s` at which the rates jump, if they do.
     fn next_jump_s(&self, time_s: f64) -> Option<f64>;
 
     /// When the rates will bend, from `time_s` and `state` on, as far as that can be foreseen: a step that ends there is
     /// spared the attempts to step across. An estimate changes the steps alone.
-    fn next_bend_s(&self, time_s: f64, state: &State<f64>) -> Option<f64>;
+    fn next_bend_s(&self, time_s: f64, state: &[f64; N]) -> Option<f64>;
 }
 
 /// How far an advance came.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Advance {
+pub enum Advance<const E: usize> {
     /// To the time that was asked for.
     Reached,
     /// To an event before it: which indicators changed sign. The state stands just behind the change.
-    Event([bool; N_EVENTS]),
+    Event([bool; E]),
 }
 
 /// Why an advance failed. Time and state are as they were before it.
@@ -115,16 +122,16 @@ pub enum IntegrationError {
 
 /// Tolerance and step size of the method, and how far its last step went.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Integrator {
+pub struct Integrator<const N: usize> {
     tolerance: f64,
     step_s: f64,
     /// Explicit steps still to go before the implicit method is tried again.
     explicit_steps: usize,
     /// The last step, where it went beyond the time that was asked for.
-    ahead: Option<Ahead>,
+    ahead: Option<Ahead<N>>,
 }
 
-impl Integrator {
+impl<const N: usize> Integrator<N> {
     /// An integrator with a relative tolerance; each state is absolute within it on the scale of its nominal value.
     /// A tolerance outside 1e-13 to 1e-2 is brought to the nearer end.
     pub fn new(tolerance: f64) -> Self {
@@ -155,25 +162,20 @@ impl Integrator {
         (self.ahead, self.explicit_steps) = (None, 0);
     }
 
-    /// With time and state, all that a continued run depends on, as plain numbers.
-    pub fn numbers(&self) -> [f64; N_NUMBERS] {
-        let mut numbers = [0.0; N_NUMBERS];
-        let (own, ahead) = numbers.split_at_mut(N_OWN_NUMBERS);
+    /// With time and state, all that a continued run depends on, as plain numbers: always as many.
+    pub fn numbers(&self) -> Vec<f64> {
         let has_ahead = f64::from(u8::from(self.ahead.is_some()));
-        own.copy_from_slice(&[self.tolerance, self.step_s, self.explicit_steps as f64, has_ahead]);
-        if let Some(known) = &self.ahead {
-            ahead.copy_from_slice(&known.numbers());
-        }
-        numbers
+        let own = [self.tolerance, self.step_s, self.explicit_steps as f64, has_ahead];
+        let ahead = self.ahead.iter().flat_map(Ahead::numbers).chain(std::iter::repeat(0.0));
+        own.into_iter().chain(ahead).take(N_OWN_NUMBERS + Ahead::<N>::N_NUMBERS).collect()
     }
 
     /// The integrator that wrote these [`Integrator::numbers`]; none where no integrator did.
-    pub fn from_numbers(numbers: &[f64; N_NUMBERS]) -> Option<Self> {
-        let (own, ahead) = numbers.split_first_chunk::<N_OWN_NUMBERS>()?;
-        let [tolerance, step_s, explicit_steps, has_ahead] = *own;
+    pub fn from_numbers(numbers: &[f64]) -> Option<Self> {
+        let (&[tolerance, step_s, explicit_steps, has_ahead], ahead) = numbers.split_first_chunk::<N_OWN_NUMBERS>()?;
         let fresh = Integrator::new(tolerance).with_step_s(step_s);
         let explicit_steps = (0..=STEPS_BEFORE_TRIAL).find(|steps| *steps as f64 == explicit_steps)?;
-        let ahead = if has_ahead == 0.0 { None } else { Some(Ahead::from_numbers(ahead.first_chunk()?)?) };
+        let ahead = if has_ahead == 0.0 { None } else { Some(Ahead::from_numbers(ahead)?) };
         let is_same = fresh.tolerance == tolerance && fresh.step_s == step_s;
         is_same.then_some(Integrator { explicit_steps, ahead, ..fresh })
     }
@@ -183,13 +185,13 @@ impl Integrator {
     ///
     /// # Errors
     /// Where a rate of change is not finite or no step is small enough; time and state are left as they were.
-    pub fn advance(
+    pub fn advance<const F: usize, const E: usize>(
         &mut self,
-        system: &impl System,
+        system: &impl System<N, F, E>,
         time_s: &mut f64,
-        state: &mut State<f64>,
+        state: &mut [f64; N],
         end_s: f64,
-    ) -> Result<Advance, IntegrationError> {
+    ) -> Result<Advance<E>, IntegrationError> {
         self.forget_ahead();
         self.run(system, (time_s, state), end_s, end_s)
     }
@@ -200,14 +202,14 @@ impl Integrator {
     ///
     /// # Errors
     /// As [`Integrator::advance`].
-    pub fn follow(
+    pub fn follow<const F: usize, const E: usize>(
         &mut self,
-        system: &impl System,
+        system: &impl System<N, F, E>,
         time_s: &mut f64,
-        state: &mut State<f64>,
+        state: &mut [f64; N],
         end_s: f64,
         horizon_s: f64,
-    ) -> Result<Advance, IntegrationError> {
+    ) -> Result<Advance<E>, IntegrationError> {
         let (mut time, mut here) = (*time_s, *state);
         if let Some(ahead) = self.ahead {
             if ahead.knows(end_s) {
@@ -228,13 +230,13 @@ impl Integrator {
     }
 
     /// Steps until `end_s` is reached, none of them beyond `horizon_s`.
-    fn run(
+    fn run<const F: usize, const E: usize>(
         &mut self,
-        system: &impl System,
-        (time_s, state): (&mut f64, &mut State<f64>),
+        system: &impl System<N, F, E>,
+        (time_s, state): (&mut f64, &mut [f64; N]),
         end_s: f64,
         horizon_s: f64,
-    ) -> Result<Advance, IntegrationError> {
+    ) -> Result<Advance<E>, IntegrationError> {
         let Integrator { step_s, explicit_steps, .. } = *self;
         let mut place = Place { time_s: *time_s, state: *state, step_s, explicit_steps, ahead: None };
         let mut outcome = Advance::Reached;
@@ -260,15 +262,17 @@ impl Integrator {
     }
 
     /// Steps about one origin by the method that gets furthest for its cost.
-    fn best_method<S: System>(
+    fn best_method<S: System<N, F, E>, const F: usize, const E: usize>(
         &self,
-        stretch: &Stretch<'_, S>,
-        place: &mut Place,
+        stretch: &Stretch<'_, S, N>,
+        place: &mut Place<N>,
         aim: Aim,
-    ) -> Result<Option<Advance>, IntegrationError> {
+    ) -> Result<Option<Advance<E>>, IntegrationError> {
         let tolerance = self.tolerance;
         if tolerance < IMPLICIT_FROM {
-            return stretch.walk::<Explicit>(tolerance, place, aim, Until::steps(STEPS_PER_ORIGIN)).map(|walk| walk.1);
+            return stretch
+                .walk::<Explicit<N>, F, E>(tolerance, place, aim, Until::steps(STEPS_PER_ORIGIN))
+                .map(|walk| walk.1);
         }
         let (begun_s, begun_with_s, remaining) = (place.time_s, place.step_s, aim.target_s - place.time_s);
         let is_implicit = begun_with_s.min(remaining) >= IMPLICIT_STEP_S;
@@ -277,7 +281,7 @@ impl Integrator {
             if trial_s <= remaining || trial_s.min(remaining) >= IMPLICIT_STEP_S {
                 place.step_s = trial_s;
                 let until = Until { steps: STEPS_PER_ORIGIN, shorter_than_s: trial_s.min(IMPLICIT_STEP_S) };
-                let (_, passed) = stretch.walk::<Rosenbrock>(tolerance, place, aim, until)?;
+                let (_, passed) = stretch.walk::<Rosenbrock<N, F>, F, E>(tolerance, place, aim, until)?;
                 if place.time_s > begun_s || passed.is_some() {
                     return Ok(passed);
                 }
@@ -288,7 +292,7 @@ impl Integrator {
             place.explicit_steps = STEPS_BEFORE_TRIAL;
         }
         let until = Until::steps(place.explicit_steps);
-        let (taken, passed) = stretch.walk::<Explicit>(tolerance, place, aim, until)?;
+        let (taken, passed) = stretch.walk::<Explicit<N>, F, E>(tolerance, place, aim, until)?;
         place.explicit_steps = if passed.is_some() { 0 } else { place.explicit_steps.saturating_sub(taken) };
         Ok(passed)
     }

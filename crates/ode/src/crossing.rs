@@ -2,7 +2,6 @@
 
 use super::System;
 use super::method::{Method, Stretch};
-use crate::limits::N_EVENTS;
 
 /// Width to which an event is located \[s\].
 pub const EVENT_WIDTH_S: f64 = 1e-9;
@@ -12,11 +11,11 @@ pub const EVENT_WIDTH_S: f64 = 1e-9;
 const LOOK_S: f64 = 10.0;
 
 /// The part of an accepted step in which a sign changes first, if one does.
-pub fn first_change<S: System, M: Method<S>>(
-    stretch: &Stretch<'_, S>,
+pub fn first_change<S: System<N, F, E>, M: Method<S, N, F, E>, const N: usize, const F: usize, const E: usize>(
+    stretch: &Stretch<'_, S, N>,
     method: &mut M,
     (begun_s, reached_s): (f64, f64),
-    (before, after): (&[f64; N_EVENTS], &[f64; N_EVENTS]),
+    (before, after): (&[f64; E], &[f64; E]),
 ) -> Option<(f64, f64)> {
     let parts = ((reached_s - begun_s) / LOOK_S).ceil().max(1.0);
     let part_s = (reached_s - begun_s) / parts;
@@ -33,15 +32,15 @@ pub fn first_change<S: System, M: Method<S>>(
 }
 
 /// Where the first sign changes between two times inside an accepted step, by bisection on the dense output.
-pub fn locate<S: System, M: Method<S>>(
-    stretch: &Stretch<'_, S>,
+pub fn locate<S: System<N, F, E>, M: Method<S, N, F, E>, const N: usize, const F: usize, const E: usize>(
+    stretch: &Stretch<'_, S, N>,
     method: &mut M,
     (mut low, mut high): (f64, f64),
-    before: &[f64; N_EVENTS],
-) -> (f64, [bool; N_EVENTS]) {
+    before: &[f64; E],
+) -> (f64, [bool; E]) {
     let mut changes_at = |time: f64| {
         let scaled = method.inside(time);
-        scaled.map_or([false; N_EVENTS], |scaled| sign_changes(before, &stretch.indicators(time, &scaled)))
+        scaled.map_or([false; E], |scaled| sign_changes(before, &stretch.indicators(time, &scaled)))
     };
     let mut changed = changes_at(high);
     while high - low > EVENT_WIDTH_S.max(1e-14 * high.abs()) {
@@ -57,6 +56,6 @@ pub fn locate<S: System, M: Method<S>>(
 }
 
 /// Which signs differ.
-pub fn sign_changes(before: &[f64; N_EVENTS], after: &[f64; N_EVENTS]) -> [bool; N_EVENTS] {
+pub fn sign_changes<const E: usize>(before: &[f64; E], after: &[f64; E]) -> [bool; E] {
     std::array::from_fn(|i| (before[i] >= 0.0) != (after[i] >= 0.0))
 }
