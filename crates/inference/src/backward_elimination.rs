@@ -1,7 +1,7 @@
 //! What goes out of a fit again: mechanisms that do not predict, that chance explains, that need another size in another
 //! regime, or one that nature does not have, that spoil what another quantity tells.
 
-use nalgebra::DMatrix;
+use nalgebra::DVector;
 
 use super::evidence::{Problem, Quantity, names};
 use super::findings::Why;
@@ -25,6 +25,12 @@ const SURELY_APART: f64 = 3.5;
 
 /// Difference of the sizes on the halves, relative to the size, from which on it is no one size any more.
 const LEAST_DIFFERENCE: f64 = 0.5;
+
+/// Standard errors by which the variation of a mechanism alone, its mean set aside, must show it: 95 %.
+const OWN_EVIDENCE: f64 = 2.0;
+
+/// Standard errors by which a curve must predict better than what is named: 95 %, one-sided.
+const BEATEN: f64 = 1.645;
 
 /// Least evidence for such a change, beyond the cost of having looked for it everywhere: a factor of 4.
 const LEAST_EXCESS: f64 = 3.0;
@@ -58,7 +64,11 @@ impl Fitted {
             let had = note(self, &had, Why::SizeImpossible);
             self.drop_what_spoils(problem, baseline);
             let had = note(self, &had, Why::SpoilsQuantity);
+            self.take_levels_for_what_they_are(problem);
+            let had = note(self, &had, Why::Equivalent);
             self.drop_what_is_irrelevant(problem, baseline);
+            let had = note(self, &had, Why::PredictsNoBetter);
+            refuted = refuted.or(self.drop_what_a_curve_beats(problem, baseline));
             note(self, &had, Why::PredictsNoBetter);
             if self.included.len() == before {
                 return refuted;
@@ -115,8 +125,12 @@ impl Fitted {
     pub(super) fn drop_what_needs_other_sizes(&mut self, problem: &impl Problem, baseline: &Fitted) -> Option<String> {
         let mut refuted = None;
         while problem.has_regimes() && !self.included.is_empty() {
-            let included: Vec<&DMatrix<f64>> =
-                self.included.iter().map(|member| &self.evidence.candidates[*member]).collect();
+            let of = |member: &usize| {
+                let (values, neutral) = (&self.point.candidates[*member], &problem.candidates()[*member].neutral);
+                let sizes = DVector::from_iterator(values.len(), values.iter().zip(neutral).map(|(v, n)| v - n));
+                regimes::Included { columns: &self.evidence.candidates[*member], sizes }
+            };
+            let included: Vec<regimes::Included<'_>> = self.included.iter().map(of).collect();
             let found = regimes::misfits(&self.evidence, &self.noises, &included);
             let differs = |misfit: &regimes::Misfit| {
                 let member = self.included[misfit.place];
@@ -199,6 +213,51 @@ impl Fitted {
         }
     }
 
+    /// What goes with temperature or pressure has a mean, and the mean is an offset. A mechanism whose variation alone says
+    /// nothing of its size is that offset in disguise, and gives its place to it.
+    pub(super) fn take_levels_for_what_they_are(&mut self, problem: &impl Problem) {
+        for place in 0..self.included.len() {
+            let member = self.included[place];
+            let Some(level) = problem.level_of(member).filter(|level| !self.included.contains(level)) else { continue };
+            let iteration = Iteration::new(problem.candidates(), self);
+            let search = iteration.search();
+            let with: Vec<usize> = self.included.iter().copied().chain([level]).collect();
+            let fit = iteration.score.fit(&search.columns(&with));
+            let column: usize = with[..place].iter().map(|i| iteration.regressors[*i].columns.len()).sum();
+            let has_own_evidence = fit.step[column].abs() > OWN_EVIDENCE * fit.se(column);
+            let mut exchanged = self.included.clone();
+            exchanged[place] = level;
+            exchanged.sort_unstable();
+            let is_as_good = search.criterion(&exchanged) <= search.criterion(&self.included) + MARGIN;
+            if has_own_evidence || !is_as_good {
+                continue;
+            }
+            let mut other = Fitted::new(problem, iteration.point_of(&exchanged, problem), exchanged);
+            other.settle(problem);
+            if other.is_possible(problem.candidates()) {
+                *self = other;
+                return;
+            }
+        }
+    }
+
+    /// A law that is the right one predicts better than a curve that only resembles it. Where the best curve alone predicts
+    /// held-out data better than the named mechanisms for certain, these resemble something unknown: they go, and what the
+    /// curve runs along is returned.
+    pub(super) fn drop_what_a_curve_beats(&mut self, problem: &impl Problem, baseline: &Fitted) -> Option<String> {
+        if !problem.has_regimes() || self.included.is_empty() {
+            return None;
+        }
+        let iteration = Iteration::new(problem.candidates(), self);
+        let curve = iteration.most_explaining_curve()?;
+        if iteration.advantage(&[curve], &self.included) < BEATEN {
+            return None;
+        }
+        let covariate = iteration.curve_name(curve).map(str::to_owned);
+        *self = baseline.clone();
+        covariate
+    }
+
     /// What changes no quantity by enough to act on goes, the smallest first.
     pub(super) fn drop_what_is_irrelevant(&mut self, problem: &impl Problem, baseline: &Fitted) {
         while !self.included.is_empty() {
@@ -208,7 +267,11 @@ impl Fitted {
             let worth = |place: usize| {
                 let mut fewer = self.included.clone();
                 let member = fewer.remove(place);
-                let sizes = iteration.sizes(&fewer, &[member]);
+                let sizes = if problem.judges_largest() {
+                    iteration.largest(&fewer, &[member])
+                } else {
+                    iteration.size_where_it_acts(&fewer, member)
+                };
                 sizes.iter().zip(&limits).map(|(size, limit)| size / limit).fold(0.0, f64::max)
             };
             let least = (0..self.included.len()).map(|place| (worth(place), place)).min_by(|a, b| a.0.total_cmp(&b.0));

@@ -67,16 +67,25 @@ pub fn solve_symmetric(matrix: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f
 /// The inverse of a symmetric positive matrix, by eigenvalues of the matrix scaled to a unit diagonal. A direction that
 /// it sees less than rounding does is left out.
 pub fn inverse_symmetric(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    inverse(matrix, |value, least| if value > least { value.recip() } else { 0.0 })
+}
+
+/// The same with such a direction taken for one that is seen as little as rounding allows: what bounds an error must be large
+/// along it.
+pub fn inverse_symmetric_at_least(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    inverse(matrix, |value, least| value.max(least).recip())
+}
+
+/// By the inverse of each eigenvalue, given beside the least that is more than rounding.
+fn inverse(matrix: &DMatrix<f64>, invert: impl Fn(f64, f64) -> f64) -> DMatrix<f64> {
     let n = matrix.nrows();
     let (scaled, scale) = scaled(matrix);
     let eigen = scaled.symmetric_eigen();
-    let most = eigen.eigenvalues.iter().fold(0.0f64, |most, &v| most.max(v));
+    let most = eigen.eigenvalues.iter().fold(0.0f64, |most, &v| most.max(v)).max(f64::MIN_POSITIVE);
     let mut inverse = DMatrix::zeros(n, n);
     for (k, &value) in eigen.eigenvalues.iter().enumerate() {
-        if value > most * 1e-13 {
-            let vector = eigen.eigenvectors.column(k);
-            inverse += vector * vector.transpose() / value;
-        }
+        let vector = eigen.eigenvectors.column(k);
+        inverse += vector * vector.transpose() * invert(value, most * 1e-13);
     }
     DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / (scale[i] * scale[j]))
 }

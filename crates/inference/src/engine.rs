@@ -3,6 +3,8 @@
 //! Fit and search alternate: around the best fit of the present set every set is tried on the linearised model, the
 //! chosen one is fitted again in full, until the choice stands.
 
+use nalgebra::DVector;
+
 use super::evidence::{Point, Problem};
 use super::findings::{Diagnosis, Wrong};
 use super::fitted::Fitted;
@@ -50,12 +52,25 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
             break;
         }
     }
+    // Where nothing deserves its name alone, one mechanism may still do nearly all, if it is large enough to act on.
+    let mut is_part = false;
+    let is_relevant = |single: &Fitted| {
+        let mut kept = single.clone();
+        kept.drop_what_is_irrelevant(problem, &baseline);
+        !kept.included.is_empty()
+    };
+    if let Some(part) = single.filter(|single| {
+        present.included.is_empty() && single.does_nearly_all(problem, &baseline) && is_relevant(single)
+    }) {
+        (present, is_part) = (part, true);
+        dropped.retain(|(member, _)| !present.included.contains(member));
+    }
     let iteration = Iteration::new(candidates, &present);
     let limits = present.limits(problem);
     // What was refuted on the way is worth a word only where something remains that is.
     let curve = curve
         .or(refuted)
-        .filter(|_| iteration.is_anything_wrong(&present.included, &limits))
+        .filter(|_| is_part || iteration.is_anything_wrong(&present.included, &limits))
         .or_else(|| iteration.unnamed_curve(&present.included, &limits));
     report(problem, &baseline, &present, curve, &dropped)
 }
@@ -66,6 +81,13 @@ pub fn baseline(problem: &impl Problem) -> (Stage, Vec<Wrong>) {
     baseline.settle(problem);
     let wrong = wrong(problem, &baseline);
     (baseline.stage(baseline.held_out()), wrong)
+}
+
+/// What is left of held-out rows where these candidates are fitted from this point on.
+pub fn held_out(problem: &impl Problem, point: &Point, included: &[usize]) -> DVector<f64> {
+    let mut fitted = Fitted::new(problem, point.clone(), included.to_vec());
+    fitted.settle(problem);
+    fitted.held_out()
 }
 
 /// Whether the curve in a choice is there beside its mechanisms, and large enough to act on.

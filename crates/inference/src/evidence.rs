@@ -82,6 +82,9 @@ pub struct Candidate {
     pub bounds: Vec<(f64, f64)>,
     /// The least first parameter that nature has: what a fit puts below it is refused.
     pub least: f64,
+    /// The first parameter as another channel of the data shows it, `usual` being the standard error of that; none: what is
+    /// believed lies about neutral.
+    pub shown: Option<f64>,
     /// What sets this version apart from the others of its name; none where there is only one.
     pub version: Option<Version>,
 }
@@ -100,10 +103,16 @@ pub struct Version {
 }
 
 impl Candidate {
-    /// Whether nature does not have this value of the first parameter, or nobody has seen it so far from neutral: further
-    /// than so many times its usual distance.
+    /// Whether nature does not have this value of the first parameter, or it lies too far from what is believed of it: further
+    /// than so many standard deviations.
     pub fn cannot_be(&self, value: f64, most_usual: f64) -> bool {
-        value < self.least || (value - self.neutral[0]).abs() > most_usual * self.usual[0]
+        value < self.least || (value - self.shown.unwrap_or(self.neutral[0])).abs() > most_usual * self.usual[0]
+    }
+
+    /// What is believed of each parameter beforehand, less neutral, with its standard deviation.
+    pub fn prior(&self) -> Vec<(f64, f64)> {
+        let shown = self.shown.map_or(0.0, |shown| shown - self.neutral[0]);
+        self.usual.iter().enumerate().map(|(i, usual)| (if i == 0 { shown } else { 0.0 }, *usual)).collect()
     }
 }
 
@@ -172,6 +181,12 @@ pub trait Problem {
         false
     }
 
+    /// The candidate of which this one has a part that does not vary over the data: a temperature's mean is an offset.
+    fn level_of(&self, candidate: usize) -> Option<usize> {
+        let _ = candidate;
+        None
+    }
+
     /// Share of what named mechanisms explain that may stay unexplained beside them without costing them their names.
     fn part_unexplained(&self) -> f64 {
         0.0
@@ -182,6 +197,12 @@ pub trait Problem {
     fn relevance(&self, quantity: &Quantity, scatter: f64) -> f64 {
         let _ = quantity;
         SHARE_OF_SCATTER * scatter
+    }
+
+    /// Whether a mechanism is worth a name where it changes any one row by as much as a misfit must have on the average: each
+    /// row is a result of its own.
+    fn judges_largest(&self) -> bool {
+        false
     }
 
     /// Whether a fit may go to this point: where physics has no such baseline it takes a shorter step.

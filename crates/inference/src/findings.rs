@@ -168,6 +168,21 @@ pub struct Unexplained {
     pub depends_on: Vec<String>,
 }
 
+/// A table without a cause that the extension carries, because it predicts: a value at each point, straight lines between.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Empirical {
+    /// What it changes: `drag`, `lift` (shares of them) or `net_mass_kg`.
+    pub acts_on: &'static str,
+    /// What it goes by.
+    pub against: &'static str,
+    /// Its points.
+    pub at: Vec<f64>,
+    /// Its values there.
+    pub values: Vec<f64>,
+    /// What it gains beside the named causes, of the quantity that gains most.
+    pub gain: Gain,
+}
+
 /// Error before and after on data that no fit saw.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Gain {
@@ -209,6 +224,8 @@ pub struct Diagnosis {
     pub left: Vec<Left>,
     /// What is left without a name.
     pub unexplained: Option<Unexplained>,
+    /// The table that the extension carries for it, where one predicts.
+    pub empirical: Option<Empirical>,
     /// What the extension gains on one quantity.
     pub gain: Gain,
     /// The same for every quantity.

@@ -125,8 +125,10 @@ impl Fitted {
         });
         let settled: Vec<(f64, Fitted)> = settled.collect();
         let least = settled.iter().map(|(left, _)| *left).min_by(f64::total_cmp)?;
-        // Where two are as good as each other the catalogue's order decides: the commoner stands first.
-        settled.into_iter().find(|(left, _)| *left < least + SAME).map(|(_, trial)| trial)
+        // Where two are as good as each other the one with fewer parameters is, and of those the catalogue's order decides: the
+        // commoner stands first.
+        let as_good = settled.into_iter().filter(|(left, _)| *left < least + SAME).map(|(_, trial)| trial);
+        as_good.min_by_key(|trial| trial.included.iter().map(|i| candidates[*i].neutral.len()).sum::<usize>())
     }
 
     /// Less the logarithm of the likelihood of data that were held out, up to a constant.
@@ -295,9 +297,9 @@ impl Fitted {
 pub(super) fn believing(problem: &impl Problem, mut evidence: Evidence, point: &Point, included: &[usize]) -> Evidence {
     for member in included {
         let candidate = &problem.candidates()[*member];
-        for ((value, neutral), usual) in point.candidates[*member].iter().zip(&candidate.neutral).zip(&candidate.usual)
-        {
-            evidence.prior.push((neutral - value, *usual));
+        let values = point.candidates[*member].iter().zip(&candidate.neutral);
+        for ((value, neutral), (believed, sd)) in values.zip(candidate.prior()) {
+            evidence.prior.push((neutral + believed - value, sd));
         }
     }
     evidence

@@ -30,7 +30,28 @@ pub(super) struct Iteration<'a> {
     evidence: Evidence,
     /// Every regressor's columns side by side, and what is believed of each.
     columns: DMatrix<f64>,
-    usual: Vec<f64>,
+    prior: Vec<(f64, f64)>,
+}
+
+/// Share of its largest effect on any row from which on a mechanism acts on a row.
+const ACTS: f64 = 0.1;
+
+/// What some members change in the predictions, and how sure that is.
+struct Change {
+    values: DVector<f64>,
+    /// Columns beside the baseline, and the covariance of their steps.
+    outside: DMatrix<f64>,
+    covariance: DMatrix<f64>,
+}
+
+impl Change {
+    /// Its rms over these rows, the share of the noise removed.
+    fn size(&self, rows: &[usize]) -> f64 {
+        let part = self.outside.select_rows(rows);
+        let noise = part.tr_mul(&part).component_mul(&self.covariance).sum();
+        let square: f64 = rows.iter().map(|row| self.values[*row].powi(2)).sum();
+        ((square - noise) / rows.len().max(1) as f64).max(0.0).sqrt()
+    }
 }
 
 impl<'a> Iteration<'a> {
@@ -40,7 +61,7 @@ impl<'a> Iteration<'a> {
         evidence.prior.truncate(evidence.baseline.ncols());
         let mut regressors: Vec<Regressor> = Vec::new();
         let mut parts_of_all: Vec<DMatrix<f64>> = Vec::new();
-        let mut usual: Vec<f64> = Vec::new();
+        let mut prior: Vec<(f64, f64)> = Vec::new();
         let mut n_columns = 0;
         for (index, candidate) in candidates.iter().enumerate() {
             let family = candidates.iter().position(|other| other.name == candidate.name).unwrap_or(index);
@@ -50,7 +71,7 @@ impl<'a> Iteration<'a> {
             n_columns += columns.len();
             parts_of_all.push(evidence.candidates[index].clone());
             regressors.push(Regressor { columns, family, is_curve: false, bounds });
-            usual.extend(&candidate.usual);
+            prior.extend(candidate.prior());
         }
         let mut curves: Vec<CurveRegressor> = Vec::new();
         for (covariate, shapes) in curve_shapes(&evidence) {
@@ -90,9 +111,9 @@ impl<'a> Iteration<'a> {
         }
         let parts = parts_of_all;
         let all = side_by_side(evidence.residual.len(), &parts.iter().collect::<Vec<_>>());
-        usual.resize(all.ncols(), f64::INFINITY);
-        let score = Score::new(&evidence, &fitted.noises, &evidence.baseline, &all, &usual);
-        Iteration { candidates, fitted, regressors, curves, score, evidence, columns: all, usual }
+        prior.resize(all.ncols(), (0.0, f64::INFINITY));
+        let score = Score::new(&evidence, &fitted.noises, &evidence.baseline, &all, &prior);
+        Iteration { candidates, fitted, regressors, curves, score, evidence, columns: all, prior }
     }
 
     pub(super) fn search(&self) -> SubsetSearch<'_> {
@@ -119,6 +140,13 @@ impl<'a> Iteration<'a> {
         (criterion < here - MARGIN).then_some(regressor)
     }
 
+    /// The curve that alone explains most for its cost.
+    pub(super) fn most_explaining_curve(&self) -> Option<usize> {
+        let search = self.search();
+        let curves = self.curves.iter().map(|curve| (search.criterion(&[curve.regressor]), curve.regressor));
+        curves.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, regressor)| regressor)
+    }
+
     /// Whether a set with a curve predicts_better data that were held out no worse than one without it: what is at work is there
     /// on the next glide, too; a wave that a few glides happened to meet is not.
     pub(super) fn predicts_better(&self, with: &[usize], without: &[usize]) -> bool {
@@ -134,7 +162,7 @@ impl<'a> Iteration<'a> {
     fn held_out(&self, members: &[usize]) -> DVector<f64> {
         let chosen = self.search().columns(members);
         let mut evidence = self.evidence.clone();
-        evidence.prior.extend(chosen.iter().map(|column| (0.0, self.usual[*column])));
+        evidence.prior.extend(chosen.iter().map(|column| self.prior[*column]));
         let members = self.columns.select_columns(&chosen);
         let columns = side_by_side(evidence.residual.len(), &[&evidence.baseline, &members]);
         holdout::residuals(&evidence, &self.fitted.noises, &columns, &evidence.residual)
@@ -160,6 +188,25 @@ impl<'a> Iteration<'a> {
     ///
     /// For nested fits the change of the predictions has the covariance of the one less that of the other.
     pub(super) fn sizes(&self, others: &[usize], tested: &[usize]) -> Vec<f64> {
+        let change = self.change(others, tested);
+        // Nothing is larger than the misfit that it is in: where noise is slow a curve fitted to it can be.
+        let of = |quantity: &super::evidence::Quantity| {
+            let misfit = super::holdout::rms(&self.evidence.residual, quantity.rows.clone());
+            change.size(&quantity.rows.clone().collect::<Vec<_>>()).min(misfit)
+        };
+        self.evidence.quantities.iter().map(of).collect()
+    }
+
+    /// The same of the row that one mechanism changes most.
+    pub(super) fn largest(&self, others: &[usize], tested: &[usize]) -> Vec<f64> {
+        let change = self.change(others, tested);
+        let of = |quantity: &super::evidence::Quantity| {
+            quantity.rows.clone().map(|row| change.size(&[row])).fold(0.0, f64::max)
+        };
+        self.evidence.quantities.iter().map(of).collect()
+    }
+
+    fn change(&self, others: &[usize], tested: &[usize]) -> Change {
         let search = self.search();
         let with: Vec<usize> = others.iter().chain(tested).copied().collect();
         let (all, few) = (search.columns(&with), search.columns(others));
@@ -176,14 +223,20 @@ impl<'a> Iteration<'a> {
             step[i] -= narrow.step[i];
             (0..few.len()).for_each(|j| covariance[(i, j)] -= narrow.covariance[(i, j)]);
         }
-        let change = &outside * step;
+        Change { values: &outside * step, outside, covariance }
+    }
+
+    /// The same of one mechanism, over the rows in which it acts: those that a unit of it changes by a tenth of the most it
+    /// changes any, or more. A step late in the log changes few rows, and these are what it is relevant for.
+    pub(super) fn size_where_it_acts(&self, others: &[usize], member: usize) -> Vec<f64> {
+        let change = self.change(others, &[member]);
+        let column = &self.evidence.candidates[member];
         let of = |quantity: &super::evidence::Quantity| {
-            let rows = quantity.rows.clone();
-            let n = rows.len().max(1) as f64;
-            let part = outside.rows(rows.start, rows.len());
-            let noise = part.tr_mul(&part).component_mul(&covariance).sum();
-            let square = change.rows(rows.start, rows.len()).norm_squared() - noise;
-            (square / n).max(0.0).sqrt()
+            let felt = |row: usize| column.row(row).amax();
+            let most = quantity.rows.clone().map(felt).fold(0.0, f64::max);
+            let acts: Vec<usize> =
+                quantity.rows.clone().filter(|row| most > 0.0 && felt(*row) >= ACTS * most).collect();
+            change.size(&acts)
         };
         self.evidence.quantities.iter().map(of).collect()
     }

@@ -23,23 +23,29 @@ mod fitted;
 pub mod gram;
 pub mod holdout;
 mod iteration;
+pub mod linear;
 pub mod noise;
 pub mod outcome;
+mod partly;
 pub mod regimes;
 pub mod relevance;
+mod replacements;
 mod report;
 pub mod score;
 pub mod smooth;
 pub mod specification_test;
 pub mod subset_search;
+mod unnamed;
 
 pub use engine::{diagnose, diagnose_in_full};
 pub use evidence::{Candidate, Covariate, Evidence, Headline, Point, Problem, Quantity, Version};
 pub use findings::{
-    Alternative, Cause, Check, Checked, Diagnosis, Gain, HalfSize, Left, Rejected, Unexplained, Verdict, Why, Wrong,
+    Alternative, Cause, Check, Checked, Diagnosis, Empirical, Gain, HalfSize, Left, Rejected, Unexplained, Verdict,
+    Why, Wrong,
 };
 pub use outcome::{Outcome, Stage, gains};
 pub use relevance::Relevance;
+pub use unnamed::{Offered, Unnamed, best_unnamed, fitted_again};
 
 #[cfg(test)]
 mod tests;

@@ -24,23 +24,43 @@ pub struct Misfit {
     pub change: f64,
 }
 
-/// The regime in which each included mechanism fails worst, the worst mechanism first. `included` are their columns.
-pub fn misfits(evidence: &Evidence, noises: &[Noise], included: &[&DMatrix<f64>]) -> Vec<Misfit> {
+/// A named mechanism: its columns, and the size of each of its parameters.
+#[derive(Debug, Clone)]
+pub struct Included<'a> {
+    /// Sensitivity of each row to each parameter.
+    pub columns: &'a DMatrix<f64>,
+    /// How far from neutral each parameter is.
+    pub sizes: DVector<f64>,
+}
+
+impl Included<'_> {
+    /// What all parameters together do to each row, for a unit of the first.
+    fn trace(&self) -> DVector<f64> {
+        match self.sizes[0] {
+            0.0 => self.columns.column(0).into_owned(),
+            first => self.columns * &self.sizes / first,
+        }
+    }
+}
+
+/// The regime in which each included mechanism fails worst, the worst mechanism first.
+pub fn misfits(evidence: &Evidence, noises: &[Noise], included: &[Included<'_>]) -> Vec<Misfit> {
     if included.is_empty() {
         return Vec::new();
     }
     let n = evidence.residual.len();
-    let k: usize = included.iter().map(|columns| columns.ncols()).sum();
+    let k: usize = included.iter().map(|one| one.columns.ncols()).sum();
     let mut tests: Vec<(usize, String, DVector<f64>)> = Vec::new();
-    for (place, columns) in included.iter().enumerate() {
+    for (place, one) in included.iter().enumerate() {
+        let trace = one.trace();
         for (name, weight) in weights(evidence) {
-            let weighed = DVector::from_fn(n, |row, _| columns[(row, 0)] * weight[row]);
+            let weighed = DVector::from_fn(n, |row, _| trace[row] * weight[row]);
             tests.push((place, name, weighed));
         }
     }
     let mut all = DMatrix::zeros(n, k + tests.len());
     let mut at = 0;
-    for columns in included {
+    for Included { columns, .. } in included {
         all.columns_mut(at, columns.ncols()).copy_from(columns);
         at += columns.ncols();
     }
@@ -49,8 +69,8 @@ pub fn misfits(evidence: &Evidence, noises: &[Noise], included: &[&DMatrix<f64>]
     }
     let mut evidence = evidence.clone();
     evidence.prior.truncate(evidence.baseline.ncols());
-    let usual = vec![f64::INFINITY; all.ncols()];
-    let score = Score::new(&evidence, noises, &evidence.baseline, &all, &usual);
+    let prior = vec![(0.0, f64::INFINITY); all.ncols()];
+    let score = Score::new(&evidence, noises, &evidence.baseline, &all, &prior);
     let known: Vec<usize> = (0..k).collect();
     let here = score.fit(&known).gain;
     let cost = score.effective_rows.ln() + 2.0 * (tests.len().max(1) as f64).ln();

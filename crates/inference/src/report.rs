@@ -10,8 +10,9 @@ use super::fitted::{Fitted, expected_rms};
 use super::holdout;
 use super::iteration::Iteration;
 use super::outcome::{Outcome, gains};
+use super::replacements::replacements;
 use super::score::{SIGNIFICANT, chance};
-use super::subset_search::{MARGIN, SubsetSearch};
+use super::subset_search::SubsetSearch;
 use crate::estimate::Estimate;
 
 /// Share of a mechanism's trace beside the baseline's parameters below which it hardly shows.
@@ -66,6 +67,7 @@ pub(super) fn report(
         wrong,
         alternatives: alternatives(problem, extended, &iteration),
         trim: None,
+        empirical: None,
         left: left(problem, extended, &iteration),
         rejected: rejected(problem, extended, &iteration, &search, &causes, dropped),
         causes,
@@ -149,14 +151,6 @@ pub(super) fn cause(
         }
     }
 
-    let mut replacements: Vec<String> = Vec::new();
-    for other in search.replacements(&extended.included, place, MARGIN) {
-        let name = candidates[other].name;
-        if name != candidate.name && !replacements.iter().any(|known| known == name) {
-            replacements.push(name.to_owned());
-        }
-    }
-
     let mut without = extended.clone();
     without.included = others;
     without.evidence.prior.drain(first..first + candidate.usual.len());
@@ -176,7 +170,7 @@ pub(super) fn cause(
         holdout_rms_before: holdout::rms(&before, quantity.rows.clone()),
         holdout_rms_after: holdout::rms(&after, quantity.rows.clone()),
         stability: extended.halves(problem, place),
-        indistinguishable_from: replacements,
+        indistinguishable_from: replacements(problem, extended, iteration, place),
     };
     Named { cause, candidate: member, gain, without: before }
 }
@@ -217,7 +211,7 @@ pub(super) fn rejected(
             };
             let mut with = extended.clone();
             with.included.push(index);
-            with.evidence.prior.extend(candidates[index].usual.iter().map(|usual| (0.0, *usual)));
+            with.evidence.prior.extend(candidates[index].prior());
             let rows = extended.evidence.quantities[0].rows.clone();
             let stands_in: Vec<&str> = causes
                 .iter()

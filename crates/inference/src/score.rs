@@ -76,14 +76,14 @@ impl Fit {
 }
 
 impl Score {
-    /// The products for these columns, side by side in the order in which sets will name them; `usual` is the standard
-    /// deviation of what is believed of each beforehand, infinite where nothing is.
+    /// The products for these columns, side by side in the order in which sets will name them; `prior` is what is believed of
+    /// the step of each beforehand with its standard deviation, infinite where nothing is.
     pub fn new(
         evidence: &Evidence,
         noises: &[Noise],
         baseline: &DMatrix<f64>,
         columns: &DMatrix<f64>,
-        usual: &[f64],
+        prior: &[(f64, f64)],
     ) -> Score {
         let n = evidence.residual.len();
         let (nb, nc) = (baseline.ncols(), columns.ncols());
@@ -108,13 +108,20 @@ impl Score {
         let seen = (0..nc).map(|j| rest.column(j).norm()).collect();
         let candidates = rest.columns(0, nc);
         let mut gram = candidates.transpose() * candidates;
-        for (j, usual) in usual.iter().enumerate() {
+        let mut moments = candidates.transpose() * rest.column(nc);
+        for (j, (believed, sd)) in prior.iter().enumerate() {
             // What no row feels at this point stays where it is.
-            gram[(j, j)] = if sizes[j] > f64::MIN_POSITIVE { gram[(j, j)] + (sizes[j] * usual).powi(-2) } else { 1.0 };
+            if sizes[j] > f64::MIN_POSITIVE {
+                let weight = (sizes[j] * sd).powi(-2);
+                gram[(j, j)] += weight;
+                moments[j] += weight * sizes[j] * believed;
+            } else {
+                gram[(j, j)] = 1.0;
+            }
         }
         Score {
             gram,
-            moments: candidates.transpose() * rest.column(nc),
+            moments,
             sizes,
             seen,
             whitened: all,

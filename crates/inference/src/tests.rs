@@ -46,6 +46,7 @@ impl Toy {
             usual: vec![100.0],
             bounds: Vec::new(),
             least: f64::NEG_INFINITY,
+            shown: None,
             version: None,
         };
         let candidates = ["offset", "compression", "leak", "expansion", "air"].map(named).to_vec();

@@ -1,0 +1,46 @@
+//! A mechanism that does nearly all although something else is there as well: it is named, and what is left is reported.
+
+use super::evidence::Problem;
+use super::fitted::{Fitted, expected_rms};
+use super::holdout;
+use super::iteration::Iteration;
+
+/// Share of the held-out squared error beyond the noise that a mechanism must remove: what is left of the error is half.
+const NEARLY_ALL: f64 = 0.75;
+
+/// Ratio of the error of the baseline to that of the measurement from which on a misfit is gross: the measurement's share of
+/// its square is less than a quarter.
+const GROSS: f64 = 2.0;
+
+impl Fitted {
+    /// Whether this one mechanism removes nearly all of a gross misfit on held-out data, on both halves of the data, and
+    /// spoils no quantity.
+    pub(super) fn does_nearly_all(&self, problem: &impl Problem, baseline: &Fitted) -> bool {
+        let &[member] = self.included.as_slice() else { return false };
+        let candidate = &problem.candidates()[member];
+        if candidate.cannot_be(self.point.candidates[member][0], problem.most_usual()) {
+            return false;
+        }
+        let (before, after) = (baseline.held_out(), self.held_out());
+        let rms = |values, quantity: usize| holdout::rms(values, self.evidence.quantities[quantity].rows.clone());
+        let noise = |quantity: usize| expected_rms(&self.evidence, &baseline.noises, quantity);
+        let quantities = 0..self.evidence.quantities.len();
+        let is_gross = quantities.clone().any(|q| rms(&before, q) > GROSS * noise(q));
+        // Squares in units of the noise, over all quantities.
+        let excess = |values| -> f64 {
+            let of = |q: usize| {
+                let n = self.evidence.quantities[q].rows.len() as f64;
+                n * ((rms(values, q) / noise(q)).powi(2) - 1.0)
+            };
+            quantities.clone().map(of).sum()
+        };
+        let spoils = quantities.clone().any(|q| rms(&after, q) > rms(&before, q).max(noise(q)));
+        let on_both_halves = self.halves(problem, 0).iter().all(|half| half.found);
+        let iteration = Iteration::new(problem.candidates(), self);
+        is_gross
+            && !spoils
+            && on_both_halves
+            && excess(&after) < (1.0 - NEARLY_ALL) * excess(&before)
+            && iteration.chance(&[], &[member]) <= problem.most_chance()
+    }
+}
