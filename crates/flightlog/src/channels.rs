@@ -103,6 +103,12 @@ impl FlightLog {
         self.columns[channel as usize] = values;
     }
 
+    /// The columns of the channels that were recorded, taken out of the log.
+    pub fn into_columns(self) -> Vec<(Channel, Vec<f64>)> {
+        let recorded = CHANNELS.iter().zip(self.columns).filter(|(_, values)| values.iter().any(|v| v.is_finite()));
+        recorded.map(|(info, values)| (info.channel, values)).collect()
+    }
+
     /// The column of a channel, made of missing values where it was not recorded.
     pub fn column_mut(&mut self, channel: Channel) -> &mut [f64] {
         let rows = self.rows;

@@ -10,9 +10,10 @@ use super::Observation;
 pub const MOST_OBSERVATIONS: usize = 200_000;
 
 /// How a log is shortened that is longer than the limit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Shorten {
     /// Means of steady neighbours.
+    #[default]
     Means,
     /// Every other dive, whole.
     Dives,

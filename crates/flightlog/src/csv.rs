@@ -2,16 +2,18 @@
 //! pieces, so that a log may be longer than the memory.
 //!
 //! Cells are separated by commas, semicolons or tabs, as the line of names shows; where commas do not separate, they may be
-//! the decimal mark. Times are seconds, or dates. Names that Slocum, Seaglider, SeaExplorer and OG1 use are known.
+//! the decimal mark. Times are seconds, or dates. Names that Slocum, Seaglider, SeaExplorer and OG1 use are known; units may
+//! stand in brackets behind the names, or in a line of their own below them, as ERDDAP writes both.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use super::channels::{CHANNELS, Channel, FlightLog};
 use super::columns::Columns;
 use super::dates::unix_s;
-use super::units::Conversion;
+use super::names;
+use super::units::{self, Conversion};
 use glidepolar_input::{InputError, Place, nearest, printable};
 
 /// A CSV log that is being read.
@@ -20,14 +22,16 @@ pub struct CsvLog {
     reader: ::csv::Reader<File>,
     columns: Vec<Column>,
     record: ::csv::ByteRecord,
+    /// Whether the record is a row of data that was read to see whether it holds units.
+    has_row: bool,
     /// Cells that hold something else than a number, with the place of the first.
     pub header: Vec<String>,
 }
 
-struct Column {
-    cell: usize,
-    channel: Channel,
-    conversion: Conversion,
+pub(super) struct Column {
+    pub cell: usize,
+    pub channel: Channel,
+    pub conversion: Conversion,
 }
 
 impl CsvLog {
@@ -38,8 +42,14 @@ impl CsvLog {
     pub fn open(path: &Path, columns: &Columns) -> Result<Self, InputError> {
         let mut reader = reader(path)?;
         let header = header(path, &mut reader)?;
-        let found = find_columns(path, &header, columns)?;
-        Ok(CsvLog { path: path.to_owned(), reader, columns: found, record: ::csv::ByteRecord::new(), header })
+        let mut record = ::csv::ByteRecord::new();
+        let mut has_row = reader.read_byte_record(&mut record).map_err(|error| csv_error(path, &error))?;
+        let stated = stated_units(&header, has_row.then_some(&record));
+        if has_row && is_line_of_units(&record) {
+            has_row = false;
+        }
+        let found = find_columns(path, &header, &stated, columns)?;
+        Ok(CsvLog { path: path.to_owned(), reader, columns: found, record, has_row, header })
     }
 
     /// The next piece of at most `rows` samples; nothing at the end.
@@ -50,7 +60,8 @@ impl CsvLog {
         let mut piece = FlightLog::default();
         let mut row: Vec<(Channel, f64)> = Vec::with_capacity(self.columns.len());
         while piece.len() < rows {
-            if !self.reader.read_byte_record(&mut self.record).map_err(|e| csv_error(&self.path, &e))? {
+            let is_read = std::mem::take(&mut self.has_row);
+            if !is_read && !self.reader.read_byte_record(&mut self.record).map_err(|e| csv_error(&self.path, &e))? {
                 break;
             }
             let line = self.record.position().map_or(0, |p| p.line() as usize);
@@ -79,10 +90,21 @@ impl CsvLog {
 /// A reader for the dialect: `#` comments, blanks around cells allowed, cells separated as in the line of names.
 pub(super) fn reader(path: &Path) -> Result<::csv::Reader<File>, InputError> {
     let separator = separator(path)?;
-    let file = File::open(path).map_err(|error| InputError::io(path, &error))?;
+    let mut file = File::open(path).map_err(|error| InputError::io(path, &error))?;
+    skip_separator_line(&mut file).map_err(|error| InputError::io(path, &error))?;
     let mut builder = ::csv::ReaderBuilder::new();
     builder.comment(Some(b'#')).trim(::csv::Trim::All).flexible(true).delimiter(separator);
     Ok(builder.from_reader(file))
+}
+
+/// A spreadsheet's `sep=;` above the names is no line of the table.
+fn skip_separator_line(file: &mut File) -> std::io::Result<()> {
+    let mut start = [0u8; 16];
+    let read = file.read(&mut start)?;
+    let text = start[..read].strip_prefix(b"\xef\xbb\xbf").unwrap_or(&start[..read]);
+    let line = text.iter().position(|byte| *byte == b'\n').filter(|_| text.starts_with(b"sep="));
+    let at = line.map_or(0, |line| (read - text.len()) + line + 1);
+    file.seek(SeekFrom::Start(at as u64)).map(|_| ())
 }
 
 /// What separates the names in the first line that is no comment: tabs before semicolons before commas, since a name may
@@ -93,8 +115,13 @@ fn separator(path: &Path) -> Result<u8, InputError> {
     let mut start = Vec::new();
     let file = File::open(path).map_err(|error| InputError::io(path, &error))?;
     file.take(LONGEST).read_to_end(&mut start).map_err(|error| InputError::io(path, &error))?;
+    if start.starts_with(&[0xff, 0xfe]) || start.starts_with(&[0xfe, 0xff]) {
+        let error = InputError::new(Place::file(path), "is text in UTF-16, expected UTF-8");
+        return Err(error.help("save it as \"CSV UTF-8\""));
+    }
     let lines = start.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
-    let names = lines.into_iter().find(|line| !line.is_empty() && !line.starts_with(b"#")).unwrap_or_default();
+    let is_names = |line: &&[u8]| !line.is_empty() && !line.starts_with(b"#") && !line.starts_with(b"sep=");
+    let names = lines.into_iter().find(is_names).unwrap_or_default();
     Ok([b'\t', b';'].into_iter().find(|separator| names.contains(separator)).unwrap_or(b','))
 }
 
@@ -117,7 +144,37 @@ pub(super) fn header(path: &Path, reader: &mut ::csv::Reader<File>) -> Result<Ve
     Ok(names)
 }
 
-fn find_columns(path: &Path, header: &[String], wanted: &Columns) -> Result<Vec<Column>, InputError> {
+/// The name of each column without its unit, and the unit where the table states one: behind the name in brackets, or in
+/// the line below the names.
+pub(super) fn stated_units(header: &[String], first: Option<&::csv::ByteRecord>) -> Vec<(String, Option<String>)> {
+    let below = first.filter(|record| is_line_of_units(record));
+    let of = |(i, name): (usize, &String)| match (names::with_unit(name), below) {
+        (Some((stem, unit)), _) => (stem.to_owned(), Some(unit.to_owned())),
+        (None, Some(units)) => {
+            let unit = units.get(i).map(|cell| String::from_utf8_lossy(cell).trim().to_owned());
+            (name.clone(), unit.filter(|unit| !unit.is_empty()))
+        }
+        (None, None) => (name.clone(), None),
+    };
+    header.iter().enumerate().map(of).collect()
+}
+
+/// Whether a row holds units instead of values: no number and no date in it, and a unit of some channel.
+fn is_line_of_units(record: &::csv::ByteRecord) -> bool {
+    let texts: Vec<String> = record.iter().map(|cell| String::from_utf8_lossy(cell).trim().to_owned()).collect();
+    let holds_value = |text: &String| number(text.as_bytes()).is_some_and(f64::is_finite) && text != "1";
+    let is_unit = |text: &String| CHANNELS.iter().any(|info| units::conversion(info.channel, text).is_some());
+    !texts.iter().any(|text| holds_value(text) || unix_s(text).is_some())
+        && texts.iter().filter(|text| !text.is_empty() && is_unit(text)).count() >= 2
+}
+
+/// Where each channel stands among the columns, and in which unit.
+pub(super) fn find_columns(
+    path: &Path,
+    header: &[String],
+    stated: &[(String, Option<String>)],
+    wanted: &Columns,
+) -> Result<Vec<Column>, InputError> {
     let position = |name: &str| header.iter().position(|found| found == name);
     let mut columns = Vec::new();
     for info in CHANNELS {
@@ -138,10 +195,26 @@ fn find_columns(path: &Path, header: &[String], wanted: &Columns) -> Result<Vec<
             columns.push(Column { cell, channel: info.channel, conversion });
             continue;
         }
+        // A unit that the table states goes before what a name says of it.
+        let own = [info.name];
+        let known = names::of(info.channel).iter().chain(&own);
+        let with_unit = known.filter_map(|name| {
+            let cell = stated.iter().position(|(stem, unit)| unit.is_some() && stem.eq_ignore_ascii_case(name))?;
+            Some((cell, units::conversion(info.channel, stated[cell].1.as_deref()?)?))
+        });
+        if let Some((cell, conversion)) = with_unit.into_iter().next() {
+            let conversion = wanted.unit(info.channel).unwrap_or(conversion);
+            columns.push(Column { cell, channel: info.channel, conversion });
+            continue;
+        }
         let makers =
             MAKERS.iter().filter(|(channel, ..)| *channel == info.channel).map(|(_, name, factor)| (*name, *factor));
         let names = std::iter::once((info.name, 1.0)).chain(info.aliases.iter().copied()).chain(makers);
-        if let Some((cell, factor)) = names.filter_map(|(name, factor)| Some((position(name)?, factor))).next() {
+        // Without capital letters where no column has the very name; a plain word as `Pitch` is no maker's in small letters.
+        let alike = |name: &str| header.iter().position(|found| name.contains('_') && found.eq_ignore_ascii_case(name));
+        let mut exact = names.clone().filter_map(|(name, factor)| Some((position(name)?, factor)));
+        let mut alike = names.filter_map(|(name, factor)| Some((alike(name)?, factor)));
+        if let Some((cell, factor)) = exact.next().or_else(|| alike.next()) {
             let conversion = wanted.unit(info.channel).unwrap_or(Conversion::by(factor));
             columns.push(Column { cell, channel: info.channel, conversion });
         }
@@ -259,10 +332,13 @@ fn listed(header: &[String]) -> String {
     header.iter().map(|name| printable(name)).collect::<Vec<_>>().join(", ")
 }
 
+/// What programs write for a value that is missing.
+const MISSING: [&str; 8] = ["nan", "na", "n/a", "null", "none", "--", "-", "nat"];
+
 /// The number in a cell; NaN for an empty one; nothing where it holds something else.
 pub(super) fn number(cell: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(cell).ok()?.trim();
-    if text.is_empty() || text.eq_ignore_ascii_case("nan") {
+    if text.is_empty() || MISSING.iter().any(|missing| text.eq_ignore_ascii_case(missing)) {
         return Some(f64::NAN);
     }
     // A comma in a cell is the decimal mark of half the world.

@@ -2,6 +2,15 @@
 
 /// Unix time of a date, in UTC unless it states a zone \[s\]; nothing of a text that is none.
 pub(super) fn unix_s(text: &str) -> Option<f64> {
+    of_years(text, 1900..3000)
+}
+
+/// The same for the day from which a file counts its times, which may lie before any glider: year 0, 1858, 1900.
+pub(super) fn epoch_s(text: &str) -> Option<f64> {
+    of_years(text, 0..3000)
+}
+
+fn of_years(text: &str, years: std::ops::Range<i64>) -> Option<f64> {
     let text = text.trim();
     let (date, clock) = match text.find(['T', 't', ' ']) {
         Some(at) => (&text[..at], text[at + 1..].trim()),
@@ -9,6 +18,11 @@ pub(super) fn unix_s(text: &str) -> Option<f64> {
     };
     let (year, month, day) = date_of(date)?;
     let (clock, zone_s) = without_zone(clock)?;
+    // Without colons: `164957`.
+    let is_compact = clock.len() == 6 && clock.bytes().all(|digit| digit.is_ascii_digit());
+    let with_colons =
+        if is_compact { format!("{}:{}:{}", &clock[..2], &clock[2..4], &clock[4..]) } else { clock.to_owned() };
+    let clock = with_colons.as_str();
     let mut parts = clock.split(':');
     let mut number = |most: f64| -> Option<f64> {
         match parts.next() {
@@ -25,15 +39,23 @@ pub(super) fn unix_s(text: &str) -> Option<f64> {
     if parts.next().is_some() {
         return None;
     }
-    let days = days_since_1970(year, month, day)?;
+    let days = days_since_1970(year, month, day).filter(|_| years.contains(&year))?;
     Some(days as f64 * 86_400.0 + hour * 3600.0 + minute * 60.0 + second - zone_s)
 }
 
-/// `2023-04-18`, `2023/04/18`, or with the day first `18/04/2023`, `18.04.2023`.
+/// `2023-04-18`, `2023/04/18`, `20230418`, or with the day first `18/04/2023`, `18.04.2023`, `18-Apr-2023`.
 fn date_of(text: &str) -> Option<(i64, i64, i64)> {
+    const MONTHS: [&str; 12] = ["jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"];
+    if text.len() == 8 && text.bytes().all(|digit| digit.is_ascii_digit()) {
+        return Some((text[..4].parse().ok()?, text[4..6].parse().ok()?, text[6..].parse().ok()?));
+    }
     let parts: Vec<&str> = text.split(['-', '/', '.']).collect();
     let [a, b, c] = parts[..] else { return None };
     let number = |text: &str| text.bytes().all(|digit| digit.is_ascii_digit()).then(|| text.parse::<i64>().ok())?;
+    let named = MONTHS.iter().position(|month| b.eq_ignore_ascii_case(month));
+    if let (Some(month), 1 | 2, 4) = (named, a.len(), c.len()) {
+        return Some((number(c)?, month as i64 + 1, number(a)?));
+    }
     match (a.len(), c.len()) {
         (4, 1 | 2) => Some((number(a)?, number(b)?, number(c)?)),
         (1 | 2, 4) => Some((number(c)?, number(b)?, number(a)?)),
@@ -43,7 +65,7 @@ fn date_of(text: &str) -> Option<(i64, i64, i64)> {
 
 /// The clock without `Z` or `+02:00`, and the seconds by which that zone is ahead.
 fn without_zone(clock: &str) -> Option<(&str, f64)> {
-    let clock = clock.trim_end_matches(" UTC").trim_end_matches(" utc");
+    let clock = ["UTC", "utc", "GMT", "gmt"].iter().fold(clock, |clock, zone| clock.trim_end_matches(zone)).trim_end();
     if let Some(clock) = clock.strip_suffix(['Z', 'z']) {
         return Some((clock, 0.0));
     }
@@ -57,7 +79,7 @@ fn without_zone(clock: &str) -> Option<(&str, f64)> {
 
 /// Days from 1970-01-01 to a date of the Gregorian calendar; the year begins in March, so that leap days are last.
 fn days_since_1970(year: i64, month: i64, day: i64) -> Option<i64> {
-    if !(1..=12).contains(&month) || !(1..=31).contains(&day) || !(1900..3000).contains(&year) {
+    if !(1..=12).contains(&month) || !(1..=31).contains(&day) {
         return None;
     }
     let (year, month) = if month > 2 { (year, month - 3) } else { (year - 1, month + 9) };
@@ -78,10 +100,14 @@ mod tests {
             "18/04/2023 16:49:57",
             "2023-04-18T18:49:57+02:00",
             "2023-04-18T16:49:57.000000000",
+            "20230418T164957Z",
+            "18-Apr-2023 16:49:57",
+            "2023-04-18 16:49:57 GMT",
         ] {
             assert_eq!(unix_s(text), Some(1_681_836_597.0), "{text}");
         }
         assert_eq!(unix_s("1970-01-01"), Some(0.0));
+        assert_eq!((unix_s("0000-01-01"), epoch_s("0000-01-01")), (None, Some(-719_528.0 * 86_400.0)));
         assert_eq!(unix_s("22/07/2019 05:24:38.427").map(|t| (t * 1e3).round()), Some(1_563_773_078_427.0));
         for text in ["", "12.5", "2023-13-01", "2023-04-18T25:00:00", "yesterday", "1.2.3", "2023-04-18T16:49:57:1"] {
             assert_eq!(unix_s(text), None, "{text}");

@@ -12,9 +12,11 @@ use super::calibration::Calibration;
 use super::channels::{Channel, FlightLog};
 use super::columns::Columns;
 use super::fix::GpsFix;
+use super::in_memory::InMemory;
 use super::observation::Observation;
 use super::open::{LogPieces, Opened};
 use super::{CsvLog, ad2cp, glide_table, netcdf, og1, open, seaexplorer, seaglider, slocum};
+use glidepolar_input::memory::Table;
 use glidepolar_input::{InputError, Place, printable};
 
 /// The next part of a log.
@@ -91,7 +93,9 @@ impl LogFiles {
         let (mut sources, mut warnings, mut failed) = (Vec::new(), Vec::new(), None);
         for path in paths {
             // A name that was mistyped is no damage.
-            std::fs::File::open(path).map_err(|error| InputError::io(path, &error))?;
+            if Table::named(path).is_none() {
+                std::fs::File::open(path).map_err(|error| InputError::io(path, &error))?;
+            }
             match probe(path, columns) {
                 Ok(source) => sources.push(source),
                 Err(error) if paths.len() == 1 => return Err(error),
@@ -270,6 +274,10 @@ impl LogFiles {
 /// What a file is, by its content.
 fn probe(path: &Path, columns: &Columns) -> Result<Source, InputError> {
     let source = |kind, glider, start_s| Source { path: path.to_owned(), kind, glider, start_s };
+    if let Some(table) = Table::named(path) {
+        let first = InMemory::open(table, columns)?.next_piece(1)?;
+        return Ok(source(Kind::Csv, String::new(), ordering_s(first.as_ref())));
+    }
     if netcdf::is_one(path)? {
         let file = netcdf::open(path)?;
         if seaglider::is_one(&file) {
@@ -297,10 +305,12 @@ fn probe(path: &Path, columns: &Columns) -> Result<Source, InputError> {
         return Ok(source(Kind::Glides, String::new(), f64::NAN));
     }
     let first = CsvLog::open(path, columns)?.next_piece(1)?;
-    let start_s = first.map_or(f64::NAN, |piece| piece.at(Channel::Time, 0));
-    // Times since a start of their own order nothing.
-    let start_s = if start_s > FIRST_UNIX_S { start_s } else { f64::NAN };
-    Ok(source(Kind::Csv, String::new(), start_s))
+    Ok(source(Kind::Csv, String::new(), ordering_s(first.as_ref())))
+}
+
+/// The time by which a log is put in order among others. Times since a start of their own order nothing.
+fn ordering_s(first: Option<&FlightLog>) -> f64 {
+    first.map(|piece| piece.at(Channel::Time, 0)).filter(|time| *time > FIRST_UNIX_S).unwrap_or(f64::NAN)
 }
 
 /// Fixes that follow one another within this time are of one surfacing: a dive takes longer \[s\].

@@ -48,18 +48,24 @@ pub(super) fn values(path: &Path, file: &NcFile, name: &str) -> Result<Vec<f64>,
         InputError::new(Place::file(path), problem)
     })?;
     // Magnitudes that no instrument gives are default fill values that nobody declared; nanoseconds since 1970 are 1e18.
-    let most = if units(file, name).starts_with("nanoseconds") { 5e18 } else { 1e15 };
+    let unit = units(file, name);
+    let most = if unit.starts_with("nanosec") || unit.starts_with("microsec") { 5e18 } else { 1e15 };
     Ok(array.iter().map(|&value| if value.abs() < most { value } else { f64::NAN }).collect())
+}
+
+/// An attribute of a variable as text, lower case.
+pub(super) fn attribute_of(file: &NcFile, name: &str, attribute: &str) -> String {
+    file.variable(name)
+        .ok()
+        .and_then(|variable| variable.attribute(attribute)?.value.as_string())
+        .unwrap_or_default()
+        .trim()
+        .to_lowercase()
 }
 
 /// The `units` attribute, lower case.
 pub(super) fn units(file: &NcFile, name: &str) -> String {
-    file.variable(name)
-        .ok()
-        .and_then(|variable| variable.attribute("units")?.value.as_string())
-        .unwrap_or_default()
-        .trim()
-        .to_lowercase()
+    attribute_of(file, name, "units")
 }
 
 pub(super) fn attribute_f64(file: &NcFile, name: &str) -> Option<f64> {

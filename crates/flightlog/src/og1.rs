@@ -1,8 +1,10 @@
 //! NetCDF time series of Slocum and SeaExplorer gliders (pyglider), and in the OG1 format: one dimension, one variable a
-//! channel, units as the `units` attribute says. Names are those of OG1, of pyglider and of the Slocum's own sensors.
+//! channel, units as the `units` attribute says, times from the day that it states. Names are those of [`names`], else a CF
+//! standard name. Values that quality control flagged bad (4, 9) are missing.
 //!
 //! A unit that the user states goes before that of the file. Angles that a file labels degrees and that stay within what
-//! radians can be are taken as radians, with a warning: pyglider's example for Slocum gliders writes such files.
+//! radians can be are taken as radians, with a warning: pyglider's example for Slocum gliders writes such files. So is a
+//! conductivity beyond what a sea has taken as mS/cm.
 
 use std::path::Path;
 
@@ -10,50 +12,17 @@ use netcdf_reader::NcFile;
 
 use super::channels::{CHANNELS, Channel, FlightLog};
 use super::columns::Columns;
-use super::fix::GpsFix;
-use super::netcdf::{attribute_text, first, has, missing, of_length, open, units, values};
+use super::fix::{GpsFix, degrees};
+use super::names;
+use super::netcdf::{attribute_of, attribute_text, first, has, missing, of_length, open, units, values};
 use super::units::{self, Conversion, is_angle};
 use glidepolar_input::{InputError, Place, printable};
 
-/// Under which names a channel is found, the best first.
-const NAMES: &[(Channel, &[&str])] = &[
-    (Channel::Time, &["TIME", "time", "m_present_time", "sci_m_present_time"]),
-    (Channel::Pressure, &["PRES", "pressure", "sci_water_pressure", "m_pressure"]),
-    (Channel::Depth, &["DEPTH", "GLIDER_DEPTH", "depth", "m_depth"]),
-    (Channel::Pitch, &["PITCH", "GLIDER_PITCH", "pitch", "m_pitch"]),
-    (
-        Channel::Ballast,
-        &[
-            "vbd_cc",
-            "ballast_pumped",
-            "m_ballast_pumped",
-            "buoyancy_pump",
-            "m_de_oil_vol",
-            "oil_volume",
-            "ballast_volume",
-            "BallastPos",
-            "ballast_pos",
-            "eng_vbdCC",
-            "BALLAST",
-        ],
-    ),
-    (Channel::Density, &["density", "DENSITY"]),
-    (Channel::Temperature, &["TEMP", "temperature", "sci_water_temp", "m_water_temp"]),
-    (Channel::Salinity, &["PSAL", "salinity"]),
-    (Channel::Conductivity, &["CNDC", "conductivity", "sci_water_cond", "m_water_cond"]),
-    (Channel::Roll, &["ROLL", "GLIDER_ROLL", "roll", "m_roll"]),
-    (Channel::Heading, &["HEADING", "GLIDER_HEADING", "heading", "m_heading"]),
-    (Channel::Rudder, &["fin", "m_fin", "FIN"]),
-    (Channel::BatteryPosition, &["battpos", "battery_position", "m_battpos"]),
-    (Channel::Speed, &["speed_through_water_m_s", "speed_through_water"]),
-    (Channel::Charge, &["coulomb", "m_coulomb_amphr_total"]),
-    (Channel::Voltage, &["battery", "m_battery"]),
-    (Channel::Latitude, &["LATITUDE", "latitude"]),
-    (Channel::Longitude, &["LONGITUDE", "longitude"]),
-];
-
 /// Largest pitch in radians, and in degrees what no glider keeps within all its way \[either\].
 const MOST_RAD: f64 = 1.6;
+
+/// Largest conductivity of a sea \[S/m\]: 60 g/kg at 35 degC have 9.
+const MOST_S_M: f64 = 10.0;
 
 /// Reads a time series; what a user should know of it is added to the warnings.
 ///
@@ -61,41 +30,56 @@ const MOST_RAD: f64 = 1.6;
 /// A channel that is missing, has another length than the time, or a unit that is not known.
 pub(super) fn read(path: &Path, columns: &Columns, warnings: &mut Vec<String>) -> Result<FlightLog, InputError> {
     let file = open(path)?;
+    let variables = Variables::of(&file);
     let mut log = FlightLog::default();
     let mut rows = None;
     // Angles in degrees by the label of the file only.
     let mut labelled_degrees = Vec::new();
-    for &(channel, names) in NAMES {
+    for &(channel, _) in names::NAMES {
         let chosen = columns.of(channel);
         let name = match chosen {
             Some(name) if !has(&file, name) => return Err(missing(path, CHANNELS[channel as usize].meaning, &[name])),
-            Some(name) => name,
-            None => match names.iter().chain([&CHANNELS[channel as usize].name]).find(|name| has(&file, name)) {
+            Some(name) => name.to_owned(),
+            None => match variables.find(path, &file, channel, rows)? {
                 Some(name) => name,
                 None => continue,
             },
         };
-        let conversion = columns.unit(channel).map_or_else(|| stated(path, &file, channel, name), Ok)?;
-        let column: Vec<f64> = values(path, &file, name)?.into_iter().map(|value| conversion.of(value)).collect();
+        let conversion = columns.unit(channel).map_or_else(|| stated(path, &file, channel, &name), Ok)?;
+        let mut column: Vec<f64> = values(path, &file, &name)?.into_iter().map(|value| conversion.of(value)).collect();
+        flagged(path, &file, &name, &mut column, warnings);
         let rows = *rows.get_or_insert(column.len());
         if is_angle(channel) && columns.unit(channel).is_none() && conversion != Conversion::NONE {
             labelled_degrees.push(channel);
+        }
+        if channel == Channel::Depth {
+            downward(&file, &name, &mut column);
         }
         let is_needed = matches!(channel, Channel::Pressure | Channel::Pitch | Channel::Ballast) || chosen.is_some();
         if column.len() != rows && !is_needed {
             warnings.push(format!(
                 "{}: variable `{}` left out, it has {} values where the time has {rows}",
                 printable(&path.to_string_lossy()),
-                printable(name),
+                printable(&name),
                 column.len()
             ));
             continue;
         }
-        log.set(channel, of_length(path, name, column, rows)?);
+        log.set(channel, of_length(path, &name, column, rows)?);
     }
     let need = |channel: Channel, what: &str| {
-        let names = NAMES.iter().find(|(named, _)| *named == channel).map_or(&[][..], |(_, names)| names);
-        if log.column(channel).is_empty() { Err(missing(path, what, names)) } else { Ok(()) }
+        if !log.column(channel).is_empty() {
+            return Ok(());
+        }
+        /// So many names say what is looked for.
+        const SHOWN: usize = 6;
+        let known = names::of(channel);
+        let error = missing(path, what, &known[..known.len().min(SHOWN)]);
+        Err(error.help(format!(
+            "name it by --column {}=VARIABLE; the variables are: {}",
+            CHANNELS[channel as usize].name,
+            variables.listed()
+        )))
     };
     need(Channel::Time, "time")?;
     if log.column(Channel::Depth).is_empty() {
@@ -104,7 +88,126 @@ pub(super) fn read(path: &Path, columns: &Columns, warnings: &mut Vec<String>) -
     need(Channel::Pitch, "pitch")?;
     need(Channel::Ballast, "ballast volume")?;
     radians_labelled_degrees(path, &labelled_degrees, &mut log, warnings);
+    if columns.unit(Channel::Conductivity).is_none() {
+        conductivity_in_s_m(path, &mut log, warnings);
+    }
+    degrees_and_minutes(&mut log);
     Ok(log)
+}
+
+/// The variables of a file by their names.
+struct Variables {
+    names: Vec<String>,
+}
+
+impl Variables {
+    fn of(file: &NcFile) -> Self {
+        Variables { names: file.variables().unwrap_or_default().iter().map(|v| v.name().to_owned()).collect() }
+    }
+
+    /// As many names as a person reads, without those of flags.
+    fn listed(&self) -> String {
+        const MOST: usize = 40;
+        let is_value = |name: &&String| !name.to_lowercase().contains("qc");
+        let names: Vec<String> = self.names.iter().filter(is_value).map(|name| printable(name)).collect();
+        let more = if names.len() > MOST { ", ..." } else { "" };
+        format!("{}{more}", names[..names.len().min(MOST)].join(", "))
+    }
+
+    /// The variable that holds a channel: of those with a known name the first that has a value and is as long as the time,
+    /// else one by its CF standard name.
+    fn find(
+        &self,
+        path: &Path,
+        file: &NcFile,
+        channel: Channel,
+        rows: Option<usize>,
+    ) -> Result<Option<String>, InputError> {
+        let own = CHANNELS[channel as usize].name;
+        let named = |wanted: &str| self.names.iter().find(|name| name.eq_ignore_ascii_case(wanted));
+        let mut candidates: Vec<&String> =
+            names::of(channel).iter().chain([&own]).filter_map(|wanted| named(wanted)).collect();
+        if candidates.is_empty() {
+            let standard = names::standard(channel);
+            let is_standard = |name: &&String| standard.contains(&attribute_of(file, name, "standard_name").as_str());
+            candidates = self.names.iter().filter(is_standard).collect();
+        }
+        if let ([only], _) | ([only, ..], Channel::Time) = (&candidates[..], channel) {
+            return Ok(Some((*only).clone()));
+        }
+        for name in &candidates {
+            let column = values(path, file, name)?;
+            if rows.is_none_or(|rows| column.len() == rows) && column.iter().any(|value| value.is_finite()) {
+                return Ok(Some((*name).clone()));
+            }
+        }
+        Ok(candidates.first().map(|name| (*name).clone()))
+    }
+}
+
+/// Takes out what quality control flagged bad (4) or missing (9), in the scheme of Argo, OceanSITES and QARTOD alike.
+fn flagged(path: &Path, file: &NcFile, name: &str, column: &mut [f64], warnings: &mut Vec<String>) {
+    let Some(flags) = [format!("{name}_QC"), format!("{name}_qc")].into_iter().find(|flags| has(file, flags)) else {
+        return;
+    };
+    // Flags that are characters, or cannot be read, say nothing here.
+    let Ok(flags) = values(path, file, &flags) else { return };
+    if flags.len() != column.len() {
+        return;
+    }
+    let mut bad = 0;
+    for (value, flag) in column.iter_mut().zip(flags).filter(|(value, _)| value.is_finite()) {
+        if flag == 4.0 || flag == 9.0 {
+            *value = f64::NAN;
+            bad += 1;
+        }
+    }
+    if bad > 0 {
+        warnings.push(format!(
+            "{}: {bad} of {} values of `{}` left out, flagged bad by quality control",
+            printable(&path.to_string_lossy()),
+            column.len(),
+            printable(name)
+        ));
+    }
+}
+
+/// Depths that count up are turned round: by the attribute `positive`, or where all of the record lies above the surface.
+fn downward(file: &NcFile, name: &str, depth: &mut [f64]) {
+    /// Height above the surface that a wave and an offset of the sensor explain \[m\].
+    const MOST_HEIGHT_M: f64 = 5.0;
+    let mut known: Vec<f64> = depth.iter().copied().filter(|value| value.is_finite()).collect();
+    if known.is_empty() {
+        return;
+    }
+    let is_up = attribute_of(file, name, "positive") == "up";
+    if super::clean::median(&mut known) < if is_up { 0.0 } else { -MOST_HEIGHT_M } {
+        depth.iter_mut().for_each(|value| *value = -*value);
+    }
+}
+
+/// A conductivity beyond what a sea has is in mS/cm, whatever the label.
+fn conductivity_in_s_m(path: &Path, log: &mut FlightLog, warnings: &mut Vec<String>) {
+    let mut known: Vec<f64> =
+        log.column(Channel::Conductivity).iter().copied().filter(|value| value.is_finite()).collect();
+    if known.is_empty() || super::clean::median(&mut known) <= MOST_S_M {
+        return;
+    }
+    log.column_mut(Channel::Conductivity).iter_mut().for_each(|value| *value *= 0.1);
+    warnings.push(format!(
+        "{}: conductivity beyond {MOST_S_M} S/m, which no sea has: taken as mS/cm (--unit conductivity_S_m=S/m keeps it)",
+        printable(&path.to_string_lossy())
+    ));
+}
+
+/// Positions that no sphere has are the receiver's `DDMM.mmm`.
+fn degrees_and_minutes(log: &mut FlightLog) {
+    let beyond = |channel: Channel, most: f64| log.column(channel).iter().any(|value| value.abs() > most);
+    if beyond(Channel::Latitude, 90.0) || beyond(Channel::Longitude, 360.0) {
+        for channel in [Channel::Latitude, Channel::Longitude] {
+            log.column_mut(channel).iter_mut().for_each(|value| *value = degrees(*value));
+        }
+    }
 }
 
 /// A pitch that never exceeds 1.6 deg is none of a glider that glides: it is in radians, and so are the other angles of the
@@ -134,18 +237,31 @@ fn radians_labelled_degrees(path: &Path, labelled: &[Channel], log: &mut FlightL
     ));
 }
 
-/// Positions of the receiver, where the file holds them apart from the positions between.
+/// Positions of the receiver, where the file holds them apart from the positions between: with times of their own, or at
+/// those of the record.
 ///
 /// # Errors
 /// A variable that is not readable.
 pub(super) fn fixes(path: &Path) -> Result<Vec<GpsFix>, InputError> {
+    const LATITUDES: [&str; 4] = ["LATITUDE_GPS", "m_gps_lat", "gps_lat", "log_gps_lat"];
+    const LONGITUDES: [&str; 4] = ["LONGITUDE_GPS", "m_gps_lon", "gps_lon", "log_gps_lon"];
     let file = open(path)?;
     let column = |names: &[&str]| first(path, &file, names);
-    let (time, lat, lon) = (column(&["TIME_GPS"])?, column(&["LATITUDE_GPS"])?, column(&["LONGITUDE_GPS"])?);
-    let (Some(time), Some(lat), Some(lon)) = (time, lat, lon) else { return Ok(Vec::new()) };
+    let (Some(lat), Some(lon)) = (column(&LATITUDES)?, column(&LONGITUDES)?) else { return Ok(Vec::new()) };
+    let times = ["TIME_GPS", "gps_time", "log_gps_time", "TIME", "time", "m_present_time"];
+    let mut time = Vec::new();
+    for name in times.into_iter().filter(|name| has(&file, name)) {
+        let conversion = stated(path, &file, Channel::Time, name)?;
+        time = values(path, &file, name)?.into_iter().map(|value| conversion.of(value)).collect();
+        if time.len() == lat.len() {
+            break;
+        }
+    }
+    let is_ddmm = lat.iter().any(|value| value.abs() > 90.0);
+    let of = |value: f64| if is_ddmm { degrees(value) } else { value };
     let mut fixes: Vec<GpsFix> = Vec::new();
-    for ((&time, &lat), &lon) in time.iter().zip(&lat).zip(&lon) {
-        let Some(fix) = GpsFix::new(time, lat, lon) else { continue };
+    for ((&time, &lat), &lon) in time.iter().zip(&lat).zip(&lon).filter(|_| lat.len() == lon.len()) {
+        let Some(fix) = GpsFix::new(time, of(lat), of(lon)) else { continue };
         if fixes.last().is_none_or(|last| (last.lat_deg, last.lon_deg) != (fix.lat_deg, fix.lon_deg)) {
             fixes.push(fix);
         }
@@ -158,17 +274,20 @@ pub(super) fn fixes(path: &Path) -> Result<Vec<GpsFix>, InputError> {
 /// # Errors
 /// A file without time.
 pub(super) fn headline(path: &Path, file: &NcFile, columns: &Columns) -> Result<(String, f64), InputError> {
-    let names = NAMES.iter().find(|(channel, _)| *channel == Channel::Time).map_or(&[][..], |(_, names)| names);
-    let name = columns.of(Channel::Time).or_else(|| names.iter().copied().find(|name| has(file, name)));
+    let name = match columns.of(Channel::Time) {
+        Some(name) => Some(name.to_owned()),
+        None => Variables::of(file).find(path, file, Channel::Time, None)?,
+    };
     let start_s = match name.filter(|name| has(file, name)) {
         Some(name) => {
-            let conversion = stated(path, file, Channel::Time, name)?;
-            values(path, file, name)?
+            let conversion =
+                columns.unit(Channel::Time).map_or_else(|| stated(path, file, Channel::Time, &name), Ok)?;
+            values(path, file, &name)?
                 .into_iter()
                 .find(|time| time.is_finite())
                 .map_or(f64::NAN, |time| conversion.of(time))
         }
-        None => return Err(missing(path, "time", names)),
+        None => return Err(missing(path, "time", names::of(Channel::Time))),
     };
     let glider = ["platform_serial_number", "glider_serial", "glider_name", "platform_id"]
         .into_iter()
@@ -179,7 +298,7 @@ pub(super) fn headline(path: &Path, file: &NcFile, columns: &Columns) -> Result<
 /// What the file says of a unit. One that is not stated is taken for the usual one.
 fn stated(path: &Path, file: &NcFile, channel: Channel, name: &str) -> Result<Conversion, InputError> {
     let unit = units(file, name);
-    let is_slocums = name.starts_with("m_") || name.starts_with("sci_");
+    let is_slocums = (name.starts_with("m_") || name.starts_with("sci_")) && !name.starts_with("sci_rbrctd");
     if let Some(conversion) = units::conversion(channel, &unit) {
         return Ok(conversion);
     }
@@ -189,8 +308,12 @@ fn stated(path: &Path, file: &NcFile, channel: Channel, name: &str) -> Result<Co
         _ if is_angle(channel) && unit.is_empty() => {
             Ok(if is_slocums { Conversion::NONE } else { Conversion::by(std::f64::consts::PI / 180.0) })
         }
+        Channel::PitchMass if unit.is_empty() => Ok(Conversion::by(0.01)),
         Channel::BatteryPosition if is_slocums => Ok(Conversion::by(0.0254)),
-        Channel::Ballast if ["cm", "1", ""].contains(&unit.as_str()) => Ok(Conversion::NONE),
+        // Volumes of ballast that a program could not label.
+        Channel::Ballast if ["cm", "1", "", "counts", "dimensionless", "nodim"].contains(&unit.as_str()) => {
+            Ok(Conversion::NONE)
+        }
         Channel::Time if unit.is_empty() => Ok(Conversion::NONE),
         Channel::Time | Channel::Pressure | Channel::Ballast => Err(unknown(path, channel, name, &unit)),
         _ if is_angle(channel) => Err(unknown(path, channel, name, &unit)),

@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 
 use super::channels::FlightLog;
 use super::columns::Columns;
+use super::in_memory::InMemory;
 use super::{CsvLog, Observation, glide_table, netcdf, og1, seaglider};
+use glidepolar_input::memory::Table;
 use glidepolar_input::{InputError, Place};
 
 /// What a file turned out to be.
@@ -20,6 +22,8 @@ pub enum Opened {
 pub enum LogPieces {
     /// CSV, from line to line.
     Csv(Box<CsvLog>),
+    /// Columns that the calling program holds.
+    InMemory(Box<InMemory>),
     /// NetCDF, whole.
     Whole(Option<Box<FlightLog>>),
 }
@@ -32,6 +36,7 @@ impl LogPieces {
     pub fn next_piece(&mut self, rows: usize) -> Result<Option<FlightLog>, InputError> {
         match self {
             LogPieces::Csv(log) => log.next_piece(rows),
+            LogPieces::InMemory(log) => log.next_piece(rows),
             LogPieces::Whole(log) => Ok(log.take().map(|log| *log)),
         }
     }
@@ -43,6 +48,10 @@ impl LogPieces {
 /// Where it cannot be read or is no flight log, with its place and what was expected.
 pub fn open(path: impl AsRef<Path>, columns: &Columns) -> Result<Opened, InputError> {
     let path: PathBuf = path.as_ref().to_owned();
+    if let Some(table) = Table::named(&path) {
+        let log = InMemory::open(table, columns)?;
+        return Ok(Opened::Series(Box::new(LogPieces::InMemory(Box::new(log)))));
+    }
     if netcdf::is_one(&path)? {
         let is_seaglider = seaglider::is_one(&netcdf::open(&path)?);
         let whole = if is_seaglider {

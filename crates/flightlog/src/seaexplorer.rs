@@ -5,7 +5,8 @@
 //! are none; all else is brought to these times by straight lines.
 //!
 //! Angles are degrees, nose up and starboard down positive; `BallastPos` cc, up positive; `LinPos` mm, the battery forward
-//! positive. `NavState` 100 is a dive, 117 a climb, 110 and 118 the turns
+//! positive; `AngPos` degrees, the battery turned to starboard positive: the roll follows it by half of its angle on the
+//! files of three vehicles. `NavState` 100 is a dive, 117 a climb, 110 and 118 the turns
 //! between them, 115 and 116 the surface.
 
 use std::fs::File;
@@ -32,18 +33,40 @@ const COLUMNS: &[(Channel, &[(&str, f64)])] = &[
     (Channel::Roll, &[("Roll", DEG)]),
     (Channel::Heading, &[("Heading", DEG)]),
     (Channel::BatteryPosition, &[("LinPos", 0.001)]),
+    (Channel::RollMass, &[("AngPos", DEG)]),
     (Channel::Voltage, &[("Voltage", 1.0)]),
-    (Channel::Temperature, &[("GPCTD_TEMPERATURE", 1.0), ("LEGATO_TEMPERATURE", 1.0), ("CTD_TEMPERATURE", 1.0)]),
-    // The Seabird gives S/m, the RBR mS/cm.
-    (Channel::Conductivity, &[("GPCTD_CONDUCTIVITY", 1.0), ("LEGATO_CONDUCTIVITY", 0.1), ("CTD_CONDUCTIVITY", 1.0)]),
-    (Channel::Salinity, &[("LEGATO_SALINITY", 1.0)]),
+    // Of the CTD, whichever it is: see `of_ctd`.
+    (Channel::Temperature, &[]),
+    (Channel::Conductivity, &[]),
+    (Channel::Salinity, &[]),
     (Channel::Latitude, &[("Lat", 1.0), ("NAV_LATITUDE", 1.0)]),
     (Channel::Longitude, &[("Lon", 1.0), ("NAV_LONGITUDE", 1.0)]),
     (Channel::Density, &[]),
     (Channel::Speed, &[]),
 ];
 
-const PRESSURES: [&str; 3] = ["GPCTD_PRESSURE", "LEGATO_PRESSURE", "CTD_PRESSURE"];
+/// What the name of a CTD's column ends in, whatever the instrument: `GPCTD_`, `LEGATO_`, `RBR_`, `CTD_`.
+fn ending(channel: Channel) -> Option<&'static str> {
+    match channel {
+        Channel::Pressure => Some("_PRESSURE"),
+        Channel::Temperature => Some("_TEMPERATURE"),
+        Channel::Conductivity => Some("_CONDUCTIVITY"),
+        Channel::Salinity => Some("_SALINITY"),
+        _ => None,
+    }
+}
+
+/// The column of a CTD: its instrument is the one that measures conductivity.
+fn of_ctd(tables: &[Whole], channel: Channel) -> Option<String> {
+    let names = || tables.iter().flat_map(|table| &table.columns);
+    let instrument = names().find_map(|name| name.strip_suffix(ending(Channel::Conductivity)?))?;
+    let wanted = format!("{instrument}{}", ending(channel)?);
+    names().find(|name| **name == wanted).cloned()
+}
+
+/// Conductivities beyond \[S/m\] are in mS/cm: the Seabird gives S/m, the RBR mS/cm, and no sea has more.
+const MOST_S_M: f64 = 10.0;
+
 const DEPTHS: [&str; 2] = ["Depth", "NAV_DEPTH"];
 const DBAR_PER_M: f64 = 1.0055;
 
@@ -99,7 +122,7 @@ fn content(path: &Path) -> Result<Box<dyn Read>, InputError> {
 /// A file that cannot be read.
 pub(super) fn headline(path: &Path) -> Result<Headline, InputError> {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let parts: Vec<&str> = name.trim_end_matches(".gz").split('.').collect();
+    let parts: Vec<&str> = name.trim_end_matches(".gz").trim_end_matches(".csv").split('.').collect();
     let (glider, segment, rank) = match parts[..] {
         [glider, mission, _, stage, number] => (
             glider.to_owned(),
@@ -107,7 +130,12 @@ pub(super) fn headline(path: &Path) -> Result<Headline, InputError> {
             format!("{glider}.{mission}.{}", number.trim_start_matches('0')),
             u8::from(stage == "raw"),
         ),
-        _ => (String::new(), name.clone(), 0),
+        // Renamed files: what is left without the words that tell the vehicle's from the payload's is the same for both.
+        _ => {
+            let words = ["gli", "pld1", "pld", "raw", "sub"];
+            let rest = words.iter().fold(name.to_lowercase(), |rest, word| rest.replace(word, ""));
+            (String::new(), rest, u8::from(name.contains("raw")))
+        }
     };
     let mut table = Table::open(path)?;
     let is_payload = table.columns.first().is_some_and(|first| first == "PLD_REALTIMECLOCK");
@@ -136,7 +164,7 @@ pub(super) fn read(
     let chosen = |channel: Channel| columns.of(channel).filter(|name| *name != ad2cp::NAME);
     let ctd = match chosen(Channel::Pressure) {
         Some(name) => first(&[name]),
-        None => first(&PRESSURES),
+        None => of_ctd(&tables, Channel::Pressure).and_then(|name| first(&[&name])),
     };
     let depth = first(&DEPTHS).map(|(times, depth)| (times, depth.iter().map(|z| z * DBAR_PER_M).collect::<Vec<_>>()));
     let own = if chosen(Channel::Pressure).is_some() { None } else { depth };
@@ -155,13 +183,20 @@ pub(super) fn read(
         }
     }
     for &(channel, names) in COLUMNS {
+        let named = || names.iter().copied().find(|(name, _)| of(name).is_some_and(|(times, _)| !times.is_empty()));
         let found = match chosen(channel) {
-            Some(name) => Some((name, columns.unit(channel).map_or(1.0, |unit| unit.factor))),
-            None => names.iter().copied().find(|(name, _)| of(name).is_some_and(|(times, _)| !times.is_empty())),
+            Some(name) => Some((name.to_owned(), 1.0)),
+            None => match of_ctd(&tables, channel) {
+                Some(name) => Some((name, 1.0)),
+                None => named().map(|(name, factor)| (name.to_owned(), factor)),
+            },
         };
-        let Some((name, factor)) = found else { continue };
+        let Some((name, mut factor)) = found else { continue };
+        let Some((times, values)) = of(&name) else { continue };
+        if channel == Channel::Conductivity && !values.is_empty() && super::median(&mut values.clone()) > MOST_S_M {
+            factor = 0.1;
+        }
         let factor = columns.unit(channel).map_or(factor, |unit| unit.factor);
-        let Some((times, values)) = of(name) else { continue };
         let is_position = matches!(channel, Channel::Latitude | Channel::Longitude);
         let values: Vec<f64> = values.iter().map(|v| if is_position { degrees(*v) } else { v * factor }).collect();
         let readings = if is_angle(channel) { Readings::of_angles } else { Readings::new };

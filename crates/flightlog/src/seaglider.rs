@@ -67,6 +67,10 @@ pub(super) fn read(path: &Path, columns: &Columns) -> Result<Dive, InputError> {
             Some(name) => clocks.instrument(&[name])?,
             None => clocks.instrument(names)?,
         };
+        // What quality control took from the salinity does not come back by the conductivity.
+        if *channel == Channel::Conductivity && is_chosen.is_none() && log.has(Channel::Salinity) {
+            continue;
+        }
         let Some(found) = found else { continue };
         let conversion =
             columns.unit(*channel).map_or_else(|| stated(path, &file, *channel, &found.name, *unit), Ok)?;
@@ -99,12 +103,22 @@ const CHANNELS_OF_FILES: &[(Channel, &[&str], Conversion)] = &[
     (Channel::Roll, &["eng_rollAng"], Conversion::by(DEG)),
     (Channel::Heading, &["eng_head"], Conversion::by(DEG)),
     (Channel::PitchMass, &["eng_pitchCtl"], Conversion::by(0.01)),
-    (Channel::Temperature, &["temperature", "temperature_raw"], Conversion::NONE),
-    (Channel::Salinity, &["salinity", "salinity_raw"], Conversion::NONE),
+    // To starboard positive: the roll follows it by half of its angle on all files that have both.
+    (Channel::RollMass, &["eng_rollCtl"], Conversion::by(DEG)),
+    (
+        Channel::Temperature,
+        &["temperature", "temperature_raw", "legato_temp", "legato_temperature", "gpctd_temperature"],
+        Conversion::NONE,
+    ),
+    (Channel::Salinity, &["salinity", "salinity_raw", "legato_salinity", "gpctd_salinity"], Conversion::NONE),
     (Channel::Latitude, &["latitude", "latitude_gsm"], Conversion::NONE),
     (Channel::Longitude, &["longitude", "longitude_gsm"], Conversion::NONE),
     (Channel::Density, &[], Conversion::NONE),
-    (Channel::Conductivity, &[], Conversion::NONE),
+    (
+        Channel::Conductivity,
+        &["conductivity", "conductivity_raw", "legato_conductivity", "gpctd_conductivity"],
+        Conversion::NONE,
+    ),
     (Channel::Rudder, &[], Conversion::by(DEG)),
     (Channel::BatteryPosition, &[], Conversion::NONE),
     (Channel::Speed, &[], Conversion::NONE),
@@ -149,23 +163,39 @@ impl<'a> Clocks<'a> {
     fn of(path: &'a Path, file: &'a NcFile) -> Result<Self, InputError> {
         let mut clocks = Clocks { path, file, known: Vec::new() };
         let variables = file.variables().unwrap_or_default();
-        let named = ["time", "ctd_time"].into_iter().filter(|name| has(file, name)).map(str::to_owned);
+        let named = ["time", "ctd_time", "epoch_time", "ctd_epoch_time"]
+            .into_iter()
+            .filter(|name| has(file, name))
+            .map(str::to_owned);
         let others = variables
             .iter()
-            .filter(|variable| {
-                variable.name().ends_with("_time") && units(file, variable.name()).contains("since 1970")
-            })
+            .filter(|variable| variable.name().ends_with("_time") && units(file, variable.name()).contains(" since "))
             .map(|variable| variable.name().to_owned());
         for name in named.chain(others) {
             let Some(dimension) = dimension(file, &name) else { continue };
             if clocks.known.iter().all(|(known, _)| *known != dimension) {
-                clocks.known.push((dimension, values(path, file, &name)?));
+                clocks.known.push((dimension, times(path, file, &name)?));
             }
         }
+        clocks.by_seconds_of_the_dive()?;
         if clocks.known.is_empty() {
             return Err(missing(path, "time", &["time", "ctd_time"]));
         }
         Ok(clocks)
+    }
+
+    /// Files that were never processed have seconds since the dive began, and that time as an attribute.
+    fn by_seconds_of_the_dive(&mut self) -> Result<(), InputError> {
+        const ELAPSED: &str = "eng_elaps_t";
+        let Some(dimension) = dimension(self.file, ELAPSED) else { return Ok(()) };
+        if self.known.iter().any(|(known, _)| *known == dimension) {
+            return Ok(());
+        }
+        let start_s = attribute_f64(self.file, "start_time").or_else(|| scalar(self.file, "start_time"));
+        let Some(start_s) = start_s else { return Ok(()) };
+        let elapsed = values(self.path, self.file, ELAPSED)?;
+        self.known.insert(0, (dimension, elapsed.into_iter().map(|seconds| start_s + seconds).collect()));
+        Ok(())
     }
 
     /// The first of these variables that is there and has a value, with its times.
@@ -190,6 +220,20 @@ impl<'a> Clocks<'a> {
     }
 }
 
+/// The times in a variable, from the day that its unit states; seconds since 1970 where it states none.
+fn times(path: &Path, file: &NcFile, name: &str) -> Result<Vec<f64>, InputError> {
+    let unit = units(file, name);
+    let conversion = match units::conversion(Channel::Time, &unit) {
+        Some(conversion) => conversion,
+        None if unit.is_empty() => Conversion::NONE,
+        None => {
+            let problem = format!("times `{}` are in `{}`, which is not known", printable(name), printable(&unit));
+            return Err(InputError::new(Place::file(path), problem));
+        }
+    };
+    Ok(values(path, file, name)?.into_iter().map(|time| conversion.of(time)).collect())
+}
+
 /// The name of the only dimension of a variable.
 fn dimension(file: &NcFile, name: &str) -> Option<String> {
     match file.variable(name).ok()?.dimensions() {
@@ -203,7 +247,10 @@ fn pressure(path: &Path, clocks: &Clocks<'_>, columns: &Columns) -> Result<Instr
     // `pressure` is what the glider's own sensor read; `ctd_pressure` is brought from there to the times and the place of
     // the CTD. On one clock the latter belongs to the temperature beside it.
     let one_clock = dimension(clocks.file, "pressure") == dimension(clocks.file, "ctd_pressure");
-    let names = if one_clock { ["ctd_pressure", "pressure"] } else { ["pressure", "ctd_pressure"] };
+    let names = match one_clock {
+        true => ["ctd_pressure", "pressure", "legato_pressure", "gpctd_pressure"],
+        false => ["pressure", "ctd_pressure", "legato_pressure", "gpctd_pressure"],
+    };
     if let Some(name) = columns.of(Channel::Pressure) {
         let found = clocks.instrument(&[name])?.ok_or_else(|| no_variable(path, Channel::Pressure, name))?;
         return Ok(found.converted(columns.unit(Channel::Pressure).unwrap_or(Conversion::NONE)));
@@ -238,12 +285,14 @@ fn water(
         }
         let Some(raw) = clocks.instrument(&[raw])? else { continue };
         let raw = raw.at(rows, false);
-        if raw.iter().filter(|value| value.is_finite()).count() > good {
+        // A CTD that was off for half of a dive is no reason.
+        if raw.iter().filter(|value| value.is_finite()).count() > 2 * good {
             log.set(channel, raw);
         }
     }
     let has = |channel: Channel| log.has(channel);
-    let has_water = has(Channel::Density) || (has(Channel::Temperature) && has(Channel::Salinity));
+    let has_salt = has(Channel::Salinity) || has(Channel::Conductivity);
+    let has_water = has(Channel::Density) || (has(Channel::Temperature) && has_salt);
     if !has_water {
         notes.push("no record of the CTD, so no density of its own: it is used only with --density".to_owned());
     }
@@ -288,9 +337,10 @@ fn motor_moving(path: &Path, file: &NcFile, time: &[f64]) -> Result<Vec<f64>, In
 /// The positions before the dive and after it.
 fn fixes(path: &Path, file: &NcFile) -> Result<Vec<GpsFix>, InputError> {
     let mut columns = Vec::new();
-    for name in ["log_gps_time", "log_gps_lat", "log_gps_lon"] {
-        match first(path, file, &[name])? {
-            Some(column) => columns.push(column),
+    for names in [["log_gps_time", "gps_time"], ["log_gps_lat", "gps_lat"], ["log_gps_lon", "gps_lon"]] {
+        match names.into_iter().find(|name| has(file, name)) {
+            Some(name) if columns.is_empty() => columns.push(times(path, file, name)?),
+            Some(name) => columns.push(values(path, file, name)?),
             None => return Ok(Vec::new()),
         }
     }

@@ -1,4 +1,5 @@
-//! Binary files of Slocum gliders: flight and science file of a segment merged into one time series.
+//! Files of Slocum gliders, binary or as the text of `dbd2asc`: flight and science file of a segment merged into one time
+//! series.
 //!
 //! Flight computer and science computer write files of their own, each with its own clock, and each sensor is read when it
 //! is its turn. The rows of the log are the readings of pressure, the CTD's where the segment has them and the glider's own
@@ -10,10 +11,11 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use glidepolar_dbd::{Caches, Error, Header, Reader};
+use glidepolar_dbd::{Caches, Error, Reader};
 
 use super::channels::{CHANNELS, Channel, FlightLog};
 use super::columns::Columns;
+use super::dinkum_ascii::{self, Table};
 use super::fix::{GpsFix, degrees};
 use super::resample::{Readings, pressure_rows};
 use super::units::{self, Conversion, is_angle};
@@ -27,8 +29,10 @@ const SENSORS: &[(Channel, &[&str], f64)] = &[
     (Channel::Heading, &["m_heading"], 1.0),
     (Channel::Rudder, &["m_fin"], 1.0),
     (Channel::BatteryPosition, &["m_battpos"], 0.0254),
-    (Channel::Temperature, &["sci_water_temp", "m_water_temp"], 1.0),
+    (Channel::Temperature, &["sci_water_temp", "sci_rbrctd_temperature_00", "m_water_temp"], 1.0),
     (Channel::Conductivity, &["sci_water_cond", "m_water_cond"], 1.0),
+    // The RBR's own sensors: mS/cm and dbar, where the Seabird's are S/m and bar.
+    (Channel::Conductivity, &["sci_rbrctd_conductivity_00"], 0.1),
     (Channel::Charge, &["m_coulomb_amphr_total", "m_coulomb_amphr"], 1.0),
     (Channel::Voltage, &["m_battery"], 1.0),
     (Channel::Latitude, &["m_lat"], 1.0),
@@ -40,11 +44,15 @@ const SENSORS: &[(Channel, &[&str], f64)] = &[
 
 /// Pressure of the CTD, then of the glider; bar to dbar.
 const PRESSURES: [&str; 3] = ["sci_water_pressure", "m_pressure", "m_water_pressure"];
+const RBR_PRESSURE: &str = "sci_rbrctd_pressure_00";
 const BAR: f64 = 10.0;
 
 /// Depth, where no pressure is stored; 1 m of sea water of 1025 kg/m3 is 1.0055 dbar.
 const DEPTH: &str = "m_depth";
 const DBAR_PER_M: f64 = 1.0055;
+
+/// The clocks of both computers.
+const CLOCKS: [&str; 2] = ["m_present_time", "sci_m_present_time"];
 
 /// Cycles of one file that are held at once.
 const CYCLES: usize = 200_000;
@@ -70,15 +78,70 @@ pub(super) fn is_one(path: &Path) -> Result<bool, InputError> {
     Ok(glidepolar_dbd::is_one(&start))
 }
 
+/// The cycles of a file, whatever its kind.
+enum Cycles {
+    Binary(Box<Reader>),
+    Text(Box<Table>),
+}
+
+impl Cycles {
+    fn open(path: &Path, columns: &Columns) -> Result<Self, InputError> {
+        let mut start = Vec::new();
+        let file = std::fs::File::open(path).map_err(|error| InputError::io(path, &error))?;
+        file.take(64).read_to_end(&mut start).map_err(|error| InputError::io(path, &error))?;
+        if dinkum_ascii::is_one(&start) {
+            return Ok(Cycles::Text(Box::new(Table::open(path)?)));
+        }
+        let reader = Reader::open(path, &caches(columns)).map_err(|error| input(&error))?;
+        Ok(Cycles::Binary(Box::new(reader)))
+    }
+
+    fn get(&self, key: &str) -> &str {
+        match self {
+            Cycles::Binary(reader) => reader.header().get(key),
+            Cycles::Text(table) => table.get(key),
+        }
+    }
+
+    /// The sensors with their units.
+    fn sensors(&self) -> Vec<(String, String)> {
+        match self {
+            Cycles::Binary(reader) => reader.sensors().iter().map(|s| (s.name.clone(), s.unit.clone())).collect(),
+            Cycles::Text(table) => table.sensors.clone(),
+        }
+    }
+
+    fn select(&mut self, names: &[String]) {
+        match self {
+            Cycles::Binary(reader) => reader.select(names),
+            Cycles::Text(table) => table.select(names),
+        }
+    }
+
+    fn next(&mut self) -> Result<Option<&[f64]>, InputError> {
+        match self {
+            Cycles::Binary(reader) => Ok(reader.next_cycle().map_err(|error| input(&error))?.map(|cycle| cycle.values)),
+            Cycles::Text(table) => table.next_row(),
+        }
+    }
+
+    fn damages(&self) -> Vec<String> {
+        match self {
+            Cycles::Binary(reader) => reader.damages().iter().map(ToString::to_string).collect(),
+            Cycles::Text(table) => table.damages.clone(),
+        }
+    }
+}
+
 /// Reads the header of a file.
 ///
 /// # Errors
 /// A header that is damaged, a list of sensors that is not to be found.
 pub(super) fn headline(path: &Path, columns: &Columns) -> Result<Headline, InputError> {
-    let reader = Reader::open(path, &caches(columns)).map_err(|error| input(&error))?;
-    let header = reader.header();
-    let has = |name: &str| reader.sensors().iter().any(|sensor| sensor.name == name);
-    let kind = header.get("filename_extension").to_lowercase();
+    let file = Cycles::open(path, columns)?;
+    let sensors = file.sensors();
+    let has = |name: &str| sensors.iter().any(|sensor| sensor.0 == name);
+    let kind = file.get("filename_extension").to_lowercase();
     let (rank, is_science) = match kind.as_bytes().first() {
         Some(b'd') => (2, false),
         Some(b'm') => (1, false),
@@ -88,20 +151,36 @@ pub(super) fn headline(path: &Path, columns: &Columns) -> Result<Headline, Input
         Some(b't') => (0, true),
         _ => (0, !has("m_present_time")),
     };
-    Ok(Headline {
-        glider: header.glider().to_owned(),
-        segment: segment(header, path),
-        start_s: header.opened_s().unwrap_or(f64::NAN),
-        rank,
-        is_science,
-    })
+    let named = |key: &str| Some(file.get(key)).filter(|name| !name.is_empty()).map(str::to_owned);
+    let (glider, segment, start_s) = match &file {
+        Cycles::Binary(reader) => {
+            let header = reader.header();
+            (header.glider().to_owned(), header.segment().to_owned(), header.opened_s().unwrap_or(f64::NAN))
+        }
+        Cycles::Text(_) => {
+            let segment = named("segment_filename_0").or_else(|| named("filename")).unwrap_or_default();
+            // `amadeus-2014-204-05-000`: the glider, then four numbers.
+            let glider = segment.rsplitn(5, '-').nth(4).unwrap_or("").to_owned();
+            (glider, segment, f64::NAN)
+        }
+    };
+    let by_name = || path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    let segment = if segment.is_empty() { by_name() } else { segment };
+    // A text does not state in a form of its own when it was begun: its first cycle does.
+    let start_s = if start_s.is_nan() { first_time(path, columns)? } else { start_s };
+    Ok(Headline { glider, segment, start_s, rank, is_science })
 }
 
-fn segment(header: &Header, path: &Path) -> String {
-    match header.segment() {
-        "" => path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default(),
-        name => name.to_owned(),
+/// The first time of a file that a glider can have \[s\].
+fn first_time(path: &Path, columns: &Columns) -> Result<f64, InputError> {
+    let mut file = Cycles::open(path, columns)?;
+    file.select(&CLOCKS.map(str::to_owned));
+    while let Some(values) = file.next()? {
+        if let Some(time) = values.iter().copied().find(|time| TIMES.contains(time)) {
+            return Ok(time);
+        }
     }
+    Ok(f64::NAN)
 }
 
 fn caches(columns: &Columns) -> Caches {
@@ -130,7 +209,7 @@ pub struct Segment {
 /// One of its files.
 struct File {
     path: PathBuf,
-    reader: Reader,
+    cycles: Cycles,
     ended: bool,
     /// A cycle that was read ahead of its time.
     next: Option<(f64, Vec<f64>)>,
@@ -147,15 +226,16 @@ impl Segment {
             ["m_present_time", "sci_m_present_time", "m_gps_lat", "m_gps_lon", "m_gps_status", DEPTH]
                 .into_iter()
                 .chain(PRESSURES)
+                .chain([RBR_PRESSURE])
                 .chain(SENSORS.iter().flat_map(|(_, names, _)| names.iter().copied()))
                 .map(str::to_owned)
                 .collect();
         names.extend(CHANNELS.iter().filter_map(|info| columns.of(info.channel)).map(str::to_owned));
         let mut files = Vec::new();
         for path in paths {
-            let mut reader = Reader::open(path, &caches(columns)).map_err(|error| input(&error))?;
-            reader.select(&names);
-            files.push(File { path: path.clone(), reader, ended: false, next: None, reported: 0 });
+            let mut cycles = Cycles::open(path, columns)?;
+            cycles.select(&names);
+            files.push(File { path: path.clone(), cycles, ended: false, next: None, reported: 0 });
         }
         Ok(Segment { files, columns: columns.clone(), names, has_rows: false })
     }
@@ -203,6 +283,9 @@ impl Segment {
         let Some((rows, pressure)) = self.pressure(readings) else { return Ok(log) };
         for &(channel, names, usual) in SENSORS {
             let chosen = self.columns.of(channel);
+            if chosen.is_none() && !log.column(channel).is_empty() {
+                continue;
+            }
             let Some(sensor) = self.sensor(readings, chosen.map_or(names, |_| &[]), chosen) else { continue };
             let name = &self.names[sensor];
             let conversion = match (self.columns.unit(channel), chosen) {
@@ -237,7 +320,7 @@ impl Segment {
             let factor = self.columns.unit(Channel::Pressure).map_or(BAR, |unit| unit.factor);
             return of(name, factor);
         }
-        let ctd = of(PRESSURES[0], BAR);
+        let ctd = of(PRESSURES[0], BAR).or_else(|| of(RBR_PRESSURE, 1.0));
         let own = of(PRESSURES[1], BAR).or_else(|| of(DEPTH, DBAR_PER_M)).or_else(|| of(PRESSURES[2], BAR));
         pressure_rows(ctd, own)
     }
@@ -261,19 +344,16 @@ impl Segment {
 
     /// The unit of a sensor that the user chose, as the file states it.
     fn stated(&self, channel: Channel, name: &str) -> Result<Conversion, InputError> {
-        let sensor = |file: &File| file.reader.sensors().iter().find(|sensor| sensor.name == name).cloned();
-        let Some((file, sensor)) = self.files.iter().find_map(|file| Some((file, sensor(file)?))) else {
+        let sensor = |file: &File| file.cycles.sensors().into_iter().find(|sensor| sensor.0 == name);
+        let Some((file, (_, unit))) = self.files.iter().find_map(|file| Some((file, sensor(file)?))) else {
             return Ok(Conversion::NONE);
         };
-        if ["nodim", "enum", "bool"].contains(&sensor.unit.as_str()) {
+        if ["nodim", "enum", "bool"].contains(&unit.as_str()) {
             return Ok(Conversion::NONE);
         }
-        units::conversion(channel, &sensor.unit).ok_or_else(|| {
-            let problem = format!(
-                "sensor `{}` is in `{}`, a unit that is not known here",
-                printable(name),
-                printable(&sensor.unit)
-            );
+        units::conversion(channel, &unit).ok_or_else(|| {
+            let problem =
+                format!("sensor `{}` is in `{}`, a unit that is not known here", printable(name), printable(&unit));
             let option = CHANNELS[channel as usize].name;
             InputError::new(Place::file(&file.path), problem).help(format!("state it by --unit {option}=UNIT"))
         })
@@ -295,21 +375,21 @@ impl File {
             if leads && cycles >= CYCLES {
                 break;
             }
-            let Some(cycle) = self.reader.next_cycle().map_err(|error| input(&error))? else {
+            let Some(values) = self.cycles.next()? else {
                 self.ended = true;
                 break;
             };
             cycles += 1;
-            let time = if cycle.values[0].is_finite() { cycle.values[0] } else { cycle.values[1] };
+            let time = if values[0].is_finite() { values[0] } else { values[1] };
             if !TIMES.contains(&time) {
                 continue;
             }
             if time > end_s {
-                self.next = Some((time, cycle.values.to_vec()));
+                self.next = Some((time, values.to_vec()));
                 break;
             }
             last_s = last_s.max(time);
-            readings.take(time, cycle.values);
+            readings.take(time, values);
         }
         Ok(last_s)
     }
@@ -317,10 +397,9 @@ impl File {
     /// Adds what was damaged.
     fn report(&mut self, warnings: &mut Vec<String>) {
         let name = printable(&self.path.to_string_lossy());
-        for damage in &self.reader.damages()[self.reported..] {
-            warnings.push(format!("{name}: {damage}"));
-        }
-        self.reported = self.reader.damages().len();
+        let damages = self.cycles.damages();
+        warnings.extend(damages[self.reported..].iter().map(|damage| format!("{name}: {damage}")));
+        self.reported = damages.len();
     }
 }
 

@@ -3,6 +3,7 @@
 //! Knows channels; no file.
 
 use super::channels::{CHANNELS, Channel};
+use super::dates::epoch_s;
 
 /// From the number in a file to the one that is kept: `factor * x + offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,20 +30,20 @@ const DEG: f64 = std::f64::consts::PI / 180.0;
 type Unit = (&'static [&'static str], f64, f64);
 
 const TIMES: &[Unit] = &[
-    (&["s", "sec", "second", "seconds", "timestamp", "utc"], 1.0, 0.0),
-    (&["ms", "millisecond", "milliseconds"], 1e-3, 0.0),
+    (&["s", "sec", "secs", "second", "seconds", "timestamp", "utc", "epochseconds", "unixtime", "posix"], 1.0, 0.0),
+    (&["ms", "msec", "millisecond", "milliseconds"], 1e-3, 0.0),
     (&["us", "microsecond", "microseconds"], 1e-6, 0.0),
     (&["ns", "nanosecond", "nanoseconds"], 1e-9, 0.0),
-    (&["min", "minute", "minutes"], 60.0, 0.0),
-    (&["h", "hour", "hours"], 3600.0, 0.0),
+    (&["min", "mins", "minute", "minutes"], 60.0, 0.0),
+    (&["h", "hr", "hrs", "hour", "hours"], 3600.0, 0.0),
     (&["d", "day", "days"], 86_400.0, 0.0),
 ];
 const PRESSURES: &[Unit] = &[
-    (&["dbar", "decibar", "decibars", "db"], 1.0, 0.0),
-    (&["bar"], 10.0, 0.0),
-    (&["mbar", "hpa"], 0.01, 0.0),
-    (&["pa"], 1e-4, 0.0),
-    (&["kpa"], 0.1, 0.0),
+    (&["dbar", "dbars", "decibar", "decibars", "db"], 1.0, 0.0),
+    (&["bar", "bars"], 10.0, 0.0),
+    (&["mbar", "millibar", "millibars", "hpa"], 0.01, 0.0),
+    (&["pa", "pascal", "pascals"], 1e-4, 0.0),
+    (&["kpa", "kilopascal"], 0.1, 0.0),
     (&["mpa"], 100.0, 0.0),
     (&["psi"], 0.689_475_729, 0.0),
 ];
@@ -55,42 +56,159 @@ const LENGTHS: &[Unit] = &[
 ];
 const ANGLES: &[Unit] = &[
     (
-        &["deg", "degree", "degrees", "degree_true", "degrees_true", "degree_magnetic", "degrees_magnetic", "\u{b0}"],
+        &[
+            "deg",
+            "degs",
+            "degree",
+            "degrees",
+            "arc_degree",
+            "arcdeg",
+            "angular_degree",
+            "angulardegree",
+            "angulardegrees",
+            "degree_t",
+            "degrees_t",
+            "degree_true",
+            "degrees_true",
+            "degreetrue",
+            "degreestrue",
+            "degree_magnetic",
+            "degrees_magnetic",
+            "degreesmagnetic",
+            "\u{b0}",
+        ],
         DEG,
         0.0,
     ),
     (&["rad", "radian", "radians"], 1.0, 0.0),
 ];
 const VOLUMES: &[Unit] = &[
-    (&["cc", "cm3", "cm^3", "cm**3", "ml"], 1.0, 0.0),
-    (&["m3", "m^3", "m**3"], 1e6, 0.0),
+    (
+        &[
+            "cc",
+            "ccs",
+            "cm3",
+            "cm^3",
+            "cm**3",
+            "cm\u{b3}",
+            "cubic_centimeter",
+            "cubic_centimeters",
+            "cubiccentimeter",
+            "cubiccentimeters",
+            "cubic_centimetres",
+            "cubiccentimetres",
+            "ml",
+            "milliliter",
+            "milliliters",
+            "millilitre",
+            "millilitres",
+        ],
+        1.0,
+        0.0,
+    ),
+    (&["m3", "m^3", "m**3", "m\u{b3}", "cubic_meter", "cubicmeters"], 1e6, 0.0),
     (&["l", "litre", "liter", "litres", "liters", "dm3"], 1e3, 0.0),
 ];
 const DENSITIES: &[Unit] = &[
-    (&["kg/m3", "kg/m^3", "kgm-3", "kg.m-3"], 1.0, 0.0),
+    (&["kg/m3", "kg/m^3", "kg/m**3", "kgm-3", "kg.m-3", "kgm^-3", "kgm**-3", "kg/m\u{b3}"], 1.0, 0.0),
     (&["g/cm3", "g/cm^3", "g/cc", "gcm-3", "g/ml", "kg/l"], 1000.0, 0.0),
     (&["g/l"], 1.0, 0.0),
     (&["kg/m3-1000", "sigma"], 1.0, 1000.0),
 ];
 const TEMPERATURES: &[Unit] = &[
     (
-        &["c", "degc", "deg_c", "celsius", "degree_celsius", "degrees_celsius", "degreec", "\u{b0}c", "degree_c"],
+        &[
+            "c",
+            "degc",
+            "deg_c",
+            "degsc",
+            "celsius",
+            "degree_celsius",
+            "degrees_celsius",
+            "degreecelsius",
+            "degreescelsius",
+            "deg_celsius",
+            "degcelsius",
+            "degreec",
+            "degreesc",
+            "degree_c",
+            "degrees_c",
+            "\u{b0}c",
+            "its-90",
+            "its90",
+            "its-90,degc",
+        ],
         1.0,
         0.0,
     ),
     (&["k", "kelvin"], 1.0, -273.15),
     (&["f", "degf", "fahrenheit"], 5.0 / 9.0, -160.0 / 9.0),
 ];
-const SALINITIES: &[Unit] = &[(&["psu", "pss", "1", "1e-3", "pss-78", "practical_salinity_unit", "g/kg"], 1.0, 0.0)];
+const SALINITIES: &[Unit] = &[
+    (
+        &[
+            "psu",
+            "pss",
+            "1",
+            "1e-3",
+            "1e-03",
+            "0.001",
+            "pss-78",
+            "pss78",
+            "practical_salinity_unit",
+            "practical_salinity_units",
+            "practicalsalinityunits",
+            "ppt",
+            "g/kg",
+            "gkg-1",
+        ],
+        1.0,
+        0.0,
+    ),
+    (&["kg/kg", "kgkg-1"], 1e3, 0.0),
+];
 const CONDUCTIVITIES: &[Unit] = &[
-    (&["s/m", "sm-1", "s.m-1"], 1.0, 0.0),
-    (&["ms/cm", "mscm-1", "mmho/cm", "mhos/m*10"], 0.1, 0.0),
+    (
+        &[
+            "s/m",
+            "sm-1",
+            "s.m-1",
+            "sm^-1",
+            "sm**-1",
+            "siemens/m",
+            "siemens/meter",
+            "siemensmeter-1",
+            "siemensm-1",
+            "mho/m",
+            "mhos/m",
+            "mhom-1",
+        ],
+        1.0,
+        0.0,
+    ),
+    (
+        &[
+            "ms/cm",
+            "mscm-1",
+            "ms.cm-1",
+            "mscm^-1",
+            "mscm**-1",
+            "mmho/cm",
+            "mmhos/cm",
+            "mmhocm-1",
+            "millisiemens/cm",
+            "millisiemens/centimeter",
+            "millisiemenscm-1",
+        ],
+        0.1,
+        0.0,
+    ),
     (&["ms/m", "msm-1"], 1e-3, 0.0),
-    (&["us/cm", "uscm-1"], 1e-4, 0.0),
+    (&["us/cm", "uscm-1", "\u{b5}s/cm", "microsiemens/cm"], 1e-4, 0.0),
 ];
 const SPEEDS: &[Unit] = &[
-    (&["m/s", "ms-1", "m.s-1"], 1.0, 0.0),
-    (&["cm/s", "cms-1"], 0.01, 0.0),
+    (&["m/s", "ms-1", "m.s-1", "ms^-1", "ms**-1", "meter/second", "meters/second"], 1.0, 0.0),
+    (&["cm/s", "cms-1", "cm.s-1"], 0.01, 0.0),
     (&["mm/s", "mms-1"], 0.001, 0.0),
     (&["kn", "kt", "knot", "knots"], 1852.0 / 3600.0, 0.0),
 ];
@@ -129,14 +247,21 @@ pub(super) fn is_angle(channel: Channel) -> bool {
 
 /// What a unit, as a file or a user writes it, means for a channel; nothing where it is not known.
 pub(super) fn conversion(channel: Channel, unit: &str) -> Option<Conversion> {
-    // `seconds since 1970-01-01`; blanks between the parts of a unit say nothing.
+    // `days since 1950-01-01`: both parts count. Blanks between the parts of a unit say nothing.
     let unit = unit.trim().to_lowercase();
-    let unit = unit.split(" since ").next().unwrap_or("");
+    let (unit, epoch) = match unit.split_once(" since ") {
+        Some((unit, epoch)) => (unit.trim(), Some(epoch)),
+        None => (unit.as_str(), None),
+    };
+    let epoch_s = match epoch {
+        Some(epoch) if channel == Channel::Time => epoch_s(epoch)?,
+        _ => 0.0,
+    };
     let plain: String = unit.chars().filter(|c| !c.is_whitespace()).collect();
     units(channel)
         .iter()
         .find(|(names, ..)| names.iter().any(|name| *name == plain || *name == unit))
-        .map(|&(_, factor, offset)| Conversion { factor, offset })
+        .map(|&(_, factor, offset)| Conversion { factor, offset: offset + epoch_s })
 }
 
 /// The units of a channel, the first spelling of each.
@@ -169,6 +294,13 @@ mod tests {
         };
         near(Channel::Time, "seconds since 1970-1-1 00:00:00", 5.0, 5.0);
         near(Channel::Time, "nanoseconds since 1970-01-01", 5e9, 5.0);
+        // Julian days as EGO counts them, days of the Modified Julian Date, and of a calendar that begins with year 0.
+        near(Channel::Time, "days since 1950-01-01T00:00:00Z", 7305.0, 0.0);
+        near(Channel::Time, "days since 1858-11-17", 40_587.5, 43_200.0);
+        near(Channel::Time, "days since 0000-01-01 00:00:00", 719_528.0, 0.0);
+        near(Channel::Time, "hours since 1900-01-01 00:00:0.0", 613_608.0, 0.0);
+        near(Channel::Time, "seconds since 2000-01-01 02:00:00 +02:00", 1.0, 946_684_801.0);
+        assert_eq!(conversion(Channel::Time, "seconds since the start"), None);
         near(Channel::Pitch, "degrees", 180.0, std::f64::consts::PI);
         near(Channel::Conductivity, "mS cm-1", 35.0, 3.5);
         near(Channel::Density, "g/cm3", 1.025, 1025.0);
