@@ -76,7 +76,7 @@ impl<T: Number> Parameters<T> {
     /// Net mass, positive when the glider is heavy \[kg\]; the net weight W - B is this times gravity.
     pub fn net_mass_kg(&self, ballast_m3: T, water: &Surroundings<T>) -> T {
         let mass = self.mass_kg() + self.ballast_offset_kg + self.leak_kg_per_hour * water.time_s / HOUR_S;
-        mass - self.displaced_kg(ballast_m3, water)
+        mass - self.displaced_kg(ballast_m3, water) + self.empirical(water).net_mass_kg
     }
 
     /// Mass of the water that hull, ballast and trapped air displace \[kg\].

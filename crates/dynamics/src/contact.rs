@@ -76,13 +76,14 @@ impl<T: Number> Place<T> {
         }
     }
 
-    /// What the contact does to a hull that displaces so much water, sinks and moves over ground so fast.
+    /// What the contact does to a hull that displaces so much water, sinks and moves over ground so fast: by the square of that
+    /// speed, which is smooth at rest in whatever direction it goes.
     pub fn contact(
         &self,
         parameters: &Parameters<T>,
         displaced_kg: T,
         depth_rate_m_s: T,
-        ground_speed_m_s: T,
+        ground_speed_squared_m2_s2: T,
     ) -> Contact<T> {
         let zero = T::constant(0.0);
         let free = Contact {
@@ -117,7 +118,7 @@ impl<T: Number> Place<T> {
             let c = damping(u.at_most(1.0));
             contact.seabed_N = pushed(spring_N, c * depth_rate_m_s);
             contact.support_N += contact.seabed_N;
-            contact.friction_N_s_m = friction(parameters, contact.seabed_N, ground_speed_m_s);
+            contact.friction_N_s_m = friction(parameters, contact.seabed_N, ground_speed_squared_m2_s2);
             damping_N_s_m += c;
         }
         // The same damping, spread over the length of the hull.
@@ -134,10 +135,10 @@ fn pushed<T: Number>(spring_N: T, damper_N: T) -> T {
 }
 
 /// Coulomb friction per speed, smooth at rest, and no faster than [`LARGEST_RATE_1_S`] in a blow.
-fn friction<T: Number>(parameters: &Parameters<T>, normal_N: T, ground_speed_m_s: T) -> T {
+fn friction<T: Number>(parameters: &Parameters<T>, normal_N: T, ground_speed_squared_m2_s2: T) -> T {
     let limit_N = normal_N * FRICTION;
     let surging_kg = parameters.displaced_mass_kg + parameters.added_mass_1_kg;
-    let speed = (ground_speed_m_s * ground_speed_m_s + FRICTION_SPEED_M_S * FRICTION_SPEED_M_S).sqrt();
+    let speed = (ground_speed_squared_m2_s2 + FRICTION_SPEED_M_S * FRICTION_SPEED_M_S).sqrt();
     limit_N / (speed + limit_N / (surging_kg * LARGEST_RATE_1_S))
 }
 
@@ -148,7 +149,7 @@ mod tests {
 
     fn at(depth_m: f64, depth_rate_m_s: f64, ground_speed_m_s: f64) -> Contact<f64> {
         let p = Parameters::default();
-        Place::new(&p, depth_m, 60.0).contact(&p, 50.0, depth_rate_m_s, ground_speed_m_s)
+        Place::new(&p, depth_m, 60.0).contact(&p, 50.0, depth_rate_m_s, ground_speed_m_s * ground_speed_m_s)
     }
 
     fn diameter() -> f64 {
@@ -161,7 +162,7 @@ mod tests {
         for depth in [0.0, 1e-9, 30.0, 60.0] {
             let place = Place::new(&p, depth, 60.0);
             assert_eq!(place.current_share(), 1.0);
-            let contact = place.contact(&p, 50.0, 0.3, 0.2);
+            let contact = place.contact(&p, 50.0, 0.3, 0.04);
             assert_eq!((contact.support_N, contact.friction_N_s_m, contact.pitch_damping_N_m_s), (0.0, 0.0, 0.0));
         }
     }
@@ -233,12 +234,12 @@ mod tests {
         let p = Parameters::default();
         for normal in [0.1, 10.0, 1e4] {
             for speed in [1e-6, 1e-3, 0.1, 3.0] {
-                let per_speed = friction(&p, normal, speed);
+                let per_speed = friction(&p, normal, speed * speed);
                 assert!(per_speed * speed <= FRICTION * normal);
                 assert!(per_speed <= (p.displaced_mass_kg + p.added_mass_1_kg) * LARGEST_RATE_1_S);
             }
         }
-        assert!(friction(&p, 1.0, 0.5) * 0.5 > 0.99 * FRICTION);
+        assert!(friction(&p, 1.0, 0.25) * 0.5 > 0.99 * FRICTION);
     }
 
     #[test]

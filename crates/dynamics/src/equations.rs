@@ -161,8 +161,8 @@ pub fn next_bend_s(
     }
     let p = parameters;
     let volume = p.ballast_m3(state.ballast_mass_kg);
-    let to_go_m3 = (inputs.ballast_command_m3.held_within(p.ballast_min_m3, p.ballast_max_m3) - volume).abs();
-    let ballast_s = to_go_m3 / p.ballast_rate_m3_s - 1.0 / SERVO_RATE_1_S;
+    let to_go_m3 = inputs.ballast_command_m3.held_within(p.ballast_min_m3, p.ballast_max_m3) - volume;
+    let ballast_s = servo_bend_s(to_go_m3, p.ballast_rate_m3_s);
     let ahead = [ballast_s, moving_mass_bend_s(p, state, inputs)].into_iter().filter(|in_s| *in_s > 0.0);
     ahead.min_by(f64::total_cmp).map(|in_s| time_s + in_s)
 }
@@ -175,29 +175,44 @@ pub fn servo_corners<T: Number>(parameters: &Parameters<T>, state: &State<T>, in
         inputs.ballast_command_m3.held_within(p.ballast_min_m3, p.ballast_max_m3) - p.ballast_m3(state.ballast_mass_kg);
     let mass =
         inputs.moving_mass_command_m.held_within(p.moving_mass_min_m, p.moving_mass_max_m) - state.moving_mass_1_m;
-    let (ballast, mass) =
-        (ballast * SERVO_RATE_1_S / p.ballast_rate_m3_s, mass * SERVO_RATE_1_S / p.moving_mass_rate_m_s);
-    [ballast + 1.0, -ballast + 1.0, mass + 1.0, -mass + 1.0]
+    let [[a, b], [c, d]] = [servo_corner(ballast, p.ballast_rate_m3_s), servo_corner(mass, p.moving_mass_rate_m_s)];
+    [a, b, c, d]
 }
 
 /// In which time the moving mass leaves its largest speed \[s\]; zero or less where it does not run at it.
 fn moving_mass_bend_s(p: &Parameters<f64>, state: &State<f64>, inputs: &Inputs<f64>) -> f64 {
     let target_m = inputs.moving_mass_command_m.held_within(p.moving_mass_min_m, p.moving_mass_max_m);
-    let to_go_m = target_m - state.moving_mass_1_m;
-    let limit = p.moving_mass_rate_m_s;
-    let at_limit_m = to_go_m.abs() - limit / SERVO_RATE_1_S;
-    if at_limit_m <= 0.0 {
-        return 0.0;
-    }
     let speed =
         state.momentum_1_kg_m_s / p.moving_mass_kg - state.v1_m_s - state.moving_mass_3_m * state.pitch_rate_rad_s;
+    slow_servo_bend_s(target_m - state.moving_mass_1_m, speed, p.moving_mass_rate_m_s)
+}
+
+/// In which time a servo of first order, so far from its set-point, leaves its largest rate \[s\]; zero or less where it does
+/// not run at it.
+pub fn servo_bend_s(to_go: f64, limit: f64) -> f64 {
+    to_go.abs() / limit - 1.0 / SERVO_RATE_1_S
+}
+
+/// The same of a servo of second order, at this speed.
+pub fn slow_servo_bend_s(to_go: f64, speed: f64, limit: f64) -> f64 {
+    let at_limit = to_go.abs() - limit / SERVO_RATE_1_S;
+    if at_limit <= 0.0 {
+        return 0.0;
+    }
     // The speed nears its limit as exp(-k t): at_limit = limit t - lag (1 - exp(-k t)), solved by fixed point.
-    let lag_m = (limit - speed * to_go_m.signum()) / SERVO_SPEED_RATE_1_S;
-    let mut in_s = at_limit_m / limit;
+    let lag = (limit - speed * to_go.signum()) / SERVO_SPEED_RATE_1_S;
+    let mut in_s = at_limit / limit;
     for _ in 0..20 {
-        in_s = (at_limit_m + lag_m * (1.0 - (-SERVO_SPEED_RATE_1_S * in_s).exp())) / limit;
+        in_s = (at_limit + lag * (1.0 - (-SERVO_SPEED_RATE_1_S * in_s).exp())) / limit;
     }
     in_s
+}
+
+/// Two functions that are zero where a servo so far from its set-point reaches or leaves its largest rate, in either
+/// direction.
+pub fn servo_corner<T: Number>(to_go: T, limit: T) -> [T; 2] {
+    let share = to_go * SERVO_RATE_1_S / limit;
+    [share + 1.0, -share + 1.0]
 }
 
 /// Force along axis 1 that the moving mass would need to stay where it is on the hull \[N\]. Against a stop, the
@@ -261,6 +276,7 @@ impl<'a, T: Number> Motion<'a, T> {
             time_s,
             roll_rad: inputs.roll_rad,
             rudder_rad: inputs.rudder_rad,
+            empirical: parameters.empirical(&water),
         };
         let memory = Memory {
             creep_pressure_Pa: state.creep_pressure_Pa,
@@ -290,7 +306,7 @@ impl<'a, T: Number> Motion<'a, T> {
             memory,
             frame_m_s2: to_body(water_x_m_s2 + met_x_m_s2, water_z_m_s2),
             carrying_N: to_body(-net_mass_kg * water_x_m_s2 - mass_kg * met_x_m_s2, -net_mass_kg * water_z_m_s2),
-            contact: place.contact(parameters, displaced_kg, depth_rate_m_s, ground_speed_m_s),
+            contact: place.contact(parameters, displaced_kg, depth_rate_m_s, ground_speed_m_s * ground_speed_m_s),
             hydrodynamics: parameters.hydrodynamics(&flow),
         }
     }

@@ -3,6 +3,7 @@
 //! Coefficients are the stored form; the papers' K's are derived here, with the local density. Knows nothing of masses
 //! but the added ones, which the Munk couple needs.
 
+use super::empirical::Added;
 use super::parameters::{DRAG_REFERENCE_SPEED_M_S, Parameters};
 use glidepolar_number::Number;
 
@@ -32,6 +33,8 @@ pub struct Flow<T> {
     pub roll_rad: T,
     /// Rudder angle \[rad\].
     pub rudder_rad: T,
+    /// What the empirical table adds here.
+    pub empirical: Added<T>,
 }
 
 /// Force and moment of the water, and the angle they follow from.
@@ -71,9 +74,10 @@ impl<T: Number> Parameters<T> {
         let ascent = ascent_fraction(flow.sink_m_s);
         let on_leg = |ratio: T| (ratio - 1.0) * ascent + 1.0;
 
-        let lift = self.CL0
+        let lift = (self.CL0
             + self.a_per_rad * on_leg(self.ascent_a_ratio) * on_leg(self.climb_dive_lift_ratio) * alpha
-            + self.nonlinear_lift_per_rad2 * alpha * alpha.abs();
+            + self.nonlinear_lift_per_rad2 * alpha * alpha.abs())
+            * (flow.empirical.lift + 1.0);
         let b = self.b * on_leg(self.ascent_b_ratio) * self.reynolds_factor(dynamic_pressure_Pa);
         let c = self.c_per_rad2 * on_leg(self.ascent_c_ratio);
         let drag = (b + c * alpha * alpha) * on_leg(self.climb_dive_drag_ratio) * self.drag_factor(flow);
@@ -142,7 +146,7 @@ impl<T: Number> Parameters<T> {
             if flow.time_s.value() >= self.step_time_s.value() { self.drag_step + 1.0 } else { T::constant(1.0) };
         let roll = self.roll_drag_per_rad2 * flow.roll_rad * flow.roll_rad + 1.0;
         let rudder = self.rudder_drag_per_rad2 * flow.rudder_rad * flow.rudder_rad + 1.0;
-        growth * step * roll * rudder
+        growth * step * roll * rudder * (flow.empirical.drag + 1.0)
     }
 
     /// `(q/q0)^s`, and exactly 1 for s = 0.

@@ -14,6 +14,7 @@
 
 pub mod buoyancy;
 pub mod contact;
+pub mod empirical;
 pub mod equations;
 pub mod forces;
 pub mod glide;

@@ -148,11 +148,25 @@ parameters! {
     pitch_scale: "1" = 1.0 in 0.1 .. 10.0, "True pitch is this times the pitch that is read, plus the pitch offset";
     pitch_offset_rad: "rad" = 0.0 in -1.0 .. 1.0, "True pitch less the scaled pitch that is read";
     pressure_scale: "1" = 1.0 in 0.1 .. 10.0, "True pressure over the pressure that is read";
+    speed_scale: "1" = 1.0 in 0.1 .. 10.0, "Speed through the water that is read over the true one";
     salinity_drift_per_day: "1/d" = 0.0 in -100.0 .. 100.0, "True practical salinity less the one that is read, growth per day";
     thermal_lag_s: "s" = 0.0 in -1000.0 .. 1000.0, "Time by which the temperature in the conductivity cell follows the one that is read";
     clock_offset_s: "s" = 0.0 in -1e4 .. 1e4, "Time by which the record of the attitude is late against that of the pressure";
     pressure_hysteresis: "1" = 0.0 in -1.0 .. 1.0, "Pressure read too much on an ascent in the middle of its range, relative to that range";
     pressure_lag_s: "s" = 0.0 in 0.0 .. 1000.0, "Time constant with which the pressure that is read follows the true one";
+    // what a log shows without a known cause
+    empirical_acts_on: "1" = 0.0 in 0.0 .. 3.0, "What the empirical table changes: 0 nothing, 1 drag, 2 lift (both in shares), 3 net mass (in kg)";
+    empirical_against: "1" = 0.0 in 0.0 .. 2.0, "What the empirical table goes by: 0 pressure in dbar, 1 time in h, 2 temperature in degC";
+    empirical_at_1: "1" = 0.0 in -1e9 .. 1e9, "First point of the empirical table; before it the first value holds";
+    empirical_at_2: "1" = 1.0 in -1e9 .. 1e9, "Second point of the empirical table";
+    empirical_at_3: "1" = 2.0 in -1e9 .. 1e9, "Third point of the empirical table";
+    empirical_at_4: "1" = 3.0 in -1e9 .. 1e9, "Fourth point of the empirical table";
+    empirical_at_5: "1" = 4.0 in -1e9 .. 1e9, "Fifth point of the empirical table; beyond it the last value holds";
+    empirical_value_1: "1" = 0.0 in -100.0 .. 100.0, "Value of the empirical table at its first point";
+    empirical_value_2: "1" = 0.0 in -100.0 .. 100.0, "Value of the empirical table at its second point";
+    empirical_value_3: "1" = 0.0 in -100.0 .. 100.0, "Value of the empirical table at its third point";
+    empirical_value_4: "1" = 0.0 in -100.0 .. 100.0, "Value of the empirical table at its fourth point";
+    empirical_value_5: "1" = 0.0 in -100.0 .. 100.0, "Value of the empirical table at its fifth point";
 }
 
 /// The row of [`PARAMETERS`] with this name.

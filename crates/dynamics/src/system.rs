@@ -241,7 +241,7 @@ mod tests {
                 go_on(&mut integrator, &mut time, &mut state);
             }
             for k in [1, 20, 60, 150] {
-                let (numbers, mut time, mut state) = kept[k];
+                let (numbers, mut time, mut state) = kept[k].clone();
                 let mut restored = Integrator::from_numbers(&numbers).expect("it wrote them itself");
                 kept[k + 1..].iter().for_each(|next| {
                     go_on(&mut restored, &mut time, &mut state);
@@ -318,5 +318,20 @@ mod tests {
         // A force that stays constant cannot hold the moving mass: it runs to its stops and never beyond.
         assert!(events.iter().any(|(_, which)| which[4] || which[5]), "{events:?}");
         assert!(state.moving_mass_1_m.abs() < 0.05 + 1e-6, "moving mass at {}", state.moving_mass_1_m);
+    }
+
+    #[test]
+    fn what_is_only_counted_is_felt_by_nothing() {
+        // What lets the Jacobian leave their columns out.
+        let p = Parameters::default();
+        let start = start(&p);
+        for state in [start.state, State { depth_m: -0.05, ..start.state }, State { depth_m: 6001.0, ..start.state }] {
+            let richer =
+                State { energy_J: state.energy_J + 1e6, x_m: state.x_m + 1e5, creep_pressure_Pa: 1e6, ..state };
+            for actuation in [Actuation::Servo, Actuation::Raw] {
+                let glider = Glider::new(p, actuation, start.inputs);
+                assert_eq!(glider.derivative(7.0, &state), glider.derivative(7.0, &richer));
+            }
+        }
     }
 }

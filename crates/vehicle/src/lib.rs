@@ -86,8 +86,7 @@ impl Vehicle {
         if let Some(slot) = self.sections.slot(path) {
             *slot = Some(value);
         } else if let Some(name) = path.strip_prefix("mechanisms.") {
-            let index =
-                parameter_index(name).filter(|_| mechanisms::of_parameter(name).is_some()).ok_or_else(unknown)?;
+            let index = parameter_index(name).filter(|_| mechanisms::is_of_vehicle(name)).ok_or_else(unknown)?;
             self.mechanisms.insert(PARAMETERS[index].name, value);
         } else if let Some(name) = path.strip_prefix("uncertainty.") {
             if !read::is_number_key(name) {

@@ -74,8 +74,7 @@ pub(super) fn unknown_key(path: &str, place: Place) -> InputError {
 
 /// Whether a dotted name is that of a number in a vehicle file.
 pub(super) fn is_number_key(path: &str) -> bool {
-    keys::key(path).is_some()
-        || path.strip_prefix("mechanisms.").is_some_and(|name| mechanisms::of_parameter(name).is_some())
+    keys::key(path).is_some() || path.strip_prefix("mechanisms.").is_some_and(mechanisms::is_of_vehicle)
 }
 
 struct Reader<'a> {
@@ -112,7 +111,7 @@ impl Reader<'_> {
             let nested = item.as_table_like();
             match (section, nested) {
                 ("mechanisms", _) => {
-                    let Some(index) = parameter_index(name).filter(|_| mechanisms::of_parameter(name).is_some()) else {
+                    let Some(index) = parameter_index(name).filter(|_| mechanisms::is_of_vehicle(name)) else {
                         return Err(unknown_key(&path, place));
                     };
                     let row = &PARAMETERS[index];

@@ -66,16 +66,18 @@ impl Vehicle {
             rudder_Cl_per_rad: get("rudder.Cl_delta_per_rad"),
             rudder_min_rad: or("rudder.min_rad", -UNLIMITED_RAD),
             rudder_max_rad: or("rudder.max_rad", UNLIMITED_RAD),
-            rudder_rate_rad_s: get("rudder.rate_rad_s"),
+            // A rudder or a roll mass that is not there rests whatever its rate.
+            rudder_rate_rad_s: or("rudder.rate_rad_s", Lateral::default().rudder_rate_rad_s),
             rudder_power_W: get("rudder.power_W"),
             rudder_offset_rad: get("rudder.offset_rad"),
             roll_mass_kg: get("roll_mass.mass_kg"),
             roll_mass_radius_m: get("roll_mass.radius_m"),
             roll_mass_min_rad: or("roll_mass.min_rad", -UNLIMITED_RAD),
             roll_mass_max_rad: or("roll_mass.max_rad", UNLIMITED_RAD),
-            roll_mass_rate_rad_s: get("roll_mass.rate_rad_s"),
+            roll_mass_rate_rad_s: or("roll_mass.rate_rad_s", Lateral::default().roll_mass_rate_rad_s),
             roll_mass_power_W: get("roll_mass.power_W"),
             roll_mass_offset_rad: get("roll_mass.offset_rad"),
+            ..Lateral::default()
         }
     }
 }

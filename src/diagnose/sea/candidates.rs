@@ -2,11 +2,12 @@
 
 use super::history;
 use super::jumps::Jump;
+use super::salinity::{self, Shown};
 use crate::diagnose::evidence::{Candidate, Version};
 use crate::dynamics::buoyancy::WATER_COMPRESSIBILITY_PER_PA;
 use crate::dynamics::{PARAMETERS, Parameters};
 use crate::identify::Bin;
-use crate::log::DBAR_PA;
+use crate::log::{DBAR_PA, Observation};
 use crate::mechanisms::{AT_SEA, Enters};
 
 /// Range of temperature over the log below which nothing that goes by its changes can show \[K\]: ten times the noise of a
@@ -16,8 +17,29 @@ const LEAST_RANGE_K: f64 = 0.1;
 /// The same of the density of the water brought to p = 0 \[kg/m3\]: some grams in the largest flooded spaces.
 const LEAST_RANGE_KG_M3: f64 = 0.1;
 
+/// What other channels of the log show of sizes, by the name of the mechanism.
+#[derive(Debug, Clone, Default)]
+pub struct Channels(Vec<(&'static str, Shown)>);
+
+impl Channels {
+    /// From the samples of a log.
+    pub fn new(samples: &[Observation]) -> Channels {
+        let of = |mechanism: &crate::mechanisms::Mechanism| {
+            Some((mechanism.name, salinity::shown(mechanism.name, samples)?))
+        };
+        Channels(AT_SEA.iter().filter_map(of).collect())
+    }
+
+    fn of(&self, mechanism: &str) -> Option<Shown> {
+        self.0.iter().find(|(name, _)| *name == mechanism).map(|(_, shown)| *shown)
+    }
+}
+
+/// Mechanisms that go with temperature or pressure: what of them does not vary over the log is an offset of the ballast.
+pub const WITH_A_LEVEL: [&str; 4] = ["hull_compressibility", "thermal_expansion", "trapped_air", "hull_creep"];
+
 /// The mechanisms that these data could show, with the row of their parameter.
-pub fn of(bins: &[Bin], jumps: &[Jump], parameters: &Parameters<f64>) -> Vec<(Candidate, usize)> {
+pub fn of(bins: &[Bin], shown: &Channels, jumps: &[Jump], parameters: &Parameters<f64>) -> Vec<(Candidate, usize)> {
     let varies = |value: fn(&Bin) -> f64| bins.iter().any(|bin| value(bin).is_finite() && value(bin).abs() > 1e-4);
     let mut found = Vec::new();
     for mechanism in AT_SEA {
@@ -45,14 +67,17 @@ pub fn of(bins: &[Bin], jumps: &[Jump], parameters: &Parameters<f64>) -> Vec<(Ca
             "drag_step" => jumps.iter().map(version).collect(),
             name => history::versions(name),
         };
+        // A channel that shows less than is believed anyhow says nothing.
+        let shown = shown.of(mechanism.name).filter(|shown| shown.se < mechanism.usual);
         for version in versions {
             let candidate = Candidate {
                 name: mechanism.name,
                 parameters: vec![(row.name, row.unit)],
                 neutral: vec![*parameters.clone().at(index)],
-                usual: vec![mechanism.usual],
+                usual: vec![shown.map_or(mechanism.usual, |shown| shown.se)],
                 bounds: vec![(row.min, row.max)],
                 least: mechanism.least,
+                shown: shown.map(|shown| shown.value),
                 version,
             };
             found.push((candidate, index));

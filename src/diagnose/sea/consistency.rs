@@ -98,15 +98,27 @@ pub fn checks(observations: &[Observation], carried_bias_kg_m3: f64) -> (Vec<Che
 }
 
 /// The observations with the density as it should have been recorded, for a vehicle that adds `carried_bias_kg_m3` to it.
-pub fn mended(observations: &[Observation], error: DensityError, carried_bias_kg_m3: f64) -> Vec<Observation> {
-    let mended = |o: &Observation| match error {
+/// Velocities that came from the rate of the pressure by the recorded density come by that of the water.
+pub fn corrected(observations: &[Observation], error: DensityError, carried_bias_kg_m3: f64) -> Vec<Observation> {
+    let corrected = |o: &Observation| match error {
         DensityError::AtZeroPressure if o.teos10_density_kg_m3.is_finite() => {
             o.teos10_density_kg_m3 - carried_bias_kg_m3
         }
         DensityError::AtZeroPressure => f64::NAN,
         DensityError::Bias(bias, _) => o.density_kg_m3 + bias,
     };
-    observations.iter().map(|o| Observation { density_kg_m3: mended(o), ..*o }).collect()
+    let of = |o: &Observation| {
+        let density_kg_m3 = corrected(o);
+        let per_dbar = o.density_kg_m3 / (density_kg_m3 + carried_bias_kg_m3);
+        Observation {
+            density_kg_m3,
+            sink_m_s: o.sink_m_s * per_dbar,
+            sink_se_m_s: o.sink_se_m_s * per_dbar,
+            sink_rate_m_s2: o.sink_rate_m_s2 * per_dbar,
+            ..*o
+        }
+    };
+    observations.iter().map(of).collect()
 }
 
 fn vertical_velocity(observations: &[Observation]) -> Check {

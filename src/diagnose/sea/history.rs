@@ -28,11 +28,11 @@ use crate::identify::Bin;
 use crate::log::{DBAR_PA, Observation};
 
 /// Change of density with practical salinity \[kg/m3\]: 0.77 at 35 and 10 degC, 0.80 at 0 degC, 0.75 at 25 degC (EOS-80).
-const DENSITY_PER_SALINITY: f64 = 0.77;
+pub(super) const DENSITY_PER_SALINITY: f64 = 0.77;
 
 /// Change of the salinity that is computed from one conductivity with the temperature that is taken for the cell's \[1/K\]:
 /// -0.98 at 35 and 10 degC (PSS-78).
-const SALINITY_PER_KELVIN: f64 = 0.98;
+pub(super) const SALINITY_PER_KELVIN: f64 = 0.98;
 
 /// A change of the ballast volume beyond this is a move of the engine \[m3\]: above the noise of a reading, below any stroke.
 const MOVED_M3: f64 = 5e-6;

@@ -1,6 +1,7 @@
 //! The diagnosis of a whole log: consistency first, then mechanisms in what is left.
 
 use super::consistency::{self, DensityError};
+use super::empirical;
 use super::{SeaError, SeaProblem, Settings};
 use crate::diagnose::engine;
 use crate::diagnose::findings::{Cause, Check, Checked, Verdict};
@@ -14,10 +15,10 @@ use crate::log::Observation;
 /// A log's diagnosis.
 pub struct SeaDiagnosis {
     /// The four answers, and what is left row by row.
-    pub told: Outcome,
+    pub outcome: Outcome,
     /// The data, at the extended model.
     pub evidence: Evidence,
-    /// The log against the vehicle, mended where it had to be.
+    /// The log against the vehicle, corrected where it had to be.
     pub problem: SeaProblem,
     /// The baseline: the vehicle, with its trim decided.
     pub baseline: Parameters<f64>,
@@ -39,7 +40,7 @@ pub fn diagnose_log(
     observations: &[Observation],
     settings: Settings,
 ) -> Result<SeaDiagnosis, SeaError> {
-    // A vehicle that carries a bias of the density has its density mended by the model: what is mended here comes on top.
+    // A vehicle that carries a bias of the density has its density corrected by the model: what is corrected here comes on top.
     let carried_kg_m3 = vehicle.density_bias_kg_m3;
     let (checks, error) = consistency::checks(observations, carried_kg_m3);
     if checks.iter().any(|check| check.outcome == Checked::Wrong) {
@@ -49,61 +50,65 @@ pub fn diagnose_log(
         let baseline = trim.baseline(vehicle, observations);
         SeaProblem::new(observations, &baseline, settings.clone()).map(|problem| (problem, baseline))
     };
-    let (problem, baseline, mut told) = match error {
+    let (problem, baseline, mut outcome) = match error {
         None => {
             let (problem, baseline) = as_read(observations)?;
-            let (problem, told) = in_full(problem);
-            (problem, baseline, told)
+            let (problem, outcome) = in_full(problem);
+            (problem, baseline, outcome)
         }
         Some(error) => {
-            let (problem, baseline) = as_read(&consistency::mended(observations, error, carried_kg_m3))?;
-            let (problem, mut told) = in_full(problem);
+            let (problem, baseline) = as_read(&consistency::corrected(observations, error, carried_kg_m3))?;
+            let (problem, mut outcome) = in_full(problem);
             // The density as it was read may fit no glide at all: then there is no misfit to compare with.
             if let Ok((raw, _)) = as_read(observations) {
-                put_before(&mut told, &problem, &raw);
+                put_before(&mut outcome, &problem, &raw);
             }
-            let evidence = problem.evidence(&told.after.point);
-            told.diagnosis.causes.insert(0, density_cause(&told, &evidence, error, carried_kg_m3));
-            told.diagnosis.verdict = match told.diagnosis.verdict {
+            let evidence = problem.evidence(&outcome.after.point);
+            outcome.diagnosis.causes.insert(0, density_cause(&outcome, &evidence, error, carried_kg_m3));
+            outcome.diagnosis.verdict = match outcome.diagnosis.verdict {
                 Verdict::None | Verdict::Explained => Verdict::Explained,
                 Verdict::PartlyExplained | Verdict::Unexplained => Verdict::PartlyExplained,
             };
-            (problem, baseline, told)
+            (problem, baseline, outcome)
         }
     };
     if error.is_none() {
-        name_what_density_hides(&mut told, &problem, &checks);
+        name_what_density_hides(&mut outcome, &problem, &checks);
+    }
+    if problem.has_speed() {
+        name_what_scales_hide(&mut outcome);
     }
     if trim == Trim::Neutral {
-        tell_trim(&mut told, &baseline);
+        tell_trim(&mut outcome, &baseline);
     }
-    told.diagnosis.rejected.extend(unweighed(&checks, &told, &problem));
-    told.diagnosis.consistency = checks;
+    outcome.diagnosis.rejected.extend(unweighed(&checks, &outcome, &problem));
+    outcome.diagnosis.consistency = checks;
     if problem.is_quasi_steady() {
-        told.diagnosis.warnings.push(QUASI_STEADY.to_owned());
+        outcome.diagnosis.warnings.push(QUASI_STEADY.to_owned());
     }
-    told.diagnosis.warnings.extend(problem.doubts(&told.before.point, &told.after.point));
-    let evidence = problem.evidence(&told.after.point);
-    Ok(SeaDiagnosis { told, evidence, problem, baseline })
+    outcome.diagnosis.warnings.extend(problem.doubts(&outcome.before.point, &outcome.after.point));
+    let problem = empirical::extend(problem, &mut outcome);
+    let evidence = problem.evidence(&outcome.after.point);
+    Ok(SeaDiagnosis { outcome, evidence, problem, baseline })
 }
 
 /// Diagnoses a problem; once more, where the drag jumped, with the time of the jump looked for more closely.
 fn in_full(problem: SeaProblem) -> (SeaProblem, Outcome) {
-    let problem = problem.with_inertia_only_if_it_helps();
-    let told = engine::diagnose_in_full(&problem);
-    let jump = told.named.iter().map(|named| &problem.candidates()[*named]).find(|it| it.name == "drag_step");
+    let outcome = engine::diagnose_in_full(&problem);
+    let (problem, outcome) = problem.without_inertia_if_better(&outcome).unwrap_or((problem, outcome));
+    let jump = outcome.named.iter().map(|named| &problem.candidates()[*named]).find(|it| it.name == "drag_step");
     let jump = jump.and_then(|step| step.version);
     match jump.and_then(|jump| problem.with_jumps_about(jump.value)) {
         Some(finer) => {
-            let told = engine::diagnose_in_full(&finer);
-            (finer, told)
+            let outcome = engine::diagnose_in_full(&finer);
+            (finer, outcome)
         }
-        None => (problem, told),
+        None => (problem, outcome),
     }
 }
 
-/// Puts the misfit of the log as it was read in place of the mended log's baseline, row by row.
-fn put_before(told: &mut Outcome, mended: &SeaProblem, raw: &SeaProblem) {
+/// Puts the misfit of the log as it was read in place of the corrected log's baseline, row by row.
+fn put_before(outcome: &mut Outcome, corrected: &SeaProblem, raw: &SeaProblem) {
     let (stage, wrong) = engine::baseline(raw);
     let key = |evidence: &Evidence, row: usize| {
         let quantity = evidence.quantities.iter().position(|q| q.rows.contains(&row));
@@ -112,23 +117,23 @@ fn put_before(told: &mut Outcome, mended: &SeaProblem, raw: &SeaProblem) {
     let evidence = raw.evidence(&stage.point);
     let known: std::collections::HashMap<_, usize> =
         (0..stage.residual.len()).map(|row| (key(&evidence, row), row)).collect();
-    let evidence = mended.evidence(&told.after.point);
-    for row in 0..told.before.residual.len() {
+    let evidence = corrected.evidence(&outcome.after.point);
+    for row in 0..outcome.before.residual.len() {
         if let Some(&other) = known.get(&key(&evidence, row)) {
-            told.before.held_out[row] = stage.held_out[other];
-            told.before.residual[row] = stage.residual[other];
+            outcome.before.held_out[row] = stage.held_out[other];
+            outcome.before.residual[row] = stage.residual[other];
         }
     }
-    told.diagnosis.wrong = wrong;
-    told.diagnosis.gains = gains(&evidence, &told.before.held_out, &told.after.held_out);
-    told.diagnosis.gain = told.diagnosis.gains[0].clone();
+    outcome.diagnosis.wrong = wrong;
+    outcome.diagnosis.gains = gains(&evidence, &outcome.before.held_out, &outcome.after.held_out);
+    outcome.diagnosis.gain = outcome.diagnosis.gains[0].clone();
 }
 
 /// The cause that the checks found; as with every other mechanism its size is all of it, what the vehicle has included.
-fn density_cause(told: &Outcome, evidence: &Evidence, error: DensityError, carried_kg_m3: f64) -> Cause {
+fn density_cause(outcome: &Outcome, evidence: &Evidence, error: DensityError, carried_kg_m3: f64) -> Cause {
     let quantity = &evidence.quantities[0];
     let rms = |values| holdout::rms(values, quantity.rows.clone());
-    let (before, after) = (rms(&told.before.held_out), rms(&told.after.held_out));
+    let (before, after) = (rms(&outcome.before.held_out), rms(&outcome.after.held_out));
     let (cause, parameters) = match error {
         DensityError::AtZeroPressure => ("density_at_zero_pressure", Default::default()),
         DensityError::Bias(bias, se) => {
@@ -138,7 +143,7 @@ fn density_cause(told: &Outcome, evidence: &Evidence, error: DensityError, carri
     };
     let blocks: std::collections::BTreeSet<usize> = evidence.block.iter().copied().collect();
     // The log's own temperature, salinity and pressure say it sample by sample: chance has no part in it.
-    let after_it = told.diagnosis.causes.first().map_or(after, |next| next.holdout_rms_before);
+    let after_it = outcome.diagnosis.causes.first().map_or(after, |next| next.holdout_rms_before);
     Cause {
         cause: cause.to_owned(),
         parameters,
@@ -157,9 +162,9 @@ const BALLASTING_KG_M3: f64 = 1.0;
 
 /// Says of a ballast offset against a baseline that was assumed to be neutral that it is the trim; within the tolerance of
 /// ballasting it is no fault of the glider's.
-fn tell_trim(told: &mut Outcome, baseline: &Parameters<f64>) {
+fn tell_trim(outcome: &mut Outcome, baseline: &Parameters<f64>) {
     const NAME: &str = "ballast_offset";
-    let diagnosis = &mut told.diagnosis;
+    let diagnosis = &mut outcome.diagnosis;
     let Some(place) = diagnosis.causes.iter().position(|cause| cause.cause == NAME) else { return };
     let Some(offset) = diagnosis.causes[place].parameters.get("ballast_offset_kg").cloned() else { return };
     let usual_kg = BALLASTING_KG_M3 * baseline.mass_kg() / SEA_WATER_KG_M3;
@@ -179,8 +184,8 @@ fn tell_trim(told: &mut Outcome, baseline: &Parameters<f64>) {
 const SEA_WATER_KG_M3: f64 = 1025.0;
 
 /// Without temperature and salinity a density at p = 0 is a hull that yields less than it does by the compressibility of
-/// the water: where that is the size that was found, the two cannot be told apart.
-fn name_what_density_hides(told: &mut Outcome, problem: &SeaProblem, checks: &[Check]) {
+/// the water: where that is the size that was found, the two cannot be outcome apart.
+fn name_what_density_hides(outcome: &mut Outcome, problem: &SeaProblem, checks: &[Check]) {
     let unchecked =
         checks.iter().any(|check| check.check == consistency::DENSITY && check.outcome == Checked::NotChecked);
     let row = parameter_index("hull_compressibility_per_Pa");
@@ -188,7 +193,7 @@ fn name_what_density_hides(told: &mut Outcome, problem: &SeaProblem, checks: &[C
     let (true, Some(_), Some(neutral)) = (unchecked, row, neutral) else {
         return;
     };
-    for cause in told.diagnosis.causes.iter_mut().filter(|cause| cause.cause == "hull_compressibility") {
+    for cause in outcome.diagnosis.causes.iter_mut().filter(|cause| cause.cause == "hull_compressibility") {
         let Some(found) = cause.parameters.get("hull_compressibility_per_Pa") else { continue };
         let apart = found.value - (neutral.neutral[0] - WATER_COMPRESSIBILITY_PER_PA);
         if apart.abs() <= (found.ci95[1] - found.value) + 0.1 * WATER_COMPRESSIBILITY_PER_PA {
@@ -197,8 +202,18 @@ fn name_what_density_hides(told: &mut Outcome, problem: &SeaProblem, checks: &[C
     }
 }
 
+/// With a polar that is fitted, a wrong scale of the vertical velocity and one of the speed differ by a factor of all
+/// velocities alone, which the polar takes up; a scale of the pitch changes their ratio as well.
+fn name_what_scales_hide(outcome: &mut Outcome) {
+    for cause in &mut outcome.diagnosis.causes {
+        if ["pressure_scale", "pitch_scale"].contains(&cause.cause.as_str()) {
+            cause.indistinguishable_from.push("speed_scale".to_owned());
+        }
+    }
+}
+
 /// The mechanisms that no steady glide can show, and those that the checks settle.
-fn unweighed(checks: &[Check], told: &Outcome, problem: &SeaProblem) -> Vec<crate::diagnose::Rejected> {
+fn unweighed(checks: &[Check], outcome: &Outcome, problem: &SeaProblem) -> Vec<crate::diagnose::Rejected> {
     let density = checks.iter().find(|check| check.check == consistency::DENSITY);
     let reject = |cause: &str, remark: String| crate::diagnose::Rejected {
         cause: cause.to_owned(),
@@ -217,11 +232,13 @@ fn unweighed(checks: &[Check], told: &Outcome, problem: &SeaProblem) -> Vec<crat
         "not checked: the log has no current (columns current_east_m_s and current_north_m_s)"
     };
     found.push(reject("shear", why.to_owned()));
+    let why = "beside a polar that is fitted it does what a scale of the pressure does";
+    found.push(reject("speed_scale", why.to_owned()));
     if !problem.has_speed() {
         let why = "without a measured speed lift slope and drag take up what a scale of the pitch would do";
         found.push(reject("pitch_scale", why.to_owned()));
     }
-    let is_named = told.diagnosis.causes.iter().any(|cause| cause.cause == "density_at_zero_pressure");
+    let is_named = outcome.diagnosis.causes.iter().any(|cause| cause.cause == "density_at_zero_pressure");
     if let Some(check) = density.filter(|_| !is_named) {
         let why = match check.outcome {
             Checked::NotChecked => format!("not checked: {}", check.says),
@@ -297,7 +314,7 @@ mod tests {
         let log = flight(&truth, 0.8);
         let diagnose = |carried: f64, log: &[Observation]| {
             let vehicle = Parameters { density_bias_kg_m3: carried, ..truth };
-            diagnose_log(&vehicle, Trim::Vehicle, log, Settings::default()).expect("a diagnosis").told.diagnosis
+            diagnose_log(&vehicle, Trim::Vehicle, log, Settings::default()).expect("a diagnosis").outcome.diagnosis
         };
         let others = |diagnosis: &crate::diagnose::Diagnosis| -> Vec<String> {
             let causes = diagnosis.causes.iter().map(|cause| cause.cause.clone());
@@ -313,13 +330,15 @@ mod tests {
             assert_eq!(bias.is_some(), is_named, "{carried} kg/m3 carried");
             assert!(bias.is_none_or(|bias| (bias.value - 0.8).abs() < 0.01), "{carried} kg/m3 carried: {bias:?}");
         }
-        // The same for a density at p = 0: no part of the carried bias stays in what is mended.
+        // The same for a density at p = 0: no part of the carried bias stays in what is corrected.
         let at_surface: Vec<Observation> =
             log.iter().map(|o| Observation { density_kg_m3: o.teos10_surface_density_kg_m3 - 0.8, ..*o }).collect();
         let (_, error) = consistency::checks(&at_surface, 0.8);
         assert_eq!(error, Some(DensityError::AtZeroPressure));
-        for (o, mended) in at_surface.iter().zip(consistency::mended(&at_surface, DensityError::AtZeroPressure, 0.8)) {
-            assert!((mended.density_kg_m3 + 0.8 - o.teos10_density_kg_m3).abs() < 1e-9);
+        for (o, corrected) in
+            at_surface.iter().zip(consistency::corrected(&at_surface, DensityError::AtZeroPressure, 0.8))
+        {
+            assert!((corrected.density_kg_m3 + 0.8 - o.teos10_density_kg_m3).abs() < 1e-9);
         }
     }
 }

@@ -11,19 +11,24 @@ mod attitude;
 mod candidates;
 pub mod consistency;
 mod covariates;
+mod empirical;
 mod history;
 mod jumps;
 mod log_diagnosis;
 mod model;
+mod salinity;
 mod vehicle_log;
 
+use crate::dynamics::empirical::ActsOn;
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
 use crate::identify::{Bin, Inside, Parts, bins, surroundings};
 use crate::log::Observation;
 
+use super::engine;
 use super::evidence::{Candidate, Evidence, Point, Problem, Quantity};
 use super::findings::{Check, Checked};
 use super::holdout;
+use super::outcome::Outcome;
 use super::relevance::Relevance;
 use jumps::Jump;
 pub use log_diagnosis::{SeaDiagnosis, diagnose_log};
@@ -138,6 +143,8 @@ pub struct SeaProblem {
     directions: Directions,
     /// What the mechanisms of the past go by.
     past: history::Columns,
+    /// What other channels of the log show.
+    channels: candidates::Channels,
 }
 
 /// How the size of a candidate changes what is read.
@@ -202,7 +209,7 @@ impl SeaProblem {
 
         let mut problem = SeaProblem {
             directions: Directions::new(&baseline_index),
-            parts: Parts::new(&bins, &usable),
+            parts: Parts::new(&bins, &usable, observations),
             bins,
             with_speed,
             parameters: *parameters,
@@ -213,6 +220,7 @@ impl SeaProblem {
             candidates: Vec::new(),
             shapes: Vec::new(),
             past,
+            channels: candidates::Channels::new(observations),
         };
         let jumps = Jump::between_legs(&problem.bins);
         problem.look_for(&jumps);
@@ -231,17 +239,29 @@ impl SeaProblem {
         })
     }
 
-    /// This problem, or the same without inertia where that predicts held-out glides better.
+    /// The same problem without inertia, diagnosed, where that is the better account of held-out glides.
     ///
-    /// Better means for certain, with a probability of 97.5 % by resampled legs. A real glider has inertia. A log that was simulated from steady glides has none, and a baseline that had it would miss
-    /// every sharp thermocline.
-    pub(super) fn with_inertia_only_if_it_helps(self) -> SeaProblem {
+    /// A real glider has inertia. A log that was simulated from steady glides has none, and a baseline that had it would miss
+    /// every sharp thermocline, or take a lag for a cause. It is tried where it predicts better for certain (97.5 % by
+    /// resampled legs), alone or beside the causes that were found, and taken where it then does so with causes of its own, or
+    /// predicts no worse with fewer.
+    pub(super) fn without_inertia_if_better(&self, found: &Outcome) -> Option<(SeaProblem, Outcome)> {
         let steady = SeaProblem { parts: self.parts.without_inertia(), ..self.clone() };
-        let [with, without] = [&self, &steady].map(|problem| crate::diagnose::engine::baseline(problem).0.held_out);
-        let rows = 0..self.bins.len();
         let block: Vec<usize> = self.bins.iter().map(|bin| bin.mean.leg as usize).collect();
-        let [least, _] = holdout::reduction_interval(&block, rows, &with, &without);
-        if least > 0.0 { steady } else { self }
+        let gain = |with: &DVector<f64>, without: &DVector<f64>| {
+            holdout::reduction_interval(&block, 0..self.bins.len(), with, without)
+        };
+        let alone = engine::held_out(&steady, &steady.start(), &[]);
+        let beside = || engine::held_out(&steady, &found.after.point, &found.fitted);
+        let is_promising =
+            gain(&found.before.held_out, &alone)[0] > 0.0 || gain(&found.after.held_out, &beside())[0] > 0.0;
+        if !is_promising {
+            return None;
+        }
+        let told = engine::diagnose_in_full(&steady);
+        let [least, most] = gain(&found.after.held_out, &told.after.held_out);
+        let is_better = least > 0.0 || (most > 0.0 && told.fitted.len() < found.fitted.len());
+        is_better.then_some((steady, told))
     }
 
     /// Whether the baseline has no inertia.
@@ -252,7 +272,7 @@ impl SeaProblem {
     /// Takes what these data could show for candidates, with these jumps.
     fn look_for(&mut self, jumps: &[Jump]) {
         (self.candidates, self.shapes) = (Vec::new(), Vec::new());
-        for (candidate, index) in candidates::of(&self.bins, jumps, &self.parameters) {
+        for (candidate, index) in candidates::of(&self.bins, &self.channels, jumps, &self.parameters) {
             // Whoever knows the lift slope holds the law of lift: a bend of it would let the slope go again.
             if self.lift != Lift::Fitted && candidate.name == "nonlinear_lift" {
                 continue;
@@ -260,6 +280,10 @@ impl SeaProblem {
             // Vertical velocity alone cannot tell a scale of the pitch from the polar: what it would be called is something
             // else.
             if !self.has_speed() && candidate.name == "pitch_scale" {
+                continue;
+            }
+            // Beside a polar that is fitted it does what a scale of the pressure does, and stands in the group of that.
+            if candidate.name == "speed_scale" {
                 continue;
             }
             let slopes = match history::acts(candidate.name) {
@@ -282,6 +306,24 @@ impl SeaProblem {
             };
             self.candidates.push(candidate);
             self.shapes.push(Shape { row: index, slopes });
+        }
+    }
+
+    /// What a unit of relative drag, of relative lift or of net mass changes in every row, at a point of the fit.
+    fn carrier(&self, acts: ActsOn, evidence: &Evidence, point: &Point) -> DVector<f64> {
+        let none = || DVector::zeros(evidence.residual.len());
+        // A share of a coefficient is its value times its slope; one that is held has no share.
+        let share = |name: &str| {
+            let place = self.baseline.iter().position(|(known, _)| *known == name)?;
+            Some(evidence.baseline.column(place) * point.baseline[place])
+        };
+        match acts {
+            ActsOn::Drag => share("b").zip(share("c_per_rad2")).map_or_else(none, |(b, c)| b + c),
+            ActsOn::Lift => share("a_per_rad").unwrap_or_else(none),
+            ActsOn::NetMass => {
+                let place = self.candidates.iter().position(|candidate| candidate.name == "ballast_offset");
+                place.map_or_else(none, |place| evidence.candidates[place].column(0).into_owned())
+            }
         }
     }
 
@@ -429,6 +471,11 @@ impl Problem for SeaProblem {
         true
     }
 
+    fn level_of(&self, candidate: usize) -> Option<usize> {
+        let has_level = candidates::WITH_A_LEVEL.contains(&self.candidates[candidate].name);
+        has_level.then(|| self.candidates.iter().position(|other| other.name == "ballast_offset")).flatten()
+    }
+
     fn part_unexplained(&self) -> f64 {
         PART_UNEXPLAINED
     }
@@ -474,8 +521,9 @@ impl Problem for SeaProblem {
             residual[row] = bin.mean.sink_m_s - sink.value;
             slopes.row_mut(row).copy_from_slice(&sink.slopes);
             if self.with_speed.get(speed_row - n_w) == Some(&row) {
-                residual[speed_row] = bin.mean.speed_m_s - speed.value;
+                residual[speed_row] = bin.mean.speed_m_s - parameters.speed_scale * speed.value;
                 slopes.row_mut(speed_row).copy_from_slice(&speed.slopes);
+                slopes.row_mut(speed_row).scale_mut(parameters.speed_scale);
                 speed_row += 1;
             }
         }

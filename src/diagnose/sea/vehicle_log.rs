@@ -4,8 +4,8 @@
 use super::{Lift, SeaDiagnosis, SeaError, Settings, diagnose_log};
 use crate::diagnose::{Point, Problem, Relevance};
 use crate::dynamics::parameter_index;
-use crate::identify::Trim;
 use crate::identify::external_values::built_up_lift_slope;
+use crate::identify::{ExternalValue, Trim};
 use crate::input::InputError;
 use crate::log::Observation;
 use crate::vehicle::Vehicle;
@@ -21,13 +21,13 @@ pub struct Request {
     pub relevance: Relevance,
 }
 
-/// A lift slope that is known from outside.
+/// A lift slope that is not fitted \[1/rad\], on the frontal area.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LiftSlope {
-    /// Its value \[1/rad\], on the frontal area; none: the vehicle's.
-    pub value_per_rad: Option<f64>,
-    /// Its standard error \[1/rad\]; none: it is fixed.
-    pub se_per_rad: Option<f64>,
+pub enum LiftSlope {
+    /// The vehicle's, fixed.
+    OfVehicle,
+    /// This one: fixed, or with a standard error known as well as that.
+    External(ExternalValue),
 }
 
 /// Why there is no diagnosis.
@@ -56,11 +56,10 @@ pub fn diagnose_vehicle(
     let has_speed = observations.iter().any(|o| o.speed_m_s.is_finite());
     let mut warnings = Vec::new();
     let lift = match request.lift_slope {
-        Some(known) => {
-            if let Some(value) = known.value_per_rad {
-                set_lift_slope(&mut vehicle, value)?;
-            }
-            known.se_per_rad.map_or(Lift::Held, |se_per_rad| Lift::Known { se_per_rad })
+        Some(LiftSlope::OfVehicle) => Lift::Held,
+        Some(LiftSlope::External(known)) => {
+            set_lift_slope(&mut vehicle, known.value)?;
+            known.se.map_or(Lift::Held, |se_per_rad| Lift::Known { se_per_rad })
         }
         None => match built_up_lift_slope(&vehicle).filter(|_| !has_speed) {
             Some((slope, source)) => {
@@ -75,7 +74,7 @@ pub fn diagnose_vehicle(
     let trim = request.trim.unwrap_or_else(|| Trim::for_vehicle(&vehicle));
     let settings = Settings { lift, relevance: request.relevance.clone(), ..Settings::default() };
     let mut found = diagnose_log(&vehicle.glide_parameters(), trim, observations, settings)?;
-    found.told.diagnosis.warnings.extend(warnings);
+    found.outcome.diagnosis.warnings.extend(warnings);
     Ok((vehicle, found))
 }
 
@@ -88,7 +87,7 @@ pub fn extended(vehicle: &Vehicle, found: &SeaDiagnosis) -> Result<Vehicle, Inpu
     let parameters = vehicle.glide_parameters();
     // What the trim took for the mass belongs to the extended vehicle as well, or it would fly at another weight.
     let trimmed_kg = found.baseline.hull_mass_kg - parameters.hull_mass_kg;
-    let polar: &Point = &found.told.after.point;
+    let polar: &Point = &found.outcome.after.point;
     for ((name, _), value) in found.problem.baseline().iter().zip(&polar.baseline) {
         // One polar is fitted, that of descents; where the legs were measured apart each keeps its ratio.
         let before = parameter_index(name).map_or(0.0, |index| *parameters.clone().at(index));
@@ -104,14 +103,17 @@ pub fn extended(vehicle: &Vehicle, found: &SeaDiagnosis) -> Result<Vehicle, Inpu
         vehicle.set("mass.mass_kg", mass)?;
     }
     let trim_name = "ballast_offset_kg".to_owned();
-    let trim = found.told.diagnosis.trim.as_ref().map(|trim| (&trim_name, trim));
-    for (name, estimate) in found.told.diagnosis.causes.iter().flat_map(|cause| &cause.parameters).chain(trim) {
+    let trim = found.outcome.diagnosis.trim.as_ref().map(|trim| (&trim_name, trim));
+    for (name, estimate) in found.outcome.diagnosis.causes.iter().flat_map(|cause| &cause.parameters).chain(trim) {
         if parameter_index(name).is_some() {
             vehicle.set(&format!("mechanisms.{name}"), estimate.value)?;
             if estimate.se > 0.0 {
                 vehicle.set(&format!("uncertainty.mechanisms.{name}"), estimate.se)?;
             }
         }
+    }
+    for (name, value) in super::empirical::rows(&found.problem.parameters) {
+        vehicle.set(&format!("mechanisms.{name}"), value)?;
     }
     Ok(vehicle)
 }

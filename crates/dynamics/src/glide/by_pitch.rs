@@ -216,6 +216,7 @@ fn balance<T: Number>(asked: &Asked<'_, T>, [alpha, log_q]: [T; 2]) -> [T; 2] {
         time_s: water.time_s,
         roll_rad: deflection.roll_rad,
         rudder_rad: deflection.rudder_rad,
+        empirical: parameters.empirical(water),
     };
     let coefficients = parameters.coefficients(alpha, q, &flow);
     let (sin, cos) = xi.sin_cos();

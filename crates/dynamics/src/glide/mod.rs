@@ -107,6 +107,7 @@ fn steady_flow<T: Number>(parameters: &Parameters<T>, water: &Surroundings<T>, a
         time_s: water.time_s,
         roll_rad: T::constant(0.0),
         rudder_rad: T::constant(0.0),
+        empirical: parameters.empirical(water),
     }
 }
 

@@ -117,6 +117,16 @@ pub const AT_SEA: &[Mechanism] = &[
         "in proportion to vertical velocity"
     ),
     mechanism!(
+        "speed_scale",
+        Instruments,
+        ["speed_scale"],
+        // Acoustic speeds go with the angle at which the sensor is mounted and the speed of sound that is set: some per cent.
+        0.1,
+        "The measured speed reads too much or too little",
+        "calibration of the speed sensor",
+        "in proportion to speed"
+    ),
+    mechanism!(
         "pressure_lag",
         Instruments,
         ["pressure_lag_s"],
@@ -213,8 +223,8 @@ pub const AT_SEA: &[Mechanism] = &[
         "carried_water",
         Motion,
         ["carried_water_m3", "exchange_time_s"],
-        // The free-flooding part of a Slocum or Seaglider is some litres.
-        0.005 from 0.0,
+        // Some litres in a Slocum; the fairing of a Seaglider, 1.8 m by 0.3 m, has room for 20 L beside the hull.
+        0.01 from 0.0,
         "Water in flooded spaces keeps the density of where it was taken in, and exchanges slowly",
         "first-order exchange",
         "after a thermocline, opposite on the two legs"
@@ -233,8 +243,9 @@ pub const AT_SEA: &[Mechanism] = &[
         "conductivity_drift",
         Instruments,
         ["salinity_drift_per_day"],
-        // Fouled cells drift by hundredths to some tenths a day, in a bloom by more.
-        0.5,
+        // Fouled cells drift by hundredths to some tenths a day, in a bloom by more. Salinity itself shows it where it was
+        // measured.
+        1.0,
         "The conductivity cell drifts: an error of salinity that grows with time",
         "fouling of conductivity cells",
         "grows through the log, opposite on the two legs"
@@ -263,8 +274,8 @@ pub const AT_SEA: &[Mechanism] = &[
         "pressure_hysteresis",
         Instruments,
         ["pressure_hysteresis"],
-        // Strain gauges: 0.1 % of the range.
-        0.001,
+        // Strain gauges: 0.1 % of the range, of which a dive uses a half.
+        0.002,
         "The pressure sensor reads more on the way up than on the way down",
         "hysteresis of strain-gauge transducers",
         "ascents, opposite above and below the middle of the dive"
@@ -339,6 +350,11 @@ pub fn at_sea(name: &str) -> Option<&'static Mechanism> {
     AT_SEA.iter().find(|mechanism| mechanism.name == name)
 }
 
+/// Whether a vehicle file may have this parameter among its mechanisms: one of a mechanism, or of the empirical table.
+pub fn is_of_vehicle(parameter: &str) -> bool {
+    vehicle_parameters().any(|known| known == parameter)
+}
+
 /// The mechanism to which a parameter belongs.
 pub fn of_parameter(parameter: &str) -> Option<&'static Mechanism> {
     AT_SEA.iter().find(|mechanism| mechanism.parameters.contains(&parameter))
@@ -346,7 +362,7 @@ pub fn of_parameter(parameter: &str) -> Option<&'static Mechanism> {
 
 /// The names of all mechanism parameters, as `[mechanisms]` in a vehicle file takes them.
 pub fn vehicle_parameters() -> impl Iterator<Item = &'static str> {
-    AT_SEA.iter().flat_map(|mechanism| mechanism.parameters.iter().copied())
+    AT_SEA.iter().flat_map(|mechanism| mechanism.parameters.iter().copied()).chain(crate::empirical::PARAMETERS)
 }
 
 /// The row of the table of parameters that gives the size of a mechanism, where it has one.
