@@ -6,11 +6,14 @@
 use glidepolar_archive::Archive;
 use glidepolar_fmu_resources::NOT_PUBLISHED;
 
+use crate::dynamics::empirical::PARAMETERS as EMPIRICAL;
 use crate::dynamics::{PARAMETERS, Parameters};
 use crate::fmu_page;
 use crate::fmu_token::{marked, resources_hash};
 use crate::glide::{Start, start, start_in};
 use crate::simulate::schedule::INPUT_NAMES;
+use crate::spatial::steering::with_gains;
+use crate::spatial::{self as space, Body, LATERAL};
 use crate::vehicle::{MissingKeys, Vehicle};
 use crate::water::WaterColumn;
 
@@ -18,6 +21,9 @@ const DESCRIPTION: &str = "modelDescription.xml";
 const VEHICLE: &str = "resources/vehicle.toml";
 const COLUMN: &str = "resources/water_column.csv";
 const PAGE: &str = "documentation/index.html";
+
+/// What the description of the glider in six degrees of freedom says, and no other.
+const SPACE: &str = "modelName=\"UnderwaterGlider3D\"";
 
 /// A water column with the text that it was read from.
 #[derive(Debug, Clone, Copy)]
@@ -58,8 +64,14 @@ pub enum PackError {
 /// # Errors
 /// Where the template is none, or the vehicle cannot fly in it.
 pub fn pack(template: &Archive, vehicle: &Vehicle, water: Option<Water<'_>>) -> Result<Archive, PackError> {
-    let parameters = vehicle.parameters()?;
-    check_bounds(&parameters)?;
+    let description = template.get(DESCRIPTION).unwrap_or_default();
+    let flies_in_space = String::from_utf8_lossy(description).contains(SPACE);
+    let starts = match flies_in_space {
+        true => starts_in_space(&with_gains(&vehicle.body()?), water),
+        false => starts(&vehicle.parameters()?, water),
+    };
+    let parameters = if flies_in_space { vehicle.body()?.plane } else { vehicle.parameters()? };
+    check_bounds(&starts)?;
     let text = |name: &str| {
         let bytes = template.get(name).ok_or_else(|| PackError::Template(format!("it has no {name}")))?;
         String::from_utf8(bytes.to_vec()).map_err(|_| PackError::Template(format!("{name} is not UTF-8")))
@@ -67,13 +79,13 @@ pub fn pack(template: &Archive, vehicle: &Vehicle, water: Option<Water<'_>>) -> 
     let mut description = Description::read(&text(DESCRIPTION)?);
     let toml = vehicle.to_toml();
     description.mark_own_vehicle(resources_hash(&toml, water.map(|water| water.text)))?;
-    for (name, value) in starts(&parameters, water) {
-        description.set_start(name, &written(value))?;
+    for (name, value) in &starts {
+        description.set_start(name, &written(*value))?;
     }
     description.set_start("water_source", if water.is_some() { "1" } else { "0" })?;
     description.set_text_if_stated("vehicle_name", &vehicle.name);
 
-    let page = page(&text(PAGE)?, &vehicle.name, &parameters, water, description.stop_time_s());
+    let page = page(&text(PAGE)?, &vehicle.name, (&parameters, &starts), water, description.stop_time_s());
     let mut archive = template.clone();
     let mut insert = |name: &str, contents: String| {
         archive.insert(name, contents).map_err(|fault| PackError::Template(fault.to_string()))
@@ -88,8 +100,9 @@ pub fn pack(template: &Archive, vehicle: &Vehicle, water: Option<Water<'_>>) -> 
     Ok(archive)
 }
 
-fn check_bounds(parameters: &Parameters<f64>) -> Result<(), PackError> {
-    for (row, value) in PARAMETERS.iter().zip(parameters.as_array()) {
+fn check_bounds(starts: &[(&'static str, f64)]) -> Result<(), PackError> {
+    let row_of = |name: &str| PARAMETERS.iter().chain(LATERAL).find(|row| row.name == name);
+    for (row, value) in starts.iter().filter_map(|(name, value)| row_of(name).zip(Some(*value))) {
         if !(row.min..=row.max).contains(&value) {
             let (name, unit, min, max) = (row.name, row.unit, row.min, row.max);
             return Err(PackError::OutOfBounds { name, value, unit, min, max });
@@ -137,6 +150,23 @@ fn starts(parameters: &Parameters<f64>, water: Option<Water<'_>>) -> Vec<(&'stat
         ("leaked_back_m3", state.leaked_back_m3),
     ]);
     starts
+}
+
+/// The same of the glider in space.
+fn starts_in_space(body: &Body<f64>, water: Option<Water<'_>>) -> Vec<(&'static str, f64)> {
+    let start = start_of(&body.plane, water);
+    let (state, inputs) = (space::State::in_glide(&start.state), space::Inputs::in_glide(&start.inputs));
+    let names_of_states = space::State::<f64>::NAMES.iter().map(|name| match *name {
+        "moving_mass_m" => "moving_mass_position_m",
+        "roll_mass_rate_rad_s" => "roll_mass_speed_rad_s",
+        name => name,
+    });
+    // The empirical table is that of the plane.
+    let is_published = |name: &str| !NOT_PUBLISHED.contains(&name) && !EMPIRICAL.contains(&name);
+    let plane = PARAMETERS.iter().zip(body.plane.as_array()).filter(|(row, _)| is_published(row.name));
+    let parameters = plane.chain(LATERAL.iter().zip(body.lateral.as_array())).map(|(row, value)| (row.name, value));
+    let inputs = space::Inputs::<f64>::NAMES.iter().copied().zip(inputs.as_array());
+    parameters.chain(inputs).chain(names_of_states.zip(state.as_array())).collect()
 }
 
 /// A number in the shortest form that reads back as the same number.
@@ -228,15 +258,21 @@ fn escaped(text: &str) -> String {
 }
 
 /// The page with the figures of this vehicle, and a word at its top where there is more to say.
-fn page(page: &str, name: &str, parameters: &Parameters<f64>, water: Option<Water<'_>>, stop_s: f64) -> String {
+fn page(
+    page: &str,
+    name: &str,
+    (parameters, starts): (&Parameters<f64>, &[(&'static str, f64)]),
+    water: Option<Water<'_>>,
+    stop_s: f64,
+) -> String {
     let start = start_of(parameters, water);
     let mut page = page.to_owned();
     for (key, value) in fmu_page::figures(parameters, &start, water.map(|water| water.column), stop_s) {
         fill(&mut page, fmu_page::PROSE_MARK, key, &value);
     }
     fill(&mut page, fmu_page::PROSE_MARK, "vehicle", &escaped(name));
-    for (variable, value) in starts(parameters, water) {
-        fill(&mut page, fmu_page::CELL_MARK, variable, &fmu_page::short(&written(value)));
+    for (variable, value) in starts {
+        fill(&mut page, fmu_page::CELL_MARK, variable, &fmu_page::short(&written(*value)));
     }
     fill(&mut page, fmu_page::CELL_MARK, "water_source", if water.is_some() { "1" } else { "0" });
     fill(&mut page, fmu_page::CELL_MARK, "vehicle_name", &escaped(name));
@@ -299,6 +335,26 @@ mod tests {
     fn stated(description: &str, name: &str) -> f64 {
         let (_, rest) = description.split_once(&format!(" name=\"{name}\"")).unwrap();
         attribute_of(rest, "start").unwrap().parse().unwrap()
+    }
+
+    #[test]
+    fn a_vehicle_in_space_brings_its_lateral_figures_and_gains() {
+        for standard in ["fmi2", "fmi3"] {
+            let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("modelDescription/space");
+            let read = |path: &str| std::fs::read_to_string(folder.join(path)).unwrap();
+            let mut template = Archive::new();
+            template.insert(DESCRIPTION, read(&format!("{standard}/modelDescription.xml"))).unwrap();
+            template.insert(PAGE, read("documentation/index.html")).unwrap();
+            let seaglider = Vehicle::load("seaglider").unwrap();
+            let text = description(&pack(&template, &seaglider, None).unwrap());
+            let body = with_gains(&seaglider.body().unwrap());
+            assert_eq!(stated(&text, "CN_beta_per_rad"), body.lateral.CN_beta_per_rad);
+            assert_eq!(stated(&text, "roll_mass_kg"), body.lateral.roll_mass_kg);
+            let gains = ["heading_roll_gain_descent", "heading_roll_gain_ascent"].map(|name| stated(&text, name));
+            assert!(gains[0] * gains[1] < 0.0, "a roll turns the other way on the other leg: {gains:?}");
+            assert_eq!(stated(&text, "moving_mass_position_m"), start(&body.plane).state.moving_mass_1_m);
+            assert!(matches!(pack(&template, &Vehicle::load("rogue").unwrap(), None), Err(PackError::MissingKeys(_))));
+        }
     }
 
     #[test]

@@ -5,6 +5,7 @@ mod support;
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use glidepolar_dynamics::glide::start;
 use glidepolar_dynamics::{Actuation, Glider, Integrator};
 use glidepolar_fmu::fmi2::*;
 use glidepolar_fmu::fmi3::*;
@@ -13,8 +14,9 @@ use support::*;
 
 /// A dive and a climb, the commands changed at 400 s, by the library alone at a tight tolerance.
 fn reference() -> Vec<f64> {
-    let start = Vehicle::default().glider.values;
-    let mut glider = Glider::new(start.parameters, Actuation::Servo, start.inputs);
+    let parameters = Vehicle::default().glider.parameters();
+    let start = start(&parameters);
+    let mut glider = Glider::new(parameters, Actuation::Servo, start.inputs);
     let (mut time, mut state, mut integrator) = (0.0, start.state, Integrator::new(1e-12));
     glider.fly(&mut integrator, &mut time, &mut state, 400.0, |_, _, _| true).unwrap();
     glider.inputs.ballast_command_m3 *= -1.0;

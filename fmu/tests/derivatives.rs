@@ -6,11 +6,11 @@ mod support;
 use glidepolar_fmu::description::structure::{Unknown, structure};
 use glidepolar_fmu::fmi2::*;
 use glidepolar_fmu::fmi3::*;
-use glidepolar_fmu::model::{Causality, Kind, Slot, variable};
+use glidepolar_fmu::model::{Causality, Kind, Model, Slot, variable};
 use support::*;
 
 /// Somewhere away from every special value, in free water, the servos within their rates, every mechanism at work.
-const SOMEWHERE: [(&str, f64); 39] = [
+const SOMEWHERE: [(&str, f64); 47] = [
     ("ballast_command_m3", -4.0e-5),
     ("moving_mass_command_m", 0.021),
     // Pumping out, which costs energy: at rest the power has a corner.
@@ -51,6 +51,15 @@ const SOMEWHERE: [(&str, f64); 39] = [
     ("carried_density_kg_m3", -0.7),
     ("pump_leakback_cc_per_hour", 25.0),
     ("leaked_back_m3", 3e-6),
+    // Drag against pressure.
+    ("empirical_acts_on", 1.0),
+    ("empirical_at_2", 110.0),
+    ("empirical_at_3", 220.0),
+    ("empirical_at_4", 330.0),
+    ("empirical_at_5", 440.0),
+    ("empirical_value_1", 0.2),
+    ("empirical_value_2", -0.1),
+    ("empirical_value_3", 0.15),
 ];
 
 fn forward(glider: &Glider3, unknowns: &[u32], knowns: &[u32], seed: &[f64]) -> Vec<f64> {
@@ -173,7 +182,7 @@ fn while_time_is_continuous() {
                 }
             }
         };
-        let structure = structure();
+        let structure = structure(Model::Plane);
         let unknowns = structure.outputs.into_iter().chain(structure.derivatives).chain(structure.indicators);
         let pairs = check_all(&glider, &unknowns.collect::<Vec<_>>(), put);
         assert!(pairs > 150, "{pairs}");
@@ -187,7 +196,7 @@ fn during_initialisation_starts_and_parameters_count_too() {
     // SAFETY: a live instance.
     glider.ok(unsafe { fmi3EnterInitializationMode(glider.instance, 0, 0.0, 0.0, 0, 0.0) });
     let put = |glider: &Glider3, known: u32, value: f64| glider.set(&[(variable(known).unwrap().name, value)]);
-    let mut initial = structure().initial;
+    let mut initial = structure(Model::Plane).initial;
     for unknown in &mut initial {
         // Time is not set during initialisation.
         unknown.dependencies.retain(|known| *known != vr("time"));
@@ -199,7 +208,7 @@ fn during_initialisation_starts_and_parameters_count_too() {
 #[test]
 fn the_adjoint_is_the_transpose() {
     let glider = Glider3::started(Options::default(), &SOMEWHERE);
-    let structure = structure();
+    let structure = structure(Model::Plane);
     let unknowns: Vec<u32> =
         structure.derivatives.iter().chain(&structure.indicators).map(|unknown| unknown.reference).collect();
     let knowns: Vec<u32> =

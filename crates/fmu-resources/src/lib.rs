@@ -16,6 +16,7 @@ pub const NOT_PUBLISHED: &[&str] = &[
     "thermal_lag_s",
     "clock_offset_s",
     "pressure_hysteresis",
+    "speed_scale",
     "pitch_damping_V2_kg_s",
     "added_Z_qdot_kg_m",
 ];

@@ -9,11 +9,14 @@
 //! surface or seabed carry, `S` the first moment of all masses, `F`, `T` the water's force and moment, `m0` net mass.
 //! `dV/dt` is the rate of change of the water's velocity along the glider's way, an inertial force in the frame that moves
 //! with the water; `DV/Dt` is the acceleration of the water itself, which the pressure around the hull carries. They are the
-//! same in uniform water. The moving mass follows its servos: its acceleration in the hull is known before the hull's.
+//! same in uniform water. Surface and seabed hold, damp and rub as they do in the plane: friction against the way over
+//! ground, whatever its direction, and the damping of the pitch about every axis in proportion to its inertia. The moving
+//! mass follows its servos: its acceleration in the hull is known before the hull's.
 
 use glidepolar_dynamics::Surroundings;
-use glidepolar_dynamics::contact::Place;
-use glidepolar_dynamics::equations::{servo_acceleration, servo_speed};
+use glidepolar_dynamics::buoyancy::Memory;
+use glidepolar_dynamics::contact::{Contact, Place};
+use glidepolar_dynamics::equations::{servo_acceleration, servo_bend_s, servo_corner, servo_speed, slow_servo_bend_s};
 use glidepolar_number::Number;
 
 use super::forces::{Hydrodynamics, Motion};
@@ -39,6 +42,22 @@ pub struct Outputs<T> {
     pub vertical_velocity_m_s: T,
     /// Net mass, positive when heavy \[kg\].
     pub net_mass_kg: T,
+    /// Ballast volume that an instrument reads \[m3\].
+    pub ballast_m3: T,
+    /// Lift \[N\].
+    pub lift_N: T,
+    /// Drag \[N\].
+    pub drag_N: T,
+    /// Side force, to starboard positive \[N\].
+    pub side_force_N: T,
+    /// Pitch as the glider's own instrument reads it \[rad\].
+    pub pitch_read_rad: T,
+    /// Gauge pressure as the glider's own instrument reads it, its lag left out \[dbar\].
+    pub pressure_read_dbar: T,
+    /// Share of its displacement that the hull has lost above the water.
+    pub emerged_fraction: T,
+    /// Upward force of the seabed \[N\].
+    pub seabed_N: T,
     /// Power drawn \[W\].
     pub power_W: T,
     /// What an accelerometer at the centre of buoyancy reads, along each axis \[m/s2\]: acceleration less gravity.
@@ -49,31 +68,18 @@ pub struct Outputs<T> {
 /// nothing, cannot fail: an impossible state gives NaN.
 pub fn derivative<T: Number>(body: &Body<T>, time_s: T, state: &State<T>, inputs: &Inputs<T>) -> State<T> {
     let (p, l) = (&body.plane, &body.lateral);
-    let place = |target: T, low: T, high: T, at: T| target.held_within(low, high) - at;
-    let sliding = servo_acceleration(
-        place(inputs.moving_mass_command_m, p.moving_mass_min_m, p.moving_mass_max_m, state.moving_mass_m),
-        state.moving_mass_speed_m_s,
-        p.moving_mass_rate_m_s,
-    );
-    let turning = servo_acceleration(
-        place(inputs.roll_mass_command_rad, l.roll_mass_min_rad, l.roll_mass_max_rad, state.roll_mass_rad),
-        state.roll_mass_rate_rad_s,
-        l.roll_mass_rate_rad_s,
-    );
-    let rudder_rate = servo_speed(
-        place(inputs.rudder_command_rad, l.rudder_min_rad, l.rudder_max_rad, state.rudder_rad),
-        l.rudder_rate_rad_s,
-    );
-    let volume = p.ballast_m3(state.ballast_mass_kg);
-    let pumping =
-        servo_speed(place(inputs.ballast_command_m3, p.ballast_min_m3, p.ballast_max_m3, volume), p.ballast_rate_m3_s);
+    let [to_ballast, to_mass, to_roll, to_rudder] = ways_to_go(body, state, inputs);
+    let sliding = servo_acceleration(to_mass, state.moving_mass_speed_m_s, p.moving_mass_rate_m_s);
+    let turning = servo_acceleration(to_roll, state.roll_mass_rate_rad_s, l.roll_mass_rate_rad_s);
+    let rudder_rate = servo_speed(to_rudder, l.rudder_rate_rad_s);
+    let pumping = servo_speed(to_ballast, p.ballast_rate_m3_s);
     let now = Instant::new(body, time_s, state, inputs);
     let (acceleration, turning_rate) = now.accelerations(sliding, turning);
-    let way = now.attitude.to_earth(now.v);
+    let memory = p.memory_rates(&now.memory, &now.water, -pumping / p.ballast_rate_m3_s);
     let [roll_rate, pitch_rate, heading_rate] = now.euler_rates();
     State {
-        north_m: way[0] + inputs.current_north_m_s,
-        east_m: way[1] + inputs.current_east_m_s,
+        north_m: now.over_ground_m_s[0],
+        east_m: now.over_ground_m_s[1],
         depth_m: now.depth_rate_m_s,
         roll_rad: roll_rate,
         pitch_rad: pitch_rate,
@@ -90,8 +96,51 @@ pub fn derivative<T: Number>(body: &Body<T>, time_s: T, state: &State<T>, inputs
         roll_mass_rate_rad_s: turning,
         rudder_rad: rudder_rate,
         ballast_mass_kg: -p.reference_density_kg_m3 * pumping,
+        creep_pressure_Pa: memory.creep_pressure_Pa,
+        carried_density_kg_m3: memory.carried_density_kg_m3,
+        leaked_back_m3: memory.leaked_back_m3,
         energy_J: now.power_W(pumping, rudder_rate),
     }
+}
+
+/// How far ballast, moving mass, roll mass and rudder are from their set-points.
+fn ways_to_go<T: Number>(body: &Body<T>, state: &State<T>, inputs: &Inputs<T>) -> [T; 4] {
+    let (p, l) = (&body.plane, &body.lateral);
+    let to = |target: T, low: T, high: T, at: T| target.held_within(low, high) - at;
+    let volume = p.ballast_m3(state.ballast_mass_kg);
+    [
+        to(inputs.ballast_command_m3, p.ballast_min_m3, p.ballast_max_m3, volume),
+        to(inputs.moving_mass_command_m, p.moving_mass_min_m, p.moving_mass_max_m, state.moving_mass_m),
+        to(inputs.roll_mass_command_rad, l.roll_mass_min_rad, l.roll_mass_max_rad, state.roll_mass_rad),
+        to(inputs.rudder_command_rad, l.rudder_min_rad, l.rudder_max_rad, state.rudder_rad),
+    ]
+}
+
+/// Largest rates of the servos, in the order of [`ways_to_go`].
+fn largest_rates<T: Number>(body: &Body<T>) -> [T; 4] {
+    let (p, l) = (&body.plane, &body.lateral);
+    [p.ballast_rate_m3_s, p.moving_mass_rate_m_s, l.roll_mass_rate_rad_s, l.rudder_rate_rad_s]
+}
+
+/// When the next of the servos comes so near to its set-point that it leaves its largest rate, if one runs at it \[s\]: there
+/// the rates of change bend. Foreseen as if the set-points stood still.
+pub fn next_bend_s(body: &Body<f64>, time_s: f64, state: &State<f64>, inputs: &Inputs<f64>) -> Option<f64> {
+    let ([ballast, mass, roll, rudder], limits) = (ways_to_go(body, state, inputs), largest_rates(body));
+    let bends = [
+        servo_bend_s(ballast, limits[0]),
+        slow_servo_bend_s(mass, state.moving_mass_speed_m_s, limits[1]),
+        slow_servo_bend_s(roll, state.roll_mass_rate_rad_s, limits[2]),
+        servo_bend_s(rudder, limits[3]),
+    ];
+    bends.into_iter().filter(|in_s| *in_s > 0.0).min_by(f64::total_cmp).map(|in_s| time_s + in_s)
+}
+
+/// Functions that are zero where a servo reaches or leaves its largest rate, in either direction: of ballast, moving mass,
+/// roll mass and rudder. There the rates of change have a kink.
+pub fn servo_corners<T: Number>(body: &Body<T>, state: &State<T>, inputs: &Inputs<T>) -> [T; 8] {
+    let (ways, limits) = (ways_to_go(body, state, inputs), largest_rates(body));
+    let [[a, b], [c, d], [e, f], [g, h]] = std::array::from_fn(|i| servo_corner(ways[i], limits[i]));
+    [a, b, c, d, e, f, g, h]
 }
 
 /// The accelerations of a glider whose moving mass and rudder stand still in the hull: along the axes and about them.
@@ -122,6 +171,14 @@ pub fn outputs<T: Number>(body: &Body<T>, time_s: T, state: &State<T>, inputs: &
         turn_rate_rad_s: rates.heading_rad,
         vertical_velocity_m_s: now.depth_rate_m_s,
         net_mass_kg: now.net_mass_kg,
+        ballast_m3: body.plane.ballast_m3(state.ballast_mass_kg),
+        lift_N: h.lift_N,
+        drag_N: h.drag_N,
+        side_force_N: h.side_force_N,
+        pitch_read_rad: (state.pitch_rad - body.plane.pitch_offset_rad) / body.plane.pitch_scale,
+        pressure_read_dbar: now.water.pressure_Pa / body.plane.pressure_scale * 1e-4,
+        emerged_fraction: now.contact.emerged_fraction,
+        seabed_N: now.contact.seabed_N,
         power_W: rates.energy_J,
         imu_m_s2: std::array::from_fn(|i| own[i] + carried[i] - gravity[i]),
     }
@@ -135,10 +192,16 @@ struct Instant<'a, T> {
     v: Vector<T>,
     rates: Vector<T>,
     attitude: Attitude<T>,
+    sink_m_s: T,
     depth_rate_m_s: T,
-    pressure_Pa: T,
+    /// North and east.
+    over_ground_m_s: [T; 2],
+    /// Of the current, that the hull feels.
+    share: T,
+    water: Surroundings<T>,
+    memory: Memory<T>,
     net_mass_kg: T,
-    support_N: T,
+    contact: Contact<T>,
     hydrodynamics: Hydrodynamics<T>,
 }
 
@@ -148,8 +211,11 @@ impl<'a, T: Number> Instant<'a, T> {
         let v = [state.v1_m_s, state.v2_m_s, state.v3_m_s];
         let rates = [state.p_rad_s, state.q_rad_s, state.r_rad_s];
         let attitude = Attitude::new(state.roll_rad, state.pitch_rad, state.heading_rad);
-        let sink_m_s = dot(attitude.down(), v);
-        let depth_rate_m_s = sink_m_s + inputs.current_down_m_s + p.vertical_current_m_s;
+        let place = Place::new(p, state.depth_m, inputs.seabed_depth_m);
+        let share = place.current_share();
+        let [north, east, sink_m_s] = attitude.to_earth(v);
+        let depth_rate_m_s = sink_m_s + inputs.current_down_m_s * share + p.vertical_current_m_s * share;
+        let over_ground_m_s = [north + inputs.current_north_m_s * share, east + inputs.current_east_m_s * share];
         let density_kg_m3 = p.true_density_kg_m3(inputs.water_density_kg_m3);
         let pressure_Pa = density_kg_m3 * p.gravity_m_s2 * state.depth_m.at_least(0.0);
         let water = Surroundings {
@@ -166,7 +232,16 @@ impl<'a, T: Number> Instant<'a, T> {
             time_s,
             roll_rad: state.roll_rad,
             rudder_rad: state.rudder_rad + body.lateral.rudder_offset_rad,
+            empirical: p.empirical(&water),
         };
+        let memory = Memory {
+            creep_pressure_Pa: state.creep_pressure_Pa,
+            carried_density_kg_m3: state.carried_density_kg_m3,
+            leaked_back_m3: state.leaked_back_m3,
+        };
+        let ballast_m3 = p.ballast_m3(state.ballast_mass_kg);
+        let displaced_kg = p.displaced_kg(ballast_m3, &water);
+        let ground_speed_squared = over_ground_m_s[0] * over_ground_m_s[0] + over_ground_m_s[1] * over_ground_m_s[1];
         Instant {
             body,
             state,
@@ -174,24 +249,21 @@ impl<'a, T: Number> Instant<'a, T> {
             v,
             rates,
             attitude,
+            sink_m_s,
             depth_rate_m_s,
-            pressure_Pa,
-            net_mass_kg: p.net_mass_kg(p.ballast_m3(state.ballast_mass_kg), &water),
-            support_N: Place::new(p, state.depth_m, inputs.seabed_depth_m)
-                .contact(
-                    p,
-                    p.displaced_kg(p.ballast_m3(state.ballast_mass_kg), &water),
-                    depth_rate_m_s,
-                    T::constant(0.0),
-                )
-                .support_N,
+            over_ground_m_s,
+            share,
+            water,
+            memory,
+            net_mass_kg: p.net_mass_kg(ballast_m3, &water) + p.kept_mass_kg(&memory, &water),
+            contact: place.contact(p, displaced_kg, depth_rate_m_s, ground_speed_squared),
             hydrodynamics: body.hydrodynamics(&motion),
         }
     }
 
     /// Accelerations along and about the axes, for an acceleration of the moving mass along the hull and of its turning.
     fn accelerations(&self, sliding: T, turning: T) -> (Vector<T>, Vector<T>) {
-        let (p, s) = (&self.body.plane, self.state);
+        let (p, l, s) = (&self.body.plane, &self.body.lateral, self.state);
         let mut inertia = self.hull_inertia();
         let (mover, acceleration) = self.mover(sliding, turning);
         mover.join(&mut inertia);
@@ -205,18 +277,29 @@ impl<'a, T: Number> Instant<'a, T> {
         let along_the_way = self.attitude.to_body(self.water_along_the_way());
         let of_the_water = self.attitude.to_body(self.water_itself());
         let mass = p.hull_mass_kg + p.moving_mass_kg + s.ballast_mass_kg;
-        let weight = self.net_mass_kg * p.gravity_m_s2 - self.support_N;
+        let weight = self.net_mass_kg * p.gravity_m_s2 - self.contact.support_N;
         let displaced = mass - self.net_mass_kg;
         let moments = self.first_moment(&mover);
         let pull: Vector<T> = std::array::from_fn(|i| p.gravity_m_s2 * down[i] - along_the_way[i]);
         let (h, turned, turned_angular) =
             (&self.hydrodynamics, cross(momentum, self.rates), cross(angular, self.rates));
         let (munk, tilt) = (cross(momentum, self.v), cross(moments, pull));
+        let rubbing = self.friction_N();
+        let damping = self.contact.pitch_damping_N_m_s;
+        let axes = [l.roll_inertia_kg_m2, p.pitch_inertia_kg_m2, l.yaw_inertia_kg_m2];
         let force = std::array::from_fn(|i| {
-            turned[i] + weight * down[i] + h.force_N[i] + (displaced * of_the_water[i] - mass * along_the_way[i])
+            turned[i]
+                + weight * down[i]
+                + h.force_N[i]
+                + (displaced * of_the_water[i] - mass * along_the_way[i])
+                + rubbing[i]
                 - rate[i]
         });
-        let moment = std::array::from_fn(|i| turned_angular[i] + munk[i] + tilt[i] + h.moment_N_m[i] - angular_rate[i]);
+        let moment = std::array::from_fn(|i| {
+            turned_angular[i] + munk[i] + tilt[i] + h.moment_N_m[i]
+                - damping * (axes[i] / p.pitch_inertia_kg_m2) * self.rates[i]
+                - angular_rate[i]
+        });
         inertia.solve(force, moment)
     }
 
@@ -286,6 +369,13 @@ impl<'a, T: Number> Instant<'a, T> {
         ]
     }
 
+    /// Friction of the seabed against the way over ground, in body axes.
+    fn friction_N(&self) -> Vector<T> {
+        let per_speed = -self.contact.friction_N_s_m;
+        let [north, east] = self.over_ground_m_s;
+        self.attitude.to_body([per_speed * north, per_speed * east, T::constant(0.0)])
+    }
+
     /// How the water's velocity changes along the glider's way, north, east, down.
     fn water_along_the_way(&self) -> Vector<T> {
         self.water_changes(self.depth_rate_m_s)
@@ -293,15 +383,15 @@ impl<'a, T: Number> Instant<'a, T> {
 
     /// How the velocity of the water itself changes.
     fn water_itself(&self) -> Vector<T> {
-        self.water_changes(self.inputs.current_down_m_s + self.body.plane.vertical_current_m_s)
+        self.water_changes(self.depth_rate_m_s - self.sink_m_s)
     }
 
     fn water_changes(&self, downwards_m_s: T) -> Vector<T> {
-        let i = self.inputs;
+        let (i, share) = (self.inputs, self.share);
         [
-            i.current_north_rate_m_s2 + i.current_north_shear_1_s * downwards_m_s,
-            i.current_east_rate_m_s2 + i.current_east_shear_1_s * downwards_m_s,
-            i.current_down_rate_m_s2,
+            i.current_north_rate_m_s2 * share + i.current_north_shear_1_s * share * downwards_m_s,
+            i.current_east_rate_m_s2 * share + i.current_east_shear_1_s * share * downwards_m_s,
+            i.current_down_rate_m_s2 * share,
         ]
     }
 
@@ -317,7 +407,7 @@ impl<'a, T: Number> Instant<'a, T> {
     fn power_W(&self, pumping_m3_s: T, rudder_rate: T) -> T {
         let (p, l) = (&self.body.plane, &self.body.lateral);
         p.hotel_W
-            + (p.pump_J_per_m3 + p.pump_J_per_Pa_m3 * self.pressure_Pa) * pumping_m3_s.at_least(0.0)
+            + (p.pump_J_per_m3 + p.pump_J_per_Pa_m3 * self.water.pressure_Pa) * pumping_m3_s.at_least(0.0)
             + l.rudder_power_W * (rudder_rate / l.rudder_rate_rad_s).abs()
             + l.roll_mass_power_W * (self.state.roll_mass_rate_rad_s / l.roll_mass_rate_rad_s).abs()
     }

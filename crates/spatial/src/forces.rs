@@ -9,6 +9,7 @@
 //! `D`, `L`, `T2` are those of the vertical plane at this speed and angle of attack. The last term of `T3` is the Munk
 //! couple, which the equations of motion hold already and a tank's `CN_beta` contains.
 
+use glidepolar_dynamics::empirical::Added;
 use glidepolar_dynamics::forces::{Flow, ascent_fraction};
 use glidepolar_number::Number;
 
@@ -20,6 +21,9 @@ pub struct Hydrodynamics<T> {
     pub speed_m_s: T,
     pub angle_of_attack_rad: T,
     pub sideslip_rad: T,
+    pub lift_N: T,
+    pub drag_N: T,
+    pub side_force_N: T,
     pub force_N: Vector<T>,
     pub moment_N_m: Vector<T>,
 }
@@ -35,6 +39,8 @@ pub struct Motion<T> {
     pub roll_rad: T,
     /// The true angle.
     pub rudder_rad: T,
+    /// What the empirical table adds in the water here.
+    pub empirical: Added<T>,
 }
 
 /// The side coefficients on one leg, or between them.
@@ -83,6 +89,7 @@ impl<T: Number> Body<T> {
             time_s: motion.time_s,
             roll_rad: motion.roll_rad,
             rudder_rad: motion.rudder_rad,
+            empirical: motion.empirical,
         };
         // Below a picometre a second no force is left, and no angle has a value.
         if along_squared.value() < 1e-24 {
@@ -91,6 +98,9 @@ impl<T: Number> Body<T> {
                 speed_m_s: speed_squared.value().sqrt().into(),
                 angle_of_attack_rad: zero,
                 sideslip_rad: zero,
+                lift_N: zero,
+                drag_N: zero,
+                side_force_N: zero,
                 force_N: [zero; 3],
                 moment_N_m: [zero, damping, zero],
             };
@@ -129,6 +139,9 @@ impl<T: Number> Body<T> {
             speed_m_s: speed,
             angle_of_attack_rad: in_plane.angle_of_attack_rad,
             sideslip_rad: beta,
+            lift_N: in_plane.lift_N,
+            drag_N: in_plane.drag_N,
+            side_force_N: side_force,
             force_N: turn([-in_plane.drag_N, side_force, -in_plane.lift_N]),
             moment_N_m: moment,
         }

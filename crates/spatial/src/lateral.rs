@@ -17,10 +17,24 @@ macro_rules! lateral {
             $(ParameterInfo { name: stringify!($name), unit: $unit, meaning: $meaning, default: $default, min: $min, max: $max },)*
         ];
 
+        /// How many there are.
+        pub const N_LATERAL: usize = LATERAL.len();
+
         impl<T: Number> Lateral<T> {
             /// The same numbers of another kind.
             pub fn map<U: Number>(&self, mut f: impl FnMut(T) -> U) -> Lateral<U> {
                 Lateral { $($name: f(self.$name),)* }
+            }
+
+            /// All values, in the order of [`LATERAL`].
+            pub fn as_array(&self) -> [T; N_LATERAL] {
+                [$(self.$name,)*]
+            }
+
+            /// The inverse of [`Lateral::as_array`].
+            pub fn from_array(values: [T; N_LATERAL]) -> Self {
+                let [$($name,)*] = values;
+                Lateral { $($name,)* }
             }
         }
 
@@ -77,6 +91,12 @@ lateral! {
     roll_mass_rate_rad_s: "rad/s" = 0.1 in 1e-9 .. 100.0, "Largest rate of the roll mass";
     roll_mass_power_W: "W" = 0.0 in 0.0 .. 1e6, "Power of the roll mass at its largest rate";
     roll_mass_offset_rad: "rad" = 0.0 in -3.2 .. 3.2, "True angle of the roll mass less the one that is read";
+    // heading control
+    heading_rudder_gain: "1" = 0.0 in -1e3 .. 1e3, "Rudder angle per error of the heading (steering 1)";
+    heading_roll_gain_descent: "1" = 0.0 in -1e3 .. 1e3, "Roll mass angle per error of the heading on descents (steering 2)";
+    heading_roll_gain_ascent: "1" = 0.0 in -1e3 .. 1e3, "Roll mass angle per error of the heading on ascents (steering 2)";
+    heading_lead_s: "s" = 0.0 in 0.0 .. 1e4, "Time by which heading control looks ahead at the present turn rate (steering 1 and 2)";
+    heading_dead_band_rad: "rad" = 0.0 in 0.0 .. 3.2, "Error of the heading up to which heading control rests (steering 1 and 2)";
 }
 
 /// How moments and forces by a rate grow with speed.

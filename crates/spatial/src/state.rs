@@ -15,6 +15,13 @@ macro_rules! numbers {
         /// How many there are.
         pub const $COUNT: usize = $NAMES.len();
 
+        impl $Name<f64> {
+            /// [`Self::as_array`] where a constant is wanted.
+            pub const fn into_array(self) -> [f64; $COUNT] {
+                [$(self.$name,)*]
+            }
+        }
+
         impl<T: Number> $Name<T> {
             /// Their names, in the order in which they are declared.
             pub const NAMES: &[&str] = $NAMES;
@@ -28,6 +35,15 @@ macro_rules! numbers {
             pub fn from_array(values: [T; $COUNT]) -> Self {
                 let [$($name,)*] = values;
                 $Name { $($name,)* }
+            }
+
+            /// These with `rates` times `duration_s` added.
+            pub fn plus(&self, rates: &$Name<T>, duration_s: T) -> Self {
+                let (mut values, rates) = (self.as_array(), rates.as_array());
+                for (value, rate) in values.iter_mut().zip(rates) {
+                    *value += rate * duration_s;
+                }
+                $Name::from_array(values)
             }
 
             /// The same in another kind of number.
@@ -77,6 +93,12 @@ numbers! {
         rudder_rad,
         /// Ballast mass at the reference density \[kg\].
         ballast_mass_kg,
+        /// Gauge pressure that the late part of the hull has followed so far \[Pa\].
+        creep_pressure_Pa,
+        /// Density of the carried water brought to p = 0, less the reference density \[kg/m3\].
+        carried_density_kg_m3,
+        /// Ballast volume that has leaked back \[m3\].
+        leaked_back_m3,
         /// Energy drawn from the battery \[J\].
         energy_J,
     }
@@ -93,6 +115,8 @@ numbers! {
         roll_mass_command_rad,
         /// Rudder angle \[rad\].
         rudder_command_rad,
+        /// Heading that the autopilot holds, over full turns or within one \[rad\].
+        heading_command_rad,
         /// In-situ water density as it is read \[kg/m3\].
         water_density_kg_m3,
         /// Water temperature \[degC\].
@@ -118,7 +142,43 @@ numbers! {
     }
 }
 
+impl State<f64> {
+    /// A state of the vertical plane, its moving mass at rest in the hull, as one in space that heads north.
+    pub fn in_glide(plane: &glidepolar_dynamics::State<f64>) -> Self {
+        State {
+            north_m: plane.x_m,
+            depth_m: plane.depth_m,
+            pitch_rad: plane.pitch_rad,
+            q_rad_s: plane.pitch_rate_rad_s,
+            v1_m_s: plane.v1_m_s,
+            v3_m_s: plane.v3_m_s,
+            moving_mass_m: plane.moving_mass_1_m,
+            ballast_mass_kg: plane.ballast_mass_kg,
+            creep_pressure_Pa: plane.creep_pressure_Pa,
+            carried_density_kg_m3: plane.carried_density_kg_m3,
+            leaked_back_m3: plane.leaked_back_m3,
+            energy_J: plane.energy_J,
+            ..State::from_array([0.0; N_STATES])
+        }
+    }
+}
+
 impl Inputs<f64> {
+    /// The inputs of the vertical plane as those of a glider that heads north, roll mass and rudder amidships.
+    pub fn in_glide(plane: &glidepolar_dynamics::Inputs<f64>) -> Self {
+        Inputs {
+            ballast_command_m3: plane.ballast_command_m3,
+            moving_mass_command_m: plane.moving_mass_command_m,
+            current_north_m_s: plane.current_x_m_s,
+            current_down_m_s: plane.current_z_m_s,
+            current_north_shear_1_s: plane.current_x_shear_1_s,
+            current_north_rate_m_s2: plane.current_x_rate_m_s2,
+            current_down_rate_m_s2: plane.current_z_rate_m_s2,
+            seabed_depth_m: plane.seabed_depth_m,
+            ..Inputs::still_water(plane.water_density_kg_m3, plane.water_temperature_C)
+        }
+    }
+
     /// Nothing commanded, in still water of the given density and temperature above a seabed out of reach.
     pub fn still_water(density_kg_m3: f64, temperature_C: f64) -> Self {
         let mut inputs = Inputs::from_array([0.0; N_INPUTS]);
@@ -149,5 +209,8 @@ pub const NOMINALS: State<f64> = State {
     roll_mass_rate_rad_s: 0.1,
     rudder_rad: 0.1,
     ballast_mass_kg: 0.1,
+    creep_pressure_Pa: 1e5,
+    carried_density_kg_m3: 0.1,
+    leaked_back_m3: 1e-5,
     energy_J: 1000.0,
 };

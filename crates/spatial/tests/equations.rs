@@ -89,7 +89,7 @@ fn any_state(random: &mut StdRng) -> State<f64> {
         roll_mass_rate_rad_s: within(0.3),
         rudder_rad: within(0.4),
         ballast_mass_kg: 1.0 + within(0.4),
-        energy_J: 0.0,
+        ..State::from_array([0.0; N_STATES])
     }
 }
 

@@ -18,6 +18,7 @@ use serde::Serialize;
 
 use glidepolar_flightlog::Observation;
 use glidepolar_inference::estimate::Estimate;
+use glidepolar_inference::linear::Linear;
 
 /// Time after a move from which a turn is steady \[s\]: some time constants of roll and sideslip, which are 5 to 10 s.
 pub const SETTLED_S: f64 = 25.0;
@@ -306,34 +307,14 @@ struct Fit {
 }
 
 impl Fit {
-    /// None where the columns do not tell their effects apart, or there are too few clusters.
+    /// None where the columns depend on each other, or there are too few clusters.
     fn of(design: &DMatrix<f64>, measured: &DVector<f64>, clusters: &[u32]) -> Option<Self> {
-        let (n, k) = design.shape();
         let names: BTreeSet<u32> = clusters.iter().copied().collect();
-        let g = names.len();
-        if n <= k || g < LEAST_DIVES {
+        if names.len() < LEAST_DIVES {
             return None;
         }
-        let normal = design.transpose() * design;
-        // Columns scaled to one length, so that a unit decides nothing.
-        let scale = DVector::from_iterator(k, normal.diagonal().iter().map(|d| d.sqrt()));
-        let scaled = DMatrix::from_fn(k, k, |i, j| normal[(i, j)] / (scale[i] * scale[j]));
-        if scale.iter().any(|s| *s <= 0.0 || !s.is_finite()) || scaled.symmetric_eigenvalues().min() < 1e-8 {
-            return None;
-        }
-        let inverse = normal.cholesky()?.inverse();
-        let values = &inverse * design.transpose() * measured;
-        let residual = measured - design * &values;
-        let mut meat = DMatrix::zeros(k, k);
-        for name in &names {
-            let mut score = DVector::zeros(k);
-            for i in (0..n).filter(|i| clusters[*i] == *name) {
-                score += design.row(i).transpose() * residual[i];
-            }
-            meat += &score * score.transpose();
-        }
-        let few = g as f64 / (g as f64 - 1.0) * (n as f64 - 1.0) / (n - k) as f64;
-        Some(Fit { values, covariance: &inverse * meat * &inverse * few, clusters: g })
+        let fit = Linear::fit(design.clone(), measured)?;
+        Some(Fit { covariance: fit.cluster_covariance(clusters), values: fit.values, clusters: names.len() })
     }
 
     fn se(&self, at: usize) -> f64 {

@@ -2,25 +2,22 @@
 
 use super::structure::{Unknown, structure};
 use super::xml::{Document, flag, number, text};
-use super::{
-    AUTHOR, COPYRIGHT, DEFAULT_EXPERIMENT, GENERATED, LOG_CATEGORIES, MODEL_DESCRIPTION, MODEL_NAME, start_value,
-};
-use crate::model::table::{CHOICES, reference_of, token};
-use crate::model::units::UNITS;
+use super::{AUTHOR, COPYRIGHT, DEFAULT_EXPERIMENT, GENERATED, LOG_CATEGORIES, start_value, used_units};
 use crate::model::vehicle::Vehicle;
-use crate::model::{Causality, Initial, Kind, Slot, Variability, Variable, variables};
-use glidepolar_dynamics::limits::N_EVENTS;
+use crate::model::{Causality, Initial, Kind, Model, Slot, Table, Variability, Variable};
 
 /// The model description with the start values of this vehicle.
 pub fn model_description(vehicle: &Vehicle) -> String {
+    let model = vehicle.glider.model;
+    let table = model.table();
     let mut document = Document::new();
     document.open(
         "fmiModelDescription",
         &[
             ("fmiVersion", text("2.0")),
-            ("modelName", text(MODEL_NAME)),
-            ("guid", text(token())),
-            ("description", text(MODEL_DESCRIPTION)),
+            ("modelName", text(model.name())),
+            ("guid", text(table.token)),
+            ("description", text(model.description())),
             ("version", text(env!("CARGO_PKG_VERSION"))),
             ("author", text(AUTHOR)),
             ("copyright", text(COPYRIGHT)),
@@ -28,12 +25,12 @@ pub fn model_description(vehicle: &Vehicle) -> String {
             ("generationTool", text("glidepolar")),
             ("generationDateAndTime", text(GENERATED)),
             ("variableNamingConvention", text("structured")),
-            ("numberOfEventIndicators", text(N_EVENTS.to_string())),
+            ("numberOfEventIndicators", text(model.n_events().to_string())),
         ],
     );
-    capabilities(&mut document);
-    units(&mut document);
-    types(&mut document);
+    capabilities(&mut document, model);
+    units(&mut document, table);
+    types(&mut document, table);
     document.open("LogCategories", &[]);
     for (name, description) in LOG_CATEGORIES {
         document.leaf("Category", &[("name", text(name)), ("description", text(description))]);
@@ -50,17 +47,17 @@ pub fn model_description(vehicle: &Vehicle) -> String {
         ],
     );
     document.open("ModelVariables", &[]);
-    for variable in variables() {
+    for variable in table.rows {
         scalar_variable(&mut document, variable, vehicle);
     }
     document.close();
-    model_structure(&mut document);
+    model_structure(&mut document, model);
     document.finish()
 }
 
-fn capabilities(document: &mut Document) {
+fn capabilities(document: &mut Document, model: Model) {
     let common = [
-        ("modelIdentifier", text(MODEL_NAME)),
+        ("modelIdentifier", text(model.name())),
         ("canNotUseMemoryManagementFunctions", flag(true)),
         ("canGetAndSetFMUstate", flag(true)),
         ("canSerializeFMUstate", flag(true)),
@@ -78,9 +75,9 @@ fn capabilities(document: &mut Document) {
     );
 }
 
-fn units(document: &mut Document) {
+fn units(document: &mut Document, table: Table) {
     document.open("UnitDefinitions", &[]);
-    for unit in UNITS {
+    for unit in used_units(table) {
         document.open("Unit", &[("name", text(unit.name))]);
         let mut base: Vec<_> = unit.base.iter().map(|(name, power)| (*name, text(power.to_string()))).collect();
         base.push(("factor", number(unit.factor).filter(|_| unit.factor != 1.0)));
@@ -94,9 +91,9 @@ fn units(document: &mut Document) {
     document.close();
 }
 
-fn types(document: &mut Document) {
+fn types(document: &mut Document, table: Table) {
     document.open("TypeDefinitions", &[]);
-    for choice in CHOICES {
+    for choice in table.choices() {
         document.open("SimpleType", &[("name", text(choice.name)), ("description", text(choice.description))]);
         document.open("Enumeration", &[]);
         for (value, (name, meaning)) in choice.items.iter().enumerate() {
@@ -115,7 +112,7 @@ fn scalar_variable(document: &mut Document, variable: &Variable, vehicle: &Vehic
         "ScalarVariable",
         &[
             ("name", text(variable.name)),
-            ("valueReference", text(reference_of(variable.slot).to_string())),
+            ("valueReference", text(variable.reference.to_string())),
             ("description", text(variable.description)),
             ("causality", text(causality(variable.causality))),
             ("variability", text(variability(variable.variability))),
@@ -134,7 +131,7 @@ fn scalar_variable(document: &mut Document, variable: &Variable, vehicle: &Vehic
                 ("max", variable.bounds.and_then(|(_, max)| number(max))),
                 ("nominal", variable.nominal.and_then(number)),
                 ("start", start),
-                ("derivative", derivative_of(variable).map(|state| state.to_string())),
+                ("derivative", derivative_of(vehicle.glider.model.table(), variable).map(|state| state.to_string())),
                 ("reinit", flag(variable.jumps)),
             ],
         ),
@@ -155,8 +152,8 @@ fn scalar_variable(document: &mut Document, variable: &Variable, vehicle: &Vehic
     document.close();
 }
 
-fn model_structure(document: &mut Document) {
-    let structure = structure();
+fn model_structure(document: &mut Document, model: Model) {
+    let structure = structure(model);
     document.open("ModelStructure", &[]);
     for (name, unknowns) in
         [("Outputs", structure.outputs), ("Derivatives", structure.derivatives), ("InitialUnknowns", structure.initial)]
@@ -173,9 +170,9 @@ fn model_structure(document: &mut Document) {
 }
 
 /// The value reference of the state that this variable is the derivative of.
-pub(super) fn derivative_of(variable: &Variable) -> Option<u32> {
+pub(super) fn derivative_of(table: Table, variable: &Variable) -> Option<u32> {
     match variable.slot {
-        Slot::Derivative(i) => Some(reference_of(Slot::State(i))),
+        Slot::Derivative(i) => Some(table.reference_of(Slot::State(i))),
         _ => None,
     }
 }

@@ -3,24 +3,22 @@
 use super::fmi2::{causality, derivative_of, initial, variability};
 use super::structure::structure;
 use super::xml::{Document, flag, number, text};
-use super::{
-    AUTHOR, COPYRIGHT, DEFAULT_EXPERIMENT, GENERATED, LOG_CATEGORIES, MODEL_DESCRIPTION, MODEL_NAME, start_value,
-};
-use crate::model::table::{CHOICES, reference_of, token};
-use crate::model::units::UNITS;
+use super::{AUTHOR, COPYRIGHT, DEFAULT_EXPERIMENT, GENERATED, LOG_CATEGORIES, start_value, used_units};
 use crate::model::vehicle::Vehicle;
-use crate::model::{Causality, Kind, Variability, Variable, variables};
+use crate::model::{Causality, Kind, Model, Table, Variability, Variable};
 
 /// The model description with the start values of this vehicle.
 pub fn model_description(vehicle: &Vehicle) -> String {
+    let model = vehicle.glider.model;
+    let table = model.table();
     let mut document = Document::new();
     document.open(
         "fmiModelDescription",
         &[
             ("fmiVersion", text("3.0")),
-            ("modelName", text(MODEL_NAME)),
-            ("instantiationToken", text(token())),
-            ("description", text(MODEL_DESCRIPTION)),
+            ("modelName", text(model.name())),
+            ("instantiationToken", text(table.token)),
+            ("description", text(model.description())),
             ("version", text(env!("CARGO_PKG_VERSION"))),
             ("author", text(AUTHOR)),
             ("copyright", text(COPYRIGHT)),
@@ -30,9 +28,9 @@ pub fn model_description(vehicle: &Vehicle) -> String {
             ("variableNamingConvention", text("structured")),
         ],
     );
-    capabilities(&mut document);
-    units(&mut document);
-    types(&mut document);
+    capabilities(&mut document, model);
+    units(&mut document, table);
+    types(&mut document, table);
     document.open("LogCategories", &[]);
     for (name, description) in LOG_CATEGORIES {
         document.leaf("Category", &[("name", text(name)), ("description", text(description))]);
@@ -49,17 +47,17 @@ pub fn model_description(vehicle: &Vehicle) -> String {
         ],
     );
     document.open("ModelVariables", &[]);
-    for variable in variables() {
+    for variable in table.rows {
         model_variable(&mut document, variable, vehicle);
     }
     document.close();
-    model_structure(&mut document);
+    model_structure(&mut document, model);
     document.finish()
 }
 
-fn capabilities(document: &mut Document) {
+fn capabilities(document: &mut Document, model: Model) {
     let common = [
-        ("modelIdentifier", text(MODEL_NAME)),
+        ("modelIdentifier", text(model.name())),
         ("canGetAndSetFMUState", flag(true)),
         ("canSerializeFMUState", flag(true)),
         ("providesDirectionalDerivatives", flag(true)),
@@ -80,9 +78,9 @@ fn capabilities(document: &mut Document) {
     );
 }
 
-fn units(document: &mut Document) {
+fn units(document: &mut Document, table: Table) {
     document.open("UnitDefinitions", &[]);
-    for unit in UNITS {
+    for unit in used_units(table) {
         document.open("Unit", &[("name", text(unit.name))]);
         let mut base: Vec<_> = unit.base.iter().map(|(name, power)| (*name, text(power.to_string()))).collect();
         base.push(("factor", number(unit.factor).filter(|_| unit.factor != 1.0)));
@@ -96,9 +94,9 @@ fn units(document: &mut Document) {
     document.close();
 }
 
-fn types(document: &mut Document) {
+fn types(document: &mut Document, table: Table) {
     document.open("TypeDefinitions", &[]);
-    for choice in CHOICES {
+    for choice in table.choices() {
         let attributes = [("name", text(choice.name)), ("description", text(choice.description))];
         document.open("EnumerationType", &attributes);
         for (value, (name, meaning)) in choice.items.iter().enumerate() {
@@ -116,7 +114,7 @@ fn model_variable(document: &mut Document, variable: &Variable, vehicle: &Vehicl
         && matches!(variable.causality, Causality::Input | Causality::Output);
     let common = [
         ("name", text(variable.name)),
-        ("valueReference", text(reference_of(variable.slot).to_string())),
+        ("valueReference", text(variable.reference.to_string())),
         ("description", text(variable.description)),
         ("causality", text(causality(variable.causality))),
         ("variability", text(variability(variable.variability))),
@@ -136,7 +134,7 @@ fn model_variable(document: &mut Document, variable: &Variable, vehicle: &Vehicl
                 ("max", variable.bounds.and_then(|(_, max)| number(max))),
                 ("nominal", variable.nominal.and_then(number)),
                 ("start", start),
-                ("derivative", derivative_of(variable).map(|state| state.to_string())),
+                ("derivative", derivative_of(vehicle.glider.model.table(), variable).map(|state| state.to_string())),
                 ("reinit", flag(variable.jumps)),
             ]),
         ),
@@ -156,8 +154,8 @@ fn model_variable(document: &mut Document, variable: &Variable, vehicle: &Vehicl
     }
 }
 
-fn model_structure(document: &mut Document) {
-    let structure = structure();
+fn model_structure(document: &mut Document, model: Model) {
+    let structure = structure(model);
     document.open("ModelStructure", &[]);
     for (name, unknowns) in [
         ("Output", structure.outputs),

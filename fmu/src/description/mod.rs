@@ -13,14 +13,9 @@ use std::path::PathBuf;
 use glidepolar_dynamics::integrate::DEFAULT_TOLERANCE;
 
 use crate::model::glider::Glider;
+use crate::model::units::{UNITS, Unit};
 use crate::model::vehicle::Vehicle;
-use crate::model::{Kind, Variable};
-
-/// Name of the model, and of the binary in the archive.
-pub const MODEL_NAME: &str = "UnderwaterGlider";
-
-/// What the model is, in a line.
-pub const MODEL_DESCRIPTION: &str = "Underwater glider in the vertical plane: buoyancy engine, moving mass, glide polar from hull tests, and the mechanisms by which gliders at sea depart from them";
+use crate::model::{Kind, Model, Table, Variable};
 
 /// Who made the model.
 pub const AUTHOR: &str = "The glidepolar developers";
@@ -45,13 +40,28 @@ pub const LOG_CATEGORIES: [(&str, &str); 4] = [
 
 /// The files that are generated and checked in, by path below `modelDescription/`, with their content.
 pub fn files() -> Vec<(PathBuf, String)> {
-    let vehicle = Vehicle::default();
-    vec![
-        ("fmi2/modelDescription.xml".into(), fmi2::model_description(&vehicle)),
-        ("fmi3/modelDescription.xml".into(), fmi3::model_description(&vehicle)),
-        ("fmi3/terminalsAndIcons/terminalsAndIcons.xml".into(), terminals::terminals_and_icons()),
-        ("documentation/index.html".into(), page::documentation(&vehicle)),
-    ]
+    let of_model = |model: Model| {
+        let vehicle = Vehicle::built_in(model);
+        let folder = match model {
+            Model::Plane => PathBuf::new(),
+            Model::Space => PathBuf::from("space"),
+        };
+        [
+            ("fmi2/modelDescription.xml", fmi2::model_description(&vehicle)),
+            ("fmi3/modelDescription.xml", fmi3::model_description(&vehicle)),
+            ("fmi3/terminalsAndIcons/terminalsAndIcons.xml", terminals::terminals_and_icons(model)),
+            ("documentation/index.html", page::documentation(&vehicle)),
+        ]
+        .map(|(path, text)| (folder.join(path), text))
+    };
+    Model::ALL.into_iter().flat_map(of_model).collect()
+}
+
+/// The units that variables of this table have.
+fn used_units(table: Table) -> impl Iterator<Item = &'static Unit> {
+    UNITS
+        .iter()
+        .filter(move |unit| table.rows.iter().any(|variable| variable.unit.is_some_and(|of| of.name == unit.name)))
 }
 
 /// The start value of a variable, as the descriptions write it.

@@ -5,16 +5,15 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
-use glidepolar_dynamics::state::N_INPUTS;
-use glidepolar_dynamics::{Modes, N_STATES, PARAMETERS, Stop, parameter_index};
-
+use glidepolar_dynamics::{Modes, PARAMETERS, Parameters, State, Stop};
 use glidepolar_environment::WaterColumn;
+use glidepolar_spatial::LATERAL;
 
-use crate::model::glider::{Glider, actuation_of};
-use crate::model::table::{reference_of, variable_of};
+use crate::model::glider::{Glider, actuation_of, steering_of};
 use crate::model::tangent::Tangent;
+use crate::model::values::{head, row};
 use crate::model::vehicle::Vehicle;
-use crate::model::{Causality, Initial, Kind, Slot, Variable, variables};
+use crate::model::{Causality, Initial, Kind, Model, Slot, Variable};
 
 /// A calculated variable and the value references of those that it follows from.
 pub struct Unknown {
@@ -37,24 +36,26 @@ pub struct Structure {
     pub indicators: Vec<Unknown>,
 }
 
-/// The structure of the model.
-pub fn structure() -> Structure {
-    let states = || (0..N_STATES).map(Slot::State);
-    let running: Vec<Slot> = [Slot::Time].into_iter().chain((0..N_INPUTS).map(Slot::Input)).chain(states()).collect();
-    let at_start: Vec<Slot> = variables()
+/// The structure of a model.
+pub fn structure(model: Model) -> Structure {
+    let table = model.table();
+    let (states, inputs) = ((0..model.n_states()).map(Slot::State), (0..model.n_inputs()).map(Slot::Input));
+    let running: Vec<Slot> = [Slot::Time].into_iter().chain(inputs).chain(states).collect();
+    let at_start: Vec<Slot> = table
+        .rows
         .iter()
         .filter(|v| v.kind == Kind::Real && (v.initial == Some(Initial::Exact) || v.slot == Slot::Time))
         .map(|v| v.slot)
         .collect();
-    let running = Probe { knowns: running, starting: false };
-    let starting = Probe { knowns: at_start, starting: true };
+    let running = Probe { model, knowns: running, starting: false };
+    let starting = Probe { model, knowns: at_start, starting: true };
 
     let of_all = |probe: &Probe, wanted: &dyn Fn(&Variable) -> bool| {
-        let wanted: Vec<&Variable> = variables().iter().filter(|v| wanted(v)).collect();
+        let wanted: Vec<&Variable> = table.rows.iter().filter(|v| wanted(v)).collect();
         probe.unknowns(&wanted)
     };
     // Their order here is that of the states in every call, whatever their value references.
-    let derivatives: Vec<&Variable> = (0..N_STATES).map(|i| variable_of(Slot::Derivative(i))).collect();
+    let derivatives: Vec<&Variable> = (0..model.n_states()).map(|i| table.variable_of(Slot::Derivative(i))).collect();
     let calculated_at_start = |v: &Variable| {
         v.follows_at_start()
             && (v.causality == Causality::Output || matches!(v.slot, Slot::State(_) | Slot::Derivative(_)))
@@ -69,6 +70,7 @@ pub fn structure() -> Structure {
 
 /// Asks which of some unknowns move with which of the knowns.
 struct Probe {
+    model: Model,
     knowns: Vec<Slot>,
     starting: bool,
 }
@@ -76,11 +78,16 @@ struct Probe {
 impl Probe {
     fn unknowns(&self, wanted: &[&Variable]) -> Vec<Unknown> {
         let mut found: Vec<BTreeSet<u32>> = vec![BTreeSet::new(); wanted.len()];
-        let parameter = |name| Slot::Parameter(parameter_index(name).expect("a parameter of the library"));
-        let (drag_step, step_time) = (parameter("drag_step"), parameter("step_time_s"));
-        // Density and temperature.
-        let water = [Slot::Input(5), Slot::Input(6)];
-        for glider in points() {
+        let table = self.model.table();
+        let slot = |name| table.slot_of(name).expect("a variable of every model");
+        let reference_of = |slot| table.reference_of(slot);
+        let (drag_step, step_time) = (slot("drag_step"), slot("step_time_s"));
+        let water = [slot("water_density_kg_m3"), slot("water_temperature_C")];
+        let steering = match self.model {
+            Model::Plane => Slot::Actuation,
+            Model::Space => Slot::Steering,
+        };
+        for glider in points(self.model) {
             for &known in &self.knowns {
                 let tangent = Tangent::along(&glider, self.starting, [(known, 1.0)]);
                 for (variable, found) in wanted.iter().zip(&mut found) {
@@ -92,7 +99,7 @@ impl Probe {
             if self.starting {
                 for (variable, found) in wanted.iter().zip(&mut found) {
                     let switches = [
-                        (Slot::Actuation, depends_on_actuation(&glider, variable.slot)),
+                        (steering, depends_on_choice(&glider, steering, variable.slot)),
                         (Slot::StartInTrim, depends_on_trim(&glider, variable.slot)),
                         (step_time, found.contains(&reference_of(drag_step))),
                         (Slot::WaterSource, water.iter().any(|input| found.contains(&reference_of(*input)))),
@@ -103,17 +110,17 @@ impl Probe {
             }
         }
         let unknown = |(variable, found): (&&Variable, BTreeSet<u32>)| Unknown {
-            reference: reference_of(variable.slot),
+            reference: variable.reference,
             dependencies: found.into_iter().collect(),
         };
         wanted.iter().zip(found).map(unknown).collect()
     }
 }
 
-fn depends_on_actuation(glider: &Glider, slot: Slot) -> bool {
+fn depends_on_choice(glider: &Glider, choice: Slot, slot: Slot) -> bool {
     let value = |number| {
         let mut glider = glider.clone();
-        glider.set_actuation(number);
+        glider.choose(choice, number);
         glider.read().real(slot)
     };
     value(0) != value(1) || value(1) != value(2)
@@ -128,25 +135,26 @@ fn depends_on_trim(glider: &Glider, slot: Slot) -> bool {
     trimmed.read().real(slot) != free.read().real(slot)
 }
 
-/// Gliders of every kind of actuation and mode, in free water, at the surface and on the seabed, with every mechanism
-/// at work and no number at a special value.
-fn points() -> Vec<Glider> {
+/// Gliders of every kind of actuation, steering and mode, in free water, at the surface and on the seabed, with every
+/// mechanism at work and no number at a special value.
+fn points(model: Model) -> Vec<Glider> {
     const DEPTHS_M: [f64; 3] = [37.3, -0.013, 119.7];
     const STOPS: [Stop; 3] = [Stop::Free, Stop::AtMin, Stop::AtMax];
     let column = "depth_m,density_kg_m3,temperature_C\n0,1020,20\n30,1024,15\n60,1027,9\n200,1030,4\n";
     let column = Arc::new(WaterColumn::parse(column, Path::new("column")).expect("a column of water"));
+    let stops = match model {
+        Model::Plane => &STOPS[..],
+        Model::Space => &STOPS[..1],
+    };
     let mut odd = OddNumbers(0x9e37_79b9_7f4a_7c15);
     let mut points = Vec::new();
     for depth in DEPTHS_M {
-        for actuation in [0, 1, 2] {
-            for stop in STOPS {
+        for choice in [0, 1, 2] {
+            for stop in stops {
                 // Of either sign: a pump costs energy in one direction only.
                 for command in [1.0, 1e-3, -1.0, -1e-3] {
-                    let gliding = point(&mut odd, depth, actuation, stop, command);
-                    let mut turning = gliding.clone();
-                    let state = &mut turning.values.state;
-                    // Descents and ascents pass into each other at sink rates of millimetres per second.
-                    state.pitch_rad = state.v3_m_s.atan2(state.v1_m_s) - 0.01;
+                    let gliding = point(&mut odd, model, depth, choice, *stop, command);
+                    let turning = between_legs(&gliding);
                     let in_column = [&gliding, &turning].map(|glider| Glider {
                         column: Some(column.clone()),
                         uses_column: true,
@@ -161,31 +169,83 @@ fn points() -> Vec<Glider> {
     points
 }
 
-fn point(odd: &mut OddNumbers, depth: f64, actuation: i32, stop: Stop, command: f64) -> Glider {
-    let mut glider = Vehicle::default().glider;
-    let values = &mut glider.values;
-    for (i, info) in PARAMETERS.iter().enumerate() {
-        let place = values.parameters.at(i);
-        *place = if info.default == 0.0 {
+/// The same glider where it neither sinks nor rises by much: descents and ascents pass into each other at sink rates of
+/// millimetres per second.
+fn between_legs(glider: &Glider) -> Glider {
+    let mut turning = glider.clone();
+    let state = &mut turning.values.state;
+    match glider.model {
+        Model::Plane => {
+            let mut it = State::from_array(head(state));
+            it.pitch_rad = it.v3_m_s.atan2(it.v1_m_s) - 0.01;
+            *state = row(it.as_array());
+        }
+        Model::Space => {
+            let mut it = glidepolar_spatial::State::from_array(*state);
+            let sideways = it.v2_m_s * it.roll_rad.sin() + it.v3_m_s * it.roll_rad.cos();
+            it.pitch_rad = sideways.atan2(it.v1_m_s) - 0.01;
+            *state = it.as_array();
+        }
+    }
+    turning
+}
+
+fn point(odd: &mut OddNumbers, model: Model, depth: f64, choice: i32, stop: Stop, command: f64) -> Glider {
+    let mut glider = Vehicle::built_in(model).glider;
+    let lateral = if model == Model::Space { LATERAL } else { &[] };
+    for (i, info) in PARAMETERS.iter().chain(lateral).enumerate() {
+        glider.values.parameters[i] = if info.default == 0.0 {
             (0.01 * info.max.min(1.0) * odd.next()).max(info.min)
         } else {
             (info.default * (1.0 + 0.01 * odd.next())).clamp(info.min, info.max)
         };
     }
+    let table = model.table();
+    let set = |glider: &mut Glider, name: &str, value: f64| {
+        glider.values.set(table.slot_of(name).expect("a variable of the model"), value);
+    };
     // Shorter ones than a second are one.
-    values.parameters.creep_time_s = 100.0 * odd.next();
-    values.parameters.exchange_time_s = 100.0 * odd.next();
+    set(&mut glider, "creep_time_s", 100.0 * odd.next());
+    set(&mut glider, "exchange_time_s", 100.0 * odd.next());
+    let values = &mut glider.values;
     values.time_s = 3.7;
-    values.state = values.state.map(|value| value + 0.01 * odd.next());
-    values.inputs = values.inputs.map(|value| value + 0.01 * odd.next() * command.signum());
-    values.state.depth_m = depth;
-    values.inputs.seabed_depth_m = 119.6;
+    values.state[..model.n_states()].iter_mut().for_each(|value| *value += 0.01 * odd.next());
+    values.inputs[..model.n_inputs()].iter_mut().for_each(|value| *value += 0.01 * odd.next() * command.signum());
+    set(&mut glider, "depth_m", depth);
+    set(&mut glider, "seabed_depth_m", 119.6);
     // A set-point near the position is followed in proportion, one far away at the largest rate.
-    values.inputs.ballast_command_m3 = values.parameters.ballast_m3(values.state.ballast_mass_kg) + 1e-4 * command;
-    values.inputs.moving_mass_command_m = values.state.moving_mass_1_m + 0.05 * command;
-    glider.actuation = actuation_of(actuation).expect("a kind of actuation");
-    if actuation != 0 {
-        glider.discrete.modes = Modes { ballast: stop, moving_mass: stop };
+    let parameters = Parameters::from_array(head(&glider.values.parameters));
+    let get = |glider: &Glider, name: &str| {
+        table.slot_of(name).and_then(|slot| glider.values.get(slot)).expect("a variable of the model")
+    };
+    let (ballast, mass) = (get(&glider, "ballast_mass_kg"), get(&glider, "moving_mass_position_m"));
+    set(&mut glider, "ballast_command_m3", parameters.ballast_m3(ballast) + 1e-4 * command);
+    set(&mut glider, "moving_mass_command_m", mass + 0.05 * command);
+    match model {
+        Model::Plane => {
+            glider.actuation = actuation_of(choice).expect("a kind of actuation");
+            if choice != 0 {
+                glider.discrete.modes = Modes { ballast: stop, moving_mass: stop };
+            }
+        }
+        Model::Space => {
+            glider.steering = steering_of(choice).expect("a kind of steering");
+            let (roll, rudder) = (get(&glider, "roll_mass_rad"), get(&glider, "rudder_rad"));
+            for limit in ["rudder_max_rad", "roll_mass_max_rad"] {
+                set(&mut glider, limit, 2.0);
+            }
+            for limit in ["rudder_min_rad", "roll_mass_min_rad"] {
+                set(&mut glider, limit, -2.0);
+            }
+            set(&mut glider, "roll_mass_command_rad", roll + 0.3 * command);
+            set(&mut glider, "rudder_command_rad", rudder + 0.3 * command);
+            // Within the largest rates of the servos with steering, too, and beyond the dead band.
+            let heading = get(&glider, "heading_rad") + 0.02 * odd.next();
+            set(&mut glider, "heading_command_rad", heading);
+            for gain in ["heading_rudder_gain", "heading_roll_gain_descent", "heading_roll_gain_ascent"] {
+                set(&mut glider, gain, odd.next());
+            }
+        }
     }
     glider.discrete.drag_has_stepped = true;
     glider

@@ -1,8 +1,7 @@
 //! Terminals of FMI 3.0: variables that belong together and are connected together.
 
 use super::xml::{Document, number, text};
-use crate::model::table::variables;
-use crate::model::{Causality, Variable};
+use crate::model::{Causality, Model, Variable};
 
 /// Name, what it is, which inputs or outputs belong to it.
 type Terminal = (&'static str, &'static str, fn(&Variable) -> bool);
@@ -22,7 +21,8 @@ const MARK: f64 = 8.0;
 const STEP: f64 = 45.0;
 
 /// terminalsAndIcons.xml.
-pub fn terminals_and_icons() -> String {
+pub fn terminals_and_icons(model: Model) -> String {
+    let variables = model.table().rows;
     let mut document = Document::new();
     document.open("fmiTerminalsAndIcons", &[("fmiVersion", text("3.0"))]);
     document.open("GraphicalRepresentation", &[]);
@@ -33,12 +33,13 @@ pub fn terminals_and_icons() -> String {
     document.close();
     document.open("Terminals", &[]);
     let (mut taken_left, mut taken_right) = (0.0, 0.0);
-    for (name, description, belongs) in TERMINALS {
+    let has_members = |(_, _, belongs): &Terminal| variables.iter().any(belongs);
+    for (name, description, belongs) in TERMINALS.into_iter().filter(has_members) {
         document.open(
             "Terminal",
             &[("name", text(name)), ("matchingRule", text("bus")), ("description", text(description))],
         );
-        for variable in variables().iter().filter(|v| belongs(v)) {
+        for variable in variables.iter().filter(|v| belongs(v)) {
             let name = || text(variable.name);
             document.leaf(
                 "TerminalMemberVariable",
@@ -46,7 +47,7 @@ pub fn terminals_and_icons() -> String {
             );
         }
         // Inputs to the left of the icon, outputs to the right.
-        let sends = variables().iter().filter(|v| belongs(v)).all(|v| v.causality == Causality::Output);
+        let sends = variables.iter().filter(|v| belongs(v)).all(|v| v.causality == Causality::Output);
         let (x, taken) = if sends { (108.0, &mut taken_right) } else { (-108.0, &mut taken_left) };
         let y = 70.0 - STEP * *taken;
         *taken += 1.0;
@@ -81,8 +82,10 @@ fn is_water(variable: &Variable) -> bool {
 }
 
 fn is_motion(variable: &Variable) -> bool {
-    let names = ["x_m", "depth_m", "pitch_rad", "pitch_rate_rad_s", "speed_m_s", "vertical_velocity_m_s"];
-    names.contains(&variable.name)
+    const IN_PLANE: [&str; 6] =
+        ["x_m", "depth_m", "pitch_rad", "pitch_rate_rad_s", "speed_m_s", "vertical_velocity_m_s"];
+    const IN_SPACE: [&str; 5] = ["north_m", "east_m", "heading_rad", "turn_rate_rad_s", "sideslip_rad"];
+    IN_PLANE.contains(&variable.name) || IN_SPACE.contains(&variable.name)
 }
 
 fn is_steering(variable: &Variable) -> bool {

@@ -3,9 +3,10 @@
 use std::ffi::c_char;
 
 use super::types::*;
+use crate::instance::Instance;
 use crate::instance::boundary::{call, elements, room, same_length};
 use crate::instance::refusal::{Outcome, Refusal};
-use crate::model::{Kind, variable};
+use crate::model::Kind;
 
 macro_rules! get {
     ($(#[$doc:meta])* $function:ident, $type:ty, |$instance:ident, $references:ident, $values:ident| $body:expr) => {
@@ -91,8 +92,8 @@ set!(/** `fmi3SetInt64`: how FMI 3.0 sets an enumeration. */ fmi3SetInt64, i64, 
 macro_rules! no_variables {
     ($($type:ty: $get:ident, $set:ident;)*) => {
         $(
-            get!(/** No variable is of this type. */ $get, $type, |_i, references, _values| wrong_type(references, stringify!($get)));
-            set!(/** No variable is of this type. */ $set, $type, |_i, references, _values| wrong_type(references, stringify!($set)));
+            get!(/** No variable is of this type. */ $get, $type, |i, references, _values| wrong_type(i, references, stringify!($get)));
+            set!(/** No variable is of this type. */ $set, $type, |i, references, _values| wrong_type(i, references, stringify!($set)));
         )*
     };
 }
@@ -149,15 +150,15 @@ pub(super) unsafe fn none_of_this_type(
     unsafe {
         call::<Fmi3>(instance, function, |c| {
             c.instance.allow(NOT_BROKEN)?;
-            wrong_type(elements(value_references, n_value_references, "valueReferences")?, function)
+            wrong_type(&c.instance, elements(value_references, n_value_references, "valueReferences")?, function)
         })
     }
 }
 
-fn wrong_type(references: &[u32], function: &str) -> Outcome {
+fn wrong_type(instance: &Instance, references: &[u32], function: &str) -> Outcome {
     let Some(reference) = references.first() else { return Ok(()) };
     let of = function.trim_start_matches("fmi3Get").trim_start_matches("fmi3Set");
-    let name = variable(*reference).map_or("unknown", |variable| variable.name);
+    let name = instance.table().variable(*reference).map_or("unknown", |variable| variable.name);
     Err(Refusal::error(format!("no variable is of type {of}; value reference {reference} ({name}) is not")))
 }
 

@@ -9,7 +9,7 @@ use crate::instance::log::{Log, Sink};
 use crate::instance::phase::{Phase, Phases};
 use crate::instance::refusal::{Outcome, Refusal, Status};
 use crate::instance::{Abilities, Instance, Interface, resources};
-use crate::model::variable;
+use crate::model::vehicle::Vehicle;
 
 /// `fmi3GetVersion`
 #[unsafe(no_mangle)]
@@ -55,7 +55,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     let wanted = Wanted { interface: Interface::CoSimulation, abilities };
     let log = || Log::new(sink(log_message, environment), logging_on != 0);
     let standard = Fmi3 { environment, intermediate_update };
-    let check = |_: &Log| {
+    let check = |vehicle: &Vehicle| {
         // SAFETY: see the module.
         let required = unsafe {
             elements(
@@ -64,7 +64,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
                 "requiredIntermediateVariables",
             )
         }?;
-        match required.iter().find(|reference| variable(**reference).is_none()) {
+        match required.iter().find(|reference| vehicle.glider.model.table().variable(**reference).is_none()) {
             Some(unknown) => Err(Refusal::error(format!("there is no variable with value reference {unknown}"))),
             None => Ok(()),
         }
@@ -110,17 +110,16 @@ unsafe fn make(
     wanted: Wanted,
     log: impl FnOnce() -> Log,
     standard: Fmi3,
-    check: impl FnOnce(&Log) -> Outcome,
+    check: impl FnOnce(&Vehicle) -> Outcome,
 ) -> Pointer {
     let made = caught(|| {
         let log = log();
         // SAFETY: see the module.
         let [name, token, folder] = texts.map(|pointer| unsafe { text(pointer) });
         let folder = folder.filter(|folder| !folder.is_empty());
-        let vehicle = check(&log).and_then(|()| {
-            let (name, token) = (name.unwrap_or_default(), token.unwrap_or_default());
-            resources::chosen(&name, &token, folder.as_deref().map(Path::new), &log)
-        });
+        let (name, token) = (name.unwrap_or_default(), token.unwrap_or_default());
+        let vehicle = resources::chosen(&name, &token, folder.as_deref().map(Path::new), &log)
+            .and_then(|vehicle| check(&vehicle).map(|()| vehicle));
         match vehicle {
             Ok(vehicle) => {
                 let instance = Instance::new(wanted.interface, wanted.abilities, &vehicle, log);

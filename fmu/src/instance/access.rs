@@ -6,8 +6,7 @@ use super::Instance;
 use super::phase::Phase;
 use super::refusal::{Outcome, Refusal, Status};
 use super::resources::COLUMN_FILE;
-use crate::model::glider::actuation_of;
-use crate::model::{Causality, Initial, Kind, Slot, Variability, Variable, variable, variables};
+use crate::model::{Causality, Initial, Kind, Slot, Variability, Variable};
 
 impl Instance {
     /// The numbers of these variables.
@@ -15,7 +14,7 @@ impl Instance {
         let glider = self.now();
         let mut reading = glider.read();
         for (&reference, value) in references.iter().zip(values) {
-            let variable = of_kind(reference, Kind::Real)?;
+            let variable = self.of_kind(reference, Kind::Real)?;
             *value = reading.real(variable.slot).ok_or_else(|| fault(variable))?;
             if !value.is_finite() {
                 return Err(not_finite(variable, *value));
@@ -28,7 +27,7 @@ impl Instance {
     pub fn get_integers(&self, references: &[u32], values: &mut [i32]) -> Outcome {
         let glider = self.now();
         for (&reference, value) in references.iter().zip(values) {
-            let variable = of_number(reference)?;
+            let variable = self.of_number(reference)?;
             *value = glider.read().integer(variable.slot).ok_or_else(|| fault(variable))?;
         }
         Ok(())
@@ -38,7 +37,7 @@ impl Instance {
     pub fn get_booleans(&self, references: &[u32], mut put: impl FnMut(usize, bool)) -> Outcome {
         let glider = self.now();
         for (i, &reference) in references.iter().enumerate() {
-            let variable = of_kind(reference, Kind::Boolean)?;
+            let variable = self.of_kind(reference, Kind::Boolean)?;
             put(i, glider.read().boolean(variable.slot).ok_or_else(|| fault(variable))?);
         }
         Ok(())
@@ -47,7 +46,7 @@ impl Instance {
     /// The texts of these variables, by way of `put`. They live as long as the instance.
     pub fn get_texts(&self, references: &[u32], mut put: impl FnMut(usize, &CStr)) -> Outcome {
         for (i, &reference) in references.iter().enumerate() {
-            of_kind(reference, Kind::Text)?;
+            self.of_kind(reference, Kind::Text)?;
             put(i, &self.vehicle_name);
         }
         Ok(())
@@ -56,7 +55,7 @@ impl Instance {
     /// Sets these variables, all or none.
     pub fn set_reals(&mut self, references: &[u32], values: &[f64]) -> Outcome {
         for (&reference, &value) in references.iter().zip(values) {
-            let variable = of_kind(reference, Kind::Real)?;
+            let variable = self.of_kind(reference, Kind::Real)?;
             if self.is_state_of_integrator(variable) {
                 if !value.is_finite() {
                     return Err(Refusal::error(format!("{} = {value:?}: expected a finite number", variable.name)));
@@ -67,7 +66,7 @@ impl Instance {
             check_value(variable, self.or_not_given(variable, value))?;
         }
         for (&reference, &value) in references.iter().zip(values) {
-            if let Some(variable) = variable(reference) {
+            if let Some(variable) = self.table().variable(reference) {
                 if variable.initial == Some(Initial::Approx) && self.core.phase.is_starting() {
                     self.log
                         .event(&format!("{} follows from other start values; that given is not used", variable.name));
@@ -94,7 +93,7 @@ impl Instance {
     /// Sets these variables, all or none.
     pub fn set_integers(&mut self, references: &[u32], values: &[i32]) -> Outcome {
         for (&reference, &value) in references.iter().zip(values) {
-            let variable = of_number(reference)?;
+            let variable = self.of_number(reference)?;
             self.may_set(variable)?;
             check_value(variable, f64::from(value))?;
             if variable.slot == Slot::WaterSource && value == 1 && self.core.glider.column.is_none() {
@@ -104,11 +103,8 @@ impl Instance {
             }
         }
         for (&reference, &value) in references.iter().zip(values) {
-            match (variable(reference).map(|variable| variable.slot), actuation_of(value)) {
-                (Some(Slot::Actuation), Some(actuation)) => self.core.glider.actuation = actuation,
-                (Some(Slot::WaterSource), _) => self.core.glider.uses_column = value == 1,
-                (Some(Slot::StartInTrim), _) => self.core.glider.starts_in_trim = value == 1,
-                _ => (),
+            if let Some(variable) = self.table().variable(reference) {
+                self.core.glider.choose(variable.slot, value);
             }
         }
         Ok(())
@@ -116,7 +112,7 @@ impl Instance {
 
     /// Refuses to set variables of a kind of which none can be set.
     pub fn set_none(&self, references: &[u32], kind: Kind) -> Outcome {
-        references.iter().try_for_each(|&reference| self.may_set(of_kind(reference, kind)?))
+        references.iter().try_for_each(|&reference| self.may_set(self.of_kind(reference, kind)?))
     }
 
     /// Whether this is a continuous state while an importer's integrator drives them. It may then be set by its value
@@ -133,7 +129,7 @@ impl Instance {
         const NOTHING: f64 = 1e-6;
         match (variable.name, variable.bounds) {
             ("water_density_kg_m3", _) if value.abs() <= NOTHING => {
-                self.core.glider.values.parameters.reference_density_kg_m3
+                self.core.glider.parameters().reference_density_kg_m3
             }
             ("seabed_depth_m", Some((_, deepest))) if value.abs() <= NOTHING => deepest,
             _ => value,
@@ -192,30 +188,33 @@ impl Instance {
     }
 }
 
-/// The variable of this reference, if it is of this kind.
-pub(super) fn of_kind(reference: u32, kind: Kind) -> Outcome<&'static Variable> {
-    let Some(variable) = variable(reference) else {
-        let last = variables().len();
-        return Err(Refusal::error(format!(
-            "there is no variable with value reference {reference}; they go from 1 to {last}, see modelDescription.xml"
-        )));
-    };
-    if variable.kind == kind {
-        return Ok(variable);
+impl Instance {
+    /// The variable of this reference, if it is of this kind.
+    pub(super) fn of_kind(&self, reference: u32, kind: Kind) -> Outcome<&'static Variable> {
+        let table = self.table();
+        let Some(variable) = table.variable(reference) else {
+            let last = table.rows.len();
+            return Err(Refusal::error(format!(
+                "there is no variable with value reference {reference}; they go from 1 to {last}, see modelDescription.xml"
+            )));
+        };
+        if variable.kind == kind {
+            return Ok(variable);
+        }
+        Err(Refusal::error(format!(
+            "{} (value reference {reference}) is of type {}, not {}",
+            variable.name,
+            kind_name(variable.kind),
+            kind_name(kind)
+        )))
     }
-    Err(Refusal::error(format!(
-        "{} (value reference {reference}) is of type {}, not {}",
-        variable.name,
-        kind_name(variable.kind),
-        kind_name(kind)
-    )))
-}
 
-/// The variable of this reference, if it is an integer or one of a list of choices.
-fn of_number(reference: u32) -> Outcome<&'static Variable> {
-    match variable(reference) {
-        Some(variable) if matches!(variable.kind, Kind::Choice(_)) => Ok(variable),
-        _ => of_kind(reference, Kind::Integer),
+    /// The variable of this reference, if it is an integer or one of a list of choices.
+    fn of_number(&self, reference: u32) -> Outcome<&'static Variable> {
+        match self.table().variable(reference) {
+            Some(variable) if matches!(variable.kind, Kind::Choice(_)) => Ok(variable),
+            _ => self.of_kind(reference, Kind::Integer),
+        }
     }
 }
 

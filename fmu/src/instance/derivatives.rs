@@ -1,7 +1,6 @@
 //! Partial derivatives, forward and adjoint, of any calculated number with respect to any number that is not.
 
 use super::Instance;
-use super::access::of_kind;
 use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};
 use crate::model::tangent::Tangent;
@@ -66,7 +65,7 @@ impl Instance {
 
     /// What a derivative can be taken of.
     fn unknown(&self, reference: u32) -> Outcome<&'static Variable> {
-        let variable = of_kind(reference, Kind::Real)?;
+        let variable = self.of_kind(reference, Kind::Real)?;
         match variable.slot {
             Slot::Derivative(_) | Slot::Power | Slot::Output(_) | Slot::Indicator(_) | Slot::State(_) => Ok(variable),
             _ => Err(Refusal::error(format!("{} is not an unknown: it follows from nothing", variable.name))),
@@ -77,7 +76,7 @@ impl Instance {
     /// afterwards states, inputs, time and tunable parameters.
     fn knowns(&self, references: &[u32]) -> Outcome<Vec<Slot>> {
         let known = |&reference: &u32| {
-            let variable = of_kind(reference, Kind::Real)?;
+            let variable = self.of_kind(reference, Kind::Real)?;
             let starts = variable.initial == Some(Initial::Exact);
             match variable.slot {
                 Slot::Time | Slot::Input(_) | Slot::Parameter(_) => Ok(variable.slot),

@@ -1,14 +1,14 @@
 //! Model Exchange: time and states come from the importer's integrator, rates and event indicators go back. The
 //! handling of events is shared with Co-Simulation.
 
-use glidepolar_dynamics::{N_STATES, STATE_NOMINALS, State, Stop};
+use glidepolar_dynamics::{State, Stop};
 
 use super::Instance;
 use super::access::not_finite;
 use super::refusal::{Outcome, Refusal, Status};
 use crate::model::glider::DiscreteState;
-use crate::model::table::reference_of;
-use crate::model::{Glider, Slot, variable};
+use crate::model::values::{MOST_STATES, head};
+use crate::model::{Glider, Model, Slot, Table};
 
 /// What an event brought.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,36 +34,42 @@ impl Instance {
 
     /// Sets the continuous states.
     pub fn set_states(&mut self, states: &[f64]) -> Outcome {
-        let states = n_states(states)?;
+        let n_states = self.core.glider.model.n_states();
+        if states.len() != n_states {
+            return Err(wrong_length(states.len(), n_states, "continuous states"));
+        }
         if let Some((i, value)) = states.iter().enumerate().find(|(_, value)| !value.is_finite()) {
             return Err(Refusal::error(format!("continuous state {i} = {value}: expected a finite number")));
         }
-        self.core.glider.values.state = State::from_array(states);
+        self.core.glider.values.state[..n_states].copy_from_slice(states);
         Ok(())
     }
 
     /// The continuous states.
     pub fn states(&self, states: &mut [f64]) -> Outcome {
-        fill(states, &self.now().values.state.as_array(), "continuous states")
+        let glider = self.now();
+        fill(states, &glider.values.state[..glider.model.n_states()], "continuous states")
     }
 
     /// Their rates of change.
     pub fn derivatives(&self, derivatives: &mut [f64]) -> Outcome {
-        let rates = self.now().derivative().as_array();
-        check_finite(&rates, Slot::Derivative)?;
-        fill(derivatives, &rates, "derivatives")
+        let glider = self.now();
+        let rates = &glider.derivative()[..glider.model.n_states()];
+        check_finite(self.table(), rates, Slot::Derivative)?;
+        fill(derivatives, rates, "derivatives")
     }
 
     /// Their usual sizes.
     pub fn nominals(&self, nominals: &mut [f64]) -> Outcome {
-        fill(nominals, &STATE_NOMINALS.as_array(), "continuous states")
+        fill(nominals, self.core.glider.model.nominals(), "continuous states")
     }
 
     /// The event indicators.
     pub fn indicators(&self, indicators: &mut [f64]) -> Outcome {
-        let z = self.now().indicators();
-        check_finite(&z, Slot::Indicator)?;
-        fill(indicators, &z, "event indicators")
+        let glider = self.now();
+        let z = &glider.indicators()[..glider.model.n_events()];
+        check_finite(self.table(), z, Slot::Indicator)?;
+        fill(indicators, z, "event indicators")
     }
 
     /// Brings the discrete states up to date.
@@ -87,9 +93,14 @@ impl Instance {
 impl Instance {
     /// Warns where ballast or moving mass lay beyond a limit and were brought back to it: a limit was narrowed under
     /// them, or a start lies outside. An ordinary arrival at a limit is not worth a word.
-    pub(super) fn tell_of_moves(&self, before: &State<f64>, after: &Glider) {
+    pub(super) fn tell_of_moves(&self, before: &[f64; MOST_STATES], after: &Glider) {
         const WORTH_A_WORD: f64 = 1e-6;
-        let (p, state) = (&after.values.parameters, &after.values.state);
+        if after.model != Model::Plane {
+            // Servos stop short of every limit.
+            return;
+        }
+        let (p, state) = (after.parameters(), State::from_array(head(&after.values.state)));
+        let before = State::from_array(head(before));
         let (from, to) = (before.moving_mass_1_m, state.moving_mass_1_m);
         if (to - from).abs() > WORTH_A_WORD {
             let (limit, value) = if to < from {
@@ -145,10 +156,6 @@ fn news(before: DiscreteState, after: DiscreteState) -> String {
     news.join(", ")
 }
 
-fn n_states(states: &[f64]) -> Outcome<[f64; N_STATES]> {
-    states.try_into().map_err(|_| wrong_length(states.len(), N_STATES, "continuous states"))
-}
-
 fn fill(target: &mut [f64], source: &[f64], what: &str) -> Outcome {
     if target.len() != source.len() {
         return Err(wrong_length(target.len(), source.len(), what));
@@ -158,12 +165,9 @@ fn fill(target: &mut [f64], source: &[f64], what: &str) -> Outcome {
 }
 
 /// Refuses what is not finite, by the name of its place.
-fn check_finite(values: &[f64], slot: fn(usize) -> Slot) -> Outcome {
+fn check_finite(table: Table, values: &[f64], slot: fn(usize) -> Slot) -> Outcome {
     match values.iter().enumerate().find(|(_, value)| !value.is_finite()) {
-        Some((i, value)) => Err(variable(reference_of(slot(i))).map_or_else(
-            || Refusal::discard(format!("number {i} is {value}")),
-            |variable| not_finite(variable, *value),
-        )),
+        Some((i, value)) => Err(not_finite(table.variable_of(slot(i)), *value)),
         None => Ok(()),
     }
 }

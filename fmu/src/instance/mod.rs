@@ -18,12 +18,12 @@ pub mod stepping;
 use std::borrow::Cow;
 use std::ffi::CString;
 
-use glidepolar_dynamics::Integrator;
 use glidepolar_dynamics::integrate::DEFAULT_TOLERANCE;
 use glidepolar_dynamics::limits::reversed;
 
-use crate::model::Glider;
+use crate::model::flight::Integrator;
 use crate::model::vehicle::Vehicle;
+use crate::model::{Glider, Table};
 use log::Log;
 use phase::{Phase, Phases};
 use refusal::{Outcome, Refusal};
@@ -95,7 +95,7 @@ impl Instance {
             glider: vehicle.glider.clone(),
             start_time_s: 0.0,
             stop_time_s: None,
-            integrator: Integrator::new(DEFAULT_TOLERANCE),
+            integrator: Integrator::new(vehicle.glider.model, DEFAULT_TOLERANCE),
             slopes: InputSlopes::default(),
             unsettled: true,
             is_steered: true,
@@ -113,6 +113,11 @@ impl Instance {
             grounded: [None; 2],
             log,
         }
+    }
+
+    /// Its variables.
+    pub fn table(&self) -> Table {
+        self.core.glider.model.table()
     }
 
     /// Where it stands.
@@ -176,7 +181,7 @@ impl Instance {
             )));
         }
         let core = &mut self.core;
-        core.integrator = Integrator::new(tolerance.unwrap_or(DEFAULT_TOLERANCE));
+        core.integrator = Integrator::new(core.glider.model, tolerance.unwrap_or(DEFAULT_TOLERANCE));
         core.glider.values.time_s = start_time_s;
         core.start_time_s = start_time_s;
         core.stop_time_s = stop_time_s;
@@ -193,13 +198,13 @@ impl Instance {
     pub fn exit_initialization(&mut self, next: Phase) -> Outcome {
         self.check_limits()?;
         self.check_weight()?;
-        if self.core.glider.starts_in_trim && self.core.glider.glide().is_none() {
+        if self.core.glider.starts_in_trim && !self.core.glider.has_glide() {
             return Err(Refusal::error(
                 "start_in_trim is set, but these parameters have no steady glide within the limits of ballast and moving mass; change them, or give start values",
             ));
         }
         let glider = self.started();
-        if !glider.derivative().as_array().into_iter().all(f64::is_finite) {
+        if !glider.derivative().into_iter().all(f64::is_finite) {
             return Err(Refusal::error(
                 "with these start values the rates of change are not finite: look for masses or inertias that are zero",
             ));
@@ -215,7 +220,7 @@ impl Instance {
     /// Refuses limits of ballast or moving mass that stand the wrong way round. Looked at where a simulation goes on, not
     /// where one of a pair is set: the other may follow.
     pub fn check_limits(&self) -> Outcome {
-        match reversed(&self.core.glider.values.parameters) {
+        match reversed(&self.core.glider.parameters()) {
             None => Ok(()),
             Some([(low, least), (high, largest)]) => Err(Refusal::error(format!(
                 "{high} = {largest:?} lies below {low} = {least:?}; set them the other way round"
@@ -225,7 +230,7 @@ impl Instance {
 
     /// Refuses a glider that weighs nothing in air.
     fn check_weight(&self) -> Outcome {
-        let p = &self.core.glider.values.parameters;
+        let p = self.core.glider.parameters();
         let weight_kg = p.mass_kg() + p.ballast_offset_kg;
         if weight_kg > 0.0 {
             return Ok(());

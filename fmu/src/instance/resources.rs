@@ -9,7 +9,7 @@ use glidepolar_fmu_resources::token::{resources_hash, resources_of_mark};
 
 use super::log::Log;
 use super::refusal::{Outcome, Refusal};
-use crate::model::table::token;
+use crate::model::Model;
 use crate::model::vehicle::Vehicle;
 
 /// File in the resources folder that describes the vehicle.
@@ -26,21 +26,21 @@ pub fn chosen(name: &str, given: &str, folder: Option<&Path>, log: &Log) -> Outc
     if name.is_empty() {
         return Err(Refusal::error("the instance has no name; give it one"));
     }
-    let Some(expected) = carries_vehicle(given) else {
+    let Some((model, expected)) = carries_vehicle(given) else {
         return Err(Refusal::error(format!(
             "the token (guid) \"{given}\" is not that of this binary; modelDescription.xml and binary come from different builds"
         )));
     };
-    let vehicle = vehicle(folder, expected).map_err(Refusal::error)?;
+    let vehicle = vehicle(model, folder, expected).map_err(Refusal::error)?;
     log.event(&format!("the vehicle is \"{}\"", vehicle.name));
     Ok(vehicle)
 }
 
-/// Whether the token is that of this library; `Some(true)` when the archive says that it carries its own vehicle.
-pub fn carries_vehicle(given: &str) -> Option<bool> {
-    match given.trim().strip_prefix(token())? {
-        "" => Some(false),
-        mark => resources_of_mark(mark).map(|_| true),
+/// The model of this library whose token it is, and whether the archive says that it carries its own vehicle.
+pub fn carries_vehicle(given: &str) -> Option<(Model, bool)> {
+    match Model::of_token(given.trim())? {
+        (model, "") => Some((model, false)),
+        (model, mark) => resources_of_mark(mark).map(|_| (model, true)),
     }
 }
 
@@ -49,13 +49,13 @@ pub fn carries_vehicle(given: &str) -> Option<bool> {
 /// # Errors
 /// Where there is a vehicle file that cannot be used, or one is expected and missing: no other vehicle may silently take
 /// its place.
-pub fn vehicle(folder: Option<&Path>, expected: bool) -> Result<Vehicle, String> {
+pub fn vehicle(model: Model, folder: Option<&Path>, expected: bool) -> Result<Vehicle, String> {
     let missing = |why: String| {
         let advice = "instantiate with the path of the resources folder of the unpacked archive";
         if expected {
             Err(format!("this FMU carries a vehicle of its own, but {why}; {advice}"))
         } else {
-            Ok(Vehicle::default())
+            Ok(Vehicle::built_in(model))
         }
     };
     let Some(folder) = folder else {
@@ -65,7 +65,7 @@ pub fn vehicle(folder: Option<&Path>, expected: bool) -> Result<Vehicle, String>
     let Some(text) = text_of(&path)? else {
         return missing(format!("{} does not exist", path.display()));
     };
-    let vehicle = Vehicle::parse(&text, &path)?;
+    let vehicle = Vehicle::parse(model, &text, &path)?;
     let path = folder.join(COLUMN_FILE);
     let Some(column) = text_of(&path)? else { return Ok(vehicle) };
     let resources = resources_hash(&text, Some(&column));
@@ -163,13 +163,16 @@ mod tests {
 
     #[test]
     fn only_a_vehicle_that_was_promised_is_missed() {
-        assert_eq!(vehicle(None, false).unwrap().name, Vehicle::default().name);
-        assert!(vehicle(None, true).unwrap_err().contains("no resource path"));
-        let message = vehicle(Some(Path::new("/no/such/folder")), true).unwrap_err();
+        assert_eq!(vehicle(Model::Plane, None, false).unwrap().name, Vehicle::default().name);
+        assert!(vehicle(Model::Space, None, true).unwrap_err().contains("no resource path"));
+        let message = vehicle(Model::Plane, Some(Path::new("/no/such/folder")), true).unwrap_err();
         assert!(message.contains("/no/such/folder/vehicle.toml does not exist"), "{message}");
-        assert_eq!(carries_vehicle(token()), Some(false));
-        assert_eq!(carries_vehicle(&marked(token(), 5)), Some(true));
-        assert_eq!(carries_vehicle(&format!("{}+vehicle", token())), None);
+        for model in Model::ALL {
+            let token = model.table().token;
+            assert_eq!(carries_vehicle(token), Some((model, false)));
+            assert_eq!(carries_vehicle(&marked(token, 5)), Some((model, true)));
+            assert_eq!(carries_vehicle(&format!("{token}+vehicle")), None);
+        }
         assert_eq!(carries_vehicle("{other}"), None);
     }
 }

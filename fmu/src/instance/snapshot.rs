@@ -5,16 +5,17 @@
 //! resources (a state is that of one vehicle in one water), the fields of [`Core`] in the order of `fields` (numbers as
 //! little-endian IEEE 754), and a CRC-32 of all before it.
 
-use glidepolar_dynamics::{Inputs, Integrator, Parameters, State, Stop};
+use glidepolar_dynamics::Stop;
 
 use super::phase::Phase;
 use super::refusal::{Outcome, Refusal};
 use super::{Core, Instance, Interface};
-use crate::model::glider::{actuation_number, actuation_of, stop_number};
-use crate::model::table::token;
+use crate::model::Slot;
+use crate::model::flight::Integrator;
+use crate::model::glider::stop_number;
 
 const MARK: &[u8; 8] = b"glidepol";
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 const RESOURCES_BYTES: usize = 8;
 const CHECKSUM_BYTES: usize = 4;
 
@@ -104,7 +105,7 @@ impl Instance {
             Interface::ModelExchange => b'M',
             Interface::CoSimulation => b'C',
         };
-        [MARK.as_slice(), &VERSION.to_le_bytes(), token().as_bytes(), &[interface]].concat()
+        [MARK.as_slice(), &VERSION.to_le_bytes(), self.table().token.as_bytes(), &[interface]].concat()
     }
 }
 
@@ -118,11 +119,14 @@ fn fields(core: &mut Core, codec: &mut impl Codec) -> Option<()> {
     core.phase = *Phase::ALL.get(usize::from(phase))?;
     let glider = &mut core.glider;
     let values = &mut glider.values;
-    values.parameters = Parameters::from_array(codec.reals(values.parameters.as_array())?);
-    values.state = State::from_array(codec.reals(values.state.as_array())?);
-    values.inputs = Inputs::from_array(codec.reals(values.inputs.as_array())?);
+    values.parameters = codec.reals(values.parameters)?;
+    values.state = codec.reals(values.state)?;
+    values.inputs = codec.reals(values.inputs)?;
     values.time_s = codec.real(values.time_s)?;
-    glider.actuation = actuation_of(i32::from(codec.byte(actuation_number(glider.actuation) as u8)?))?;
+    for slot in [Slot::Actuation, Slot::Steering] {
+        let number = codec.byte(u8::try_from(glider.choice(slot)?).ok()?)?;
+        glider.choose(slot, i32::from(number)).then_some(())?;
+    }
     let discrete = &mut glider.discrete;
     for stop in [&mut discrete.modes.ballast, &mut discrete.modes.moving_mass] {
         *stop = match codec.byte((stop_number(*stop) + 1) as u8)? {
@@ -152,7 +156,9 @@ fn fields(core: &mut Core, codec: &mut impl Codec) -> Option<()> {
     let stop = codec.real(core.stop_time_s.unwrap_or(0.0))?;
     core.stop_time_s = has_stop.then_some(stop);
     core.start_time_s = codec.real(core.start_time_s)?;
-    core.integrator = Integrator::from_numbers(&codec.reals(core.integrator.numbers())?)?;
+    let numbers =
+        core.integrator.numbers().into_iter().map(|number| codec.real(number)).collect::<Option<Vec<f64>>>()?;
+    core.integrator = Integrator::from_numbers(core.glider.model, &numbers)?;
     // A state of an instance with a column cannot go on in one without.
     (!core.glider.uses_column || core.glider.column.is_some()).then_some(())
 }

@@ -2,19 +2,15 @@
 
 use std::cell::Cell;
 
-use glidepolar_dynamics::integrate::{Jet, System};
-use glidepolar_dynamics::limits::N_EVENTS;
-use glidepolar_dynamics::state::N_INPUTS;
-use glidepolar_dynamics::{Advance, Inputs, Parameters, State};
 use glidepolar_number::Number;
 
-use super::access::{check_value, not_finite, of_kind};
+use super::access::{check_value, not_finite};
 use super::refusal::{Outcome, Refusal};
 use super::{Core, Instance};
-use crate::model::glider::Rules;
-use crate::model::table::{reference_of, variable_of};
+use crate::model::flight::{Ends, InputsAt, Moving};
 use crate::model::tangent::Tangent;
-use crate::model::{Causality, Kind, Slot, variable};
+use crate::model::values::MOST_INPUTS;
+use crate::model::{Causality, Kind, Slot, Variable};
 
 /// Highest derivative of an input that can be given.
 pub const MAX_INPUT_ORDER: usize = 3;
@@ -32,9 +28,6 @@ fn most_evaluations(size_s: f64) -> u64 {
     (EVALUATIONS + EVALUATIONS_PER_S * size_s).min(MOST) as u64
 }
 
-/// What a right-hand side with its slopes costs, in plain ones.
-const COST_OF_SLOPES: u64 = 10;
-
 /// Events at one place after which the step is given up.
 const MAX_EVENTS_AT_ONCE: usize = 100;
 
@@ -42,16 +35,16 @@ const MAX_EVENTS_AT_ONCE: usize = 100;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InputSlopes {
     /// Derivatives of order 1, 2, 3.
-    pub(super) derivatives: [[f64; N_INPUTS]; MAX_INPUT_ORDER],
+    pub(super) derivatives: [[f64; MOST_INPUTS]; MAX_INPUT_ORDER],
     /// Whether any of them is there.
     pub(super) any: bool,
     /// How fast each input moved where the last step ended, until it is set.
-    pub(super) at_end: [f64; N_INPUTS],
+    pub(super) at_end: [f64; MOST_INPUTS],
 }
 
 impl Default for InputSlopes {
     fn default() -> Self {
-        InputSlopes { derivatives: [[0.0; N_INPUTS]; MAX_INPUT_ORDER], any: false, at_end: [0.0; N_INPUTS] }
+        InputSlopes { derivatives: [[0.0; MOST_INPUTS]; MAX_INPUT_ORDER], any: false, at_end: [0.0; MOST_INPUTS] }
     }
 }
 
@@ -65,30 +58,29 @@ impl InputSlopes {
     }
 
     /// The inputs this long after they were set.
-    fn inputs<T: Number>(&self, base: &Inputs<f64>, duration_s: T) -> Inputs<T> {
-        let base = base.map(T::constant);
+    fn inputs<T: Number>(&self, base: &[f64; MOST_INPUTS], duration_s: T) -> [T; MOST_INPUTS] {
+        let mut values = base.map(T::constant);
         if !self.any {
-            return base;
+            return values;
         }
-        let mut values = base.as_array();
         let (mut power, mut factorial) = (T::constant(1.0), 1.0);
         for (order, derivatives) in self.derivatives.iter().enumerate() {
             power *= duration_s;
             factorial *= (order + 1) as f64;
             values.iter_mut().zip(derivatives).for_each(|(value, d)| *value += power * *d / factorial);
         }
-        Inputs::from_array(values)
+        values
     }
 
     /// Their rates of change at a communication point: those that were given for the next step, or else those with
     /// which the last one ended.
-    fn rates_here(&self) -> [f64; N_INPUTS] {
+    fn rates_here(&self) -> [f64; MOST_INPUTS] {
         let next = self.rates(0.0);
         std::array::from_fn(|i| next[i] + self.at_end[i])
     }
 
     /// Their rates of change this long after they were set.
-    fn rates(&self, duration_s: f64) -> [f64; N_INPUTS] {
+    fn rates(&self, duration_s: f64) -> [f64; MOST_INPUTS] {
         let [d1, d2, d3] = &self.derivatives;
         std::array::from_fn(|i| d1[i] + duration_s * (d2[i] + 0.5 * duration_s * d3[i]))
     }
@@ -109,7 +101,7 @@ pub struct Step {
     /// Where it ends \[s\].
     pub target_s: f64,
     begun_s: f64,
-    inputs: Inputs<f64>,
+    inputs: [f64; MOST_INPUTS],
     evaluations_left: u64,
 }
 
@@ -161,10 +153,9 @@ impl Instance {
         let moves = |input: usize| slopes.derivatives.iter().any(|order| order[input] != 0.0);
         for look in 1..=LOOKS {
             let after_s = size_s * f64::from(look) / f64::from(LOOKS);
-            let values = slopes.inputs(&self.core.glider.values.inputs, after_s).as_array();
+            let values = slopes.inputs(&self.core.glider.values.inputs, after_s);
             for (input, value) in values.into_iter().enumerate().filter(|(input, _)| moves(*input)) {
-                let variable = variable(reference_of(Slot::Input(input)));
-                variable.map_or(Ok(()), |variable| check_value(variable, value)).map_err(|refusal| {
+                check_value(self.table().variable_of(Slot::Input(input)), value).map_err(|refusal| {
                     Refusal::discard(format!(
                         "its derivatives carry an input out of its bounds {after_s} s into the step: {}; give other derivatives or a shorter step",
                         refusal.message
@@ -215,29 +206,24 @@ impl Instance {
         let core = &mut self.core;
         let mut time = core.glider.values.time_s;
         let mut state = core.glider.values.state;
-        let rules = core.glider.rules();
+        let inputs = MovingInputs { slopes: &core.slopes, inputs: &step.inputs, begun_s: step.begun_s };
         let moving = Moving {
-            rules,
-            active: rules.parameters(&core.glider.values.parameters),
-            slopes: &core.slopes,
-            inputs: &step.inputs,
-            begun_s: step.begun_s,
+            rules: core.glider.rules(),
+            parameters: &core.glider.values.parameters,
+            inputs,
             evaluations_left: Cell::new(step.evaluations_left),
             furthest_s: Cell::new(time),
         };
         let mut integrator = core.integrator;
-        let advance = if core.is_steered || core.slopes.any {
-            integrator.advance(&moving, &mut time, &mut state, end_s)
-        } else {
-            // Nobody steers: communication points are looked at in passing. So is the stop time, beyond which the equations
-            // hold as well: a run that stops, is saved and goes on with another stop time is the run that did not stop.
-            let horizon_s = core.glider.next_time_event_s().unwrap_or(f64::INFINITY);
-            integrator.follow(&moving, &mut time, &mut state, end_s, horizon_s)
-        };
+        // With inputs unchanged, communication points are interpolated. So is the stop time, beyond which the equations hold as
+        // well: a run that stops, is saved and goes on with another stop time is the run that did not stop.
+        let is_free = !(core.is_steered || core.slopes.any);
+        let horizon_s = is_free.then(|| core.glider.next_time_event_s().unwrap_or(f64::INFINITY));
+        let advance = integrator.advance(&moving, &mut time, &mut state, Ends { end_s, horizon_s });
         step.evaluations_left = moving.evaluations_left.get();
-        let inputs = moving.inputs_at(time);
-        let advance = match advance {
-            Ok(advance) => advance,
+        let inputs = moving.inputs.inputs_at(time);
+        let is_reached = match advance {
+            Ok(is_reached) => is_reached,
             Err(_) if step.evaluations_left == 0 => {
                 return Err(Refusal::discard(format!(
                     "the step to {} s needs too many internal steps: it came to {:.3} s and was taken back; ask for smaller steps, or check the parameters for values without physical meaning",
@@ -247,13 +233,14 @@ impl Instance {
             }
             Err(error) => return Err(Refusal::discard(error.to_string())),
         };
-        check_in_the_sea(time, &state)?;
+        let model = core.glider.model;
+        check_in_the_sea(time, model.table().variable_of(Slot::State(model.depth())), state[model.depth()])?;
         core.glider.values.time_s = time;
         core.glider.values.state = state;
         core.glider.values.inputs = inputs;
         core.integrator = integrator;
-        match (advance, time_event) {
-            (Advance::Reached, None) => Ok(Progress::Reached),
+        match (is_reached, time_event) {
+            (true, None) => Ok(Progress::Reached),
             _ => {
                 core.unsettled = true;
                 Ok(Progress::Event)
@@ -303,23 +290,12 @@ impl Instance {
 
     /// Sets derivatives of inputs at this communication point, all or none. They hold for one step.
     pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Outcome {
-        let checked = |(&reference, (&order, &value)): (&u32, (&i32, &f64))| {
-            let variable = of_kind(reference, Kind::Real)?;
-            let Slot::Input(input) = variable.slot else {
-                return Err(Refusal::error(format!("{} is not an input", variable.name)));
-            };
-            let order = check_order(order, MAX_INPUT_ORDER)?;
-            if !value.is_finite() {
-                return Err(Refusal::error(format!(
-                    "a derivative of {} is {value}, expected a finite number",
-                    variable.name
-                )));
-            }
-            Ok((input, order, value))
-        };
-        let all = || references.iter().zip(orders.iter().zip(values)).map(checked);
-        all().try_for_each(|one| one.map(|_| ()))?;
-        for (input, order, value) in all().flatten() {
+        let all = || references.iter().zip(orders.iter().zip(values));
+        for (&reference, (&order, &value)) in all() {
+            self.checked_slope(reference, order, value)?;
+        }
+        for (&reference, (&order, &value)) in all() {
+            let (input, order) = self.checked_slope(reference, order, value)?;
             self.core.slopes.at_end[input] = 0.0;
             self.core.slopes.derivatives[order - 1][input] = value;
             self.core.slopes.any = true;
@@ -328,12 +304,28 @@ impl Instance {
         Ok(())
     }
 
+    /// The input and the order of a derivative of it.
+    fn checked_slope(&self, reference: u32, order: i32, value: f64) -> Outcome<(usize, usize)> {
+        let variable = self.of_kind(reference, Kind::Real)?;
+        let Slot::Input(input) = variable.slot else {
+            return Err(Refusal::error(format!("{} is not an input", variable.name)));
+        };
+        let order = check_order(order, MAX_INPUT_ORDER)?;
+        if !value.is_finite() {
+            return Err(Refusal::error(format!(
+                "a derivative of {} is {value}, expected a finite number",
+                variable.name
+            )));
+        }
+        Ok((input, order))
+    }
+
     /// Time derivatives of outputs, exact.
     pub fn output_derivatives(&self, references: &[u32], orders: &[i32], values: &mut [f64]) -> Outcome {
         let glider = self.now();
         let tangent = Tangent::in_time(&glider, self.core.slopes.rates_here());
         for ((&reference, &order), value) in references.iter().zip(orders).zip(values) {
-            let variable = of_kind(reference, Kind::Real)?;
+            let variable = self.of_kind(reference, Kind::Real)?;
             check_order(order, 1)?;
             let derivative = if variable.causality == Causality::Output { tangent.of(variable.slot) } else { None };
             *value = derivative.ok_or_else(|| Refusal::error(format!("{} is not an output", variable.name)))?;
@@ -346,9 +338,8 @@ impl Instance {
 }
 
 /// Refuses to go on with a glider that has left the sea: one without weight floats away, and no number of it means anything.
-fn check_in_the_sea(time_s: f64, state: &State<f64>) -> Outcome {
-    let depth = variable_of(Slot::State(1));
-    check_value(depth, state.depth_m).map_err(|refusal| {
+fn check_in_the_sea(time_s: f64, depth: &Variable, depth_m: f64) -> Outcome {
+    check_value(depth, depth_m).map_err(|refusal| {
         Refusal::discard(format!(
             "at {time_s} s {}; look for masses, offsets or leaks without physical meaning",
             refusal.message
@@ -363,60 +354,15 @@ fn check_order(order: i32, max: usize) -> Outcome<usize> {
     }
 }
 
-/// The glider with its inputs moving.
-struct Moving<'a> {
-    rules: Rules<'a>,
-    active: Parameters<f64>,
+/// The inputs of a step.
+struct MovingInputs<'a> {
     slopes: &'a InputSlopes,
-    inputs: &'a Inputs<f64>,
+    inputs: &'a [f64; MOST_INPUTS],
     begun_s: f64,
-    evaluations_left: Cell<u64>,
-    /// The latest time that was asked about \[s\].
-    furthest_s: Cell<f64>,
 }
 
-impl Moving<'_> {
-    fn inputs_at<T: Number>(&self, time_s: T) -> Inputs<T> {
+impl InputsAt for MovingInputs<'_> {
+    fn inputs_at<T: Number>(&self, time_s: T) -> [T; MOST_INPUTS] {
         self.slopes.inputs(self.inputs, time_s - self.begun_s)
-    }
-
-    /// Whether one more evaluation of this cost may be made, at this time; it is then counted.
-    fn may_go_on(&self, time_s: f64, cost: u64) -> bool {
-        let left = self.evaluations_left.get();
-        self.evaluations_left.set(left.saturating_sub(cost));
-        if left > 0 {
-            self.furthest_s.set(self.furthest_s.get().max(time_s));
-        }
-        left > 0
-    }
-}
-
-impl System for Moving<'_> {
-    fn derivative(&self, time_s: f64, state: &State<f64>) -> State<f64> {
-        if !self.may_go_on(time_s, 1) {
-            // The integrator refuses what is not a number: the way out of a step without end.
-            return state.map(|_| f64::NAN);
-        }
-        self.rules.rates(&self.active, time_s, state, &self.inputs_at(time_s))
-    }
-
-    fn linearised(&self, time_s: Jet, state: &State<Jet>) -> State<Jet> {
-        if !self.may_go_on(time_s.value(), COST_OF_SLOPES) {
-            return state.map(|_| Jet::constant(f64::NAN));
-        }
-        self.rules.rates(&self.active.map(Jet::constant), time_s, state, &self.inputs_at(time_s))
-    }
-
-    fn event_indicators(&self, time_s: f64, state: &State<f64>) -> [f64; N_EVENTS] {
-        self.rules.indicators(&self.active, time_s, state, &self.inputs_at(time_s))
-    }
-
-    fn next_jump_s(&self, _: f64) -> Option<f64> {
-        // The jump of drag is a mode here; each advance ends on it.
-        None
-    }
-
-    fn next_bend_s(&self, time_s: f64, state: &State<f64>) -> Option<f64> {
-        self.rules.next_bend_s(&self.active, time_s, state, &self.inputs_at(time_s))
     }
 }

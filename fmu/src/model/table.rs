@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 
 use glidepolar_dynamics::limits::N_EVENTS;
 use glidepolar_dynamics::state::N_INPUTS;
-use glidepolar_dynamics::{Inputs, N_STATES, Outputs, PARAMETERS, STATE_NOMINALS};
+use glidepolar_dynamics::{Inputs, N_STATES, Outputs, PARAMETERS, ParameterInfo, STATE_NOMINALS};
 use glidepolar_number::Number;
 
 use super::units::{Unit, unit_named};
@@ -110,8 +110,15 @@ pub static WATER_SOURCE: Choice = Choice {
     items: &[("inputs", "the inputs"), ("column", "resources/water_column.csv, against depth")],
 };
 
-/// The lists that variables choose from.
-pub static CHOICES: [&Choice; 2] = [&ACTUATION, &WATER_SOURCE];
+impl Table {
+    /// The lists that its variables choose from.
+    pub fn choices(self) -> impl Iterator<Item = &'static Choice> {
+        self.rows.iter().filter_map(|variable| match variable.kind {
+            Kind::Choice(choice) => Some(choice),
+            _ => None,
+        })
+    }
+}
 
 /// The place in the glider that a variable stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -136,6 +143,8 @@ pub enum Slot {
     Parameter(usize),
     /// Who moves the moving mass and the ballast.
     Actuation,
+    /// Who gives rudder and roll mass their set-points.
+    Steering,
     /// Where density and temperature of the water come from.
     WaterSource,
     /// Whether the start is the glide of the parameters that were set.
@@ -198,53 +207,94 @@ impl Variable {
     }
 }
 
-/// All variables, in the order of their value references.
-pub fn variables() -> &'static [Variable] {
-    static TABLE: LazyLock<[Variable; N_VARIABLES]> = LazyLock::new(|| {
-        let mut rows = build();
-        rows.sort_by_key(|row| row.reference);
-        for (row, expected) in rows.iter().zip(1..) {
-            assert_eq!(row.reference, expected, "{}: a further row takes the next free value reference", row.name);
-        }
-        rows.try_into().unwrap_or_else(|rows: Vec<_>| panic!("{} rows, not {N_VARIABLES}", rows.len()))
-    });
-    &*TABLE
+/// The variables of a model, in the order of their value references, and the name of this very table.
+#[derive(Debug, Clone, Copy)]
+pub struct Table {
+    /// The variables.
+    pub rows: &'static [Variable],
+    /// A name for this table: it changes when a variable changes, and stays when only start values do. Written as a GUID,
+    /// the form that FMI 2.0 importers expect.
+    pub token: &'static str,
 }
 
-/// The variable of this value reference.
-pub fn variable(value_reference: u32) -> Option<&'static Variable> {
-    variables().get((value_reference as usize).checked_sub(1)?)
+impl Table {
+    /// The variable of this value reference.
+    pub fn variable(self, value_reference: u32) -> Option<&'static Variable> {
+        self.rows.get((value_reference as usize).checked_sub(1)?)
+    }
+
+    /// The variable that stands for this place.
+    pub fn variable_of(self, slot: Slot) -> &'static Variable {
+        self.rows.iter().find(|variable| variable.slot == slot).expect("every slot has its row")
+    }
+
+    /// The value reference of what stands in this place.
+    pub fn reference_of(self, slot: Slot) -> u32 {
+        self.variable_of(slot).reference
+    }
+
+    /// The place of the variable of this name.
+    pub fn slot_of(self, name: &str) -> Option<Slot> {
+        self.rows.iter().find(|variable| variable.name == name).map(|variable| variable.slot)
+    }
 }
 
-/// The variable that stands for this place.
-pub fn variable_of(slot: Slot) -> &'static Variable {
-    variables().iter().find(|variable| variable.slot == slot).expect("every slot has its row")
+/// The rows by their value references, which are 1 to N.
+pub(super) fn in_order<const N: usize>(mut rows: Vec<Variable>) -> [Variable; N] {
+    rows.sort_by_key(|row| row.reference);
+    for (row, expected) in rows.iter().zip(1..) {
+        assert_eq!(row.reference, expected, "{}: a further row takes the next free value reference", row.name);
+    }
+    rows.try_into().unwrap_or_else(|rows: Vec<_>| panic!("{} rows, not {N}", rows.len()))
 }
 
-/// The value reference of what stands in this place.
-pub fn reference_of(slot: Slot) -> u32 {
-    variable_of(slot).reference
-}
+/// The bytes of a table's name.
+pub(super) struct Token([u8; 38]);
 
-/// A name for this very table: it changes when a variable changes, and stays when only start values do. Written as a
-/// GUID, the form that FMI 2.0 importers expect.
-pub fn token() -> &'static str {
-    static TOKEN: LazyLock<[u8; 38]> = LazyLock::new(|| {
+impl Token {
+    /// The name of these rows.
+    pub fn of(rows: &[Variable]) -> Self {
         // FNV-1a: stable across compilers and machines, which the standard library's hash does not promise to be.
         let mut hash: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
-        for byte in variables().iter().flat_map(|v| format!("{v:?}").into_bytes()) {
+        for byte in rows.iter().flat_map(|v| format!("{v:?}").into_bytes()) {
             hash = (hash ^ u128::from(byte)).wrapping_mul(0x0000_0000_0100_0000_0000_0000_0000_013b);
         }
         let digits = format!("{hash:032x}");
         let parts = [&digits[..8], &digits[8..12], &digits[12..16], &digits[16..20], &digits[20..]];
         let guid = format!("{{{}}}", parts.join("-"));
-        std::array::from_fn(|i| guid.as_bytes()[i])
-    });
-    std::str::from_utf8(&*TOKEN).expect("digits, dashes and braces")
+        Token(std::array::from_fn(|i| guid.as_bytes()[i]))
+    }
+
+    /// As text.
+    pub fn text(&self) -> &str {
+        std::str::from_utf8(&self.0).expect("digits, dashes and braces")
+    }
+}
+
+/// The variables of the glider in the vertical plane.
+pub fn plane() -> Table {
+    static ROWS: LazyLock<[Variable; N_VARIABLES]> = LazyLock::new(|| in_order(build()));
+    static TOKEN: LazyLock<Token> = LazyLock::new(|| Token::of(&*ROWS));
+    Table { rows: &*ROWS, token: TOKEN.text() }
+}
+
+/// The variables in the plane.
+pub fn variables() -> &'static [Variable] {
+    plane().rows
+}
+
+/// The variable in the plane of this value reference.
+pub fn variable(value_reference: u32) -> Option<&'static Variable> {
+    plane().variable(value_reference)
+}
+
+/// The name of the table of the plane.
+pub fn token() -> &'static str {
+    plane().token
 }
 
 /// Value reference, name, unit, smallest and largest value, usual size, meaning.
-type Row = (u32, &'static str, &'static str, f64, f64, f64, &'static str);
+pub(super) type Row = (u32, &'static str, &'static str, f64, f64, f64, &'static str);
 
 /// The inputs, in the order of the library's `Inputs`.
 const INPUTS: [Row; N_INPUTS] = [
@@ -543,7 +593,7 @@ const INDICATORS: [(u32, &str, &str); N_EVENTS] = [
 ];
 
 /// Parameters that make the body what it is: they cannot change while it moves. All others are tunable.
-const FIXED: &[&str] = &[
+pub(super) const FIXED: &[&str] = &[
     "gravity_m_s2",
     "reference_density_kg_m3",
     "reference_temperature_C",
@@ -631,6 +681,18 @@ const PARAMETER_REFERENCES: [(u32, &str); N_PARAMETERS] = [
     (139, "carried_water_m3"),
     (140, "exchange_time_s"),
     (141, "pump_leakback_cc_per_hour"),
+    (142, "empirical_acts_on"),
+    (143, "empirical_against"),
+    (144, "empirical_at_1"),
+    (145, "empirical_at_2"),
+    (146, "empirical_at_3"),
+    (147, "empirical_at_4"),
+    (148, "empirical_at_5"),
+    (149, "empirical_value_1"),
+    (150, "empirical_value_2"),
+    (151, "empirical_value_3"),
+    (152, "empirical_value_4"),
+    (153, "empirical_value_5"),
 ];
 
 fn build() -> Vec<Variable> {
@@ -654,19 +716,20 @@ fn build() -> Vec<Variable> {
             .enumerate()
             .map(|(i, (row, causality))| Variable { causality: *causality, ..real(row, Slot::Output(i)) }),
     );
-    table.push(power());
-    table.extend(discrete());
-    table.extend((0..N_STATES).map(|i| derivative(i, nominals[i])));
-    table.extend((0..N_EVENTS).map(indicator));
+    table.push(power(125));
+    table.extend(discrete(FLAGS));
+    table.extend((0..N_STATES).map(|i| derivative(DERIVATIVES[i], i, nominals[i])));
+    table.extend((0..N_EVENTS).map(|i| indicator(INDICATORS[i], i)));
     table.push(actuation());
     table.push(water_source());
     table.push(start_in_trim());
-    table.extend((0..PARAMETERS.len()).filter(|&i| !NOT_PUBLISHED.contains(&PARAMETERS[i].name)).map(parameter));
+    let published = PARAMETERS.iter().enumerate().filter(|(_, info)| !NOT_PUBLISHED.contains(&info.name));
+    table.extend(published.map(|(i, info)| parameter(info, i, FIXED.contains(&info.name), &PARAMETER_REFERENCES)));
     table.push(vehicle_name());
     table
 }
 
-fn time() -> Variable {
+pub(super) fn time() -> Variable {
     Variable {
         causality: Causality::Independent,
         initial: None,
@@ -676,7 +739,7 @@ fn time() -> Variable {
     }
 }
 
-fn real(&(reference, name, unit, min, max, nominal, description): &Row, slot: Slot) -> Variable {
+pub(super) fn real(&(reference, name, unit, min, max, nominal, description): &Row, slot: Slot) -> Variable {
     Variable {
         reference,
         name,
@@ -693,21 +756,23 @@ fn real(&(reference, name, unit, min, max, nominal, description): &Row, slot: Sl
     }
 }
 
-fn derivative(index: usize, nominal: f64) -> Variable {
+pub(super) fn derivative(
+    (reference, name, unit, description): (u32, &'static str, &'static str, &'static str),
+    index: usize,
+    nominal: f64,
+) -> Variable {
     /// Time over which a state changes by its usual size \[s\].
     const USUAL_TIME_S: f64 = 10.0;
-    let (reference, name, unit, description) = DERIVATIVES[index];
     let row = (reference, name, unit, 0.0, 0.0, nominal / USUAL_TIME_S, description);
     Variable { bounds: None, ..real(&row, Slot::Derivative(index)) }
 }
 
-fn power() -> Variable {
-    let row = (125, "power_W", "W", 0.0, 1e9, 1.0, "Power drawn from the battery, the rate of energy_J");
+pub(super) fn power(reference: u32) -> Variable {
+    let row = (reference, "power_W", "W", 0.0, 1e9, 1.0, "Power drawn from the battery, the rate of energy_J");
     Variable { causality: Causality::Output, ..real(&row, Slot::Power) }
 }
 
-fn indicator(index: usize) -> Variable {
-    let (reference, name, description) = INDICATORS[index];
+pub(super) fn indicator((reference, name, description): (u32, &'static str, &'static str), index: usize) -> Variable {
     Variable {
         bounds: None,
         nominal: None,
@@ -716,26 +781,30 @@ fn indicator(index: usize) -> Variable {
     }
 }
 
-fn discrete() -> impl Iterator<Item = Variable> {
-    const ROWS: [(u32, &str, Kind, Discrete, &str); 4] = [
-        (39, "at_surface", Kind::Boolean, Discrete::AtSurface, "Whether the centre of buoyancy is above the surface"),
-        (40, "on_seabed", Kind::Boolean, Discrete::OnSeabed, "Whether the hull rests on the seabed"),
-        (
-            41,
-            "ballast_stop",
-            Kind::Integer,
-            Discrete::BallastStop,
-            "-1 at the smallest ballast volume, 1 at the largest, 0 between (actuation 1 and 2)",
-        ),
-        (
-            42,
-            "moving_mass_stop",
-            Kind::Integer,
-            Discrete::MovingMassStop,
-            "-1 at the aft stop, 1 at the forward stop, 0 between (actuation 1 and 2)",
-        ),
-    ];
-    ROWS.into_iter().map(|(reference, name, kind, which, description)| Variable {
+/// Value reference, name, type, place and meaning of something that changes at events only.
+type Flag = (u32, &'static str, Kind, Discrete, &'static str);
+
+const FLAGS: [Flag; 4] = [
+    (39, "at_surface", Kind::Boolean, Discrete::AtSurface, "Whether the centre of buoyancy is above the surface"),
+    (40, "on_seabed", Kind::Boolean, Discrete::OnSeabed, "Whether the hull rests on the seabed"),
+    (
+        41,
+        "ballast_stop",
+        Kind::Integer,
+        Discrete::BallastStop,
+        "-1 at the smallest ballast volume, 1 at the largest, 0 between (actuation 1 and 2)",
+    ),
+    (
+        42,
+        "moving_mass_stop",
+        Kind::Integer,
+        Discrete::MovingMassStop,
+        "-1 at the aft stop, 1 at the forward stop, 0 between (actuation 1 and 2)",
+    ),
+];
+
+pub(super) fn discrete<const N: usize>(rows: [Flag; N]) -> impl Iterator<Item = Variable> {
+    rows.into_iter().map(|(reference, name, kind, which, description)| Variable {
         kind,
         // Not outputs: block-diagram importers read every output as a number (PathSim, CasADi), and the depth says as much.
         causality: Causality::Local,
@@ -749,32 +818,35 @@ fn discrete() -> impl Iterator<Item = Variable> {
 
 fn actuation() -> Variable {
     const MEANING: &str = "0 servo: set-points followed by rate-limited servos; 1 raw: forces on the moving mass along both axes and a ballast mass rate; 2 raw along axis 1, the axis-3 offset of the moving mass held";
+    choice(61, "actuation", MEANING, &ACTUATION, Slot::Actuation)
+}
+
+/// A fixed parameter that is one item of a list.
+pub(super) fn choice(
+    reference: u32,
+    name: &'static str,
+    meaning: &'static str,
+    choice: &'static Choice,
+    slot: Slot,
+) -> Variable {
     Variable {
-        kind: Kind::Choice(&ACTUATION),
+        kind: Kind::Choice(choice),
         causality: Causality::Parameter,
         variability: Variability::Fixed,
         initial: Some(Initial::Exact),
         unit: None,
-        bounds: Some((0.0, 2.0)),
+        bounds: Some((0.0, (choice.items.len() - 1) as f64)),
         nominal: None,
-        ..real(&(61, "actuation", "1", 0.0, 0.0, 1.0, MEANING), Slot::Actuation)
+        ..real(&(reference, name, "1", 0.0, 0.0, 1.0, meaning), slot)
     }
 }
 
-fn water_source() -> Variable {
+pub(super) fn water_source() -> Variable {
     const MEANING: &str = "0: density and temperature of the water are the inputs; 1: they come from resources/water_column.csv, against depth";
-    Variable {
-        reference: 62,
-        kind: Kind::Choice(&WATER_SOURCE),
-        name: "water_source",
-        description: MEANING,
-        bounds: Some((0.0, 1.0)),
-        slot: Slot::WaterSource,
-        ..actuation()
-    }
+    choice(62, "water_source", MEANING, &WATER_SOURCE, Slot::WaterSource)
 }
 
-fn start_in_trim() -> Variable {
+pub(super) fn start_in_trim() -> Variable {
     const MEANING: &str = "1: the run starts in the steady glide of the parameters and the water that were set, at depth_m; the start values of pitch, velocities, moving mass, ballast and set-points then follow from them. 0: they are as set";
     Variable {
         reference: 126,
@@ -788,10 +860,13 @@ fn start_in_trim() -> Variable {
     }
 }
 
-fn parameter(index: usize) -> Variable {
-    let info = &PARAMETERS[index];
-    let fixed = FIXED.contains(&info.name);
-    let of_name = PARAMETER_REFERENCES.iter().find(|(_, name)| *name == info.name);
+pub(super) fn parameter(
+    info: &'static ParameterInfo,
+    index: usize,
+    fixed: bool,
+    references: &[(u32, &str)],
+) -> Variable {
+    let of_name = references.iter().find(|(_, name)| *name == info.name);
     let reference = of_name.unwrap_or_else(|| panic!("{} has no row in PARAMETER_REFERENCES", info.name)).0;
     Variable {
         causality: Causality::Parameter,
@@ -802,7 +877,7 @@ fn parameter(index: usize) -> Variable {
     }
 }
 
-fn vehicle_name() -> Variable {
+pub(super) fn vehicle_name() -> Variable {
     Variable {
         kind: Kind::Text,
         variability: Variability::Fixed,

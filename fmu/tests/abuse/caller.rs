@@ -8,8 +8,7 @@ use std::ffi::{CString, c_char, c_int, c_void};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glidepolar_fmu::fmi2::CallbackFunctions;
-use glidepolar_fmu::model::table::token;
-use glidepolar_fmu::model::{Kind, variables};
+use glidepolar_fmu::model::{Kind, Model, Table};
 
 pub const OK: c_int = 0;
 /// What was done, but perhaps not as meant.
@@ -167,6 +166,8 @@ const MOST: usize = 64;
 
 /// Memory that arguments point to. Every array has room for far more elements than any count says.
 pub struct Memory {
+    /// The variables of the model that is called.
+    pub table: Table,
     references: Vec<u32>,
     numbers: Vec<f64>,
     integers: Vec<i32>,
@@ -182,6 +183,7 @@ impl Memory {
         let owned: Vec<CString> =
             ["logAll", "logEvents", "", "\u{fc}"].iter().map(|text| CString::new(*text).unwrap()).collect();
         Memory {
+            table: Model::Plane.table(),
             references: vec![0; MOST],
             numbers: vec![0.0; ROOM],
             integers: vec![0; ROOM],
@@ -194,7 +196,8 @@ impl Memory {
     }
 
     pub fn fill(&mut self, random: &mut Random, time: f64, polite: bool, function: &str) {
-        let n = variables().len();
+        let variables = self.table.rows;
+        let n = variables.len();
         let kind = [("Real", Kind::Real), ("Float64", Kind::Real), ("Derivative", Kind::Real)]
             .into_iter()
             .chain([("Boolean", Kind::Boolean), ("String", Kind::Text)])
@@ -210,17 +213,17 @@ impl Memory {
             let first = (0..)
                 .map(|_| random.below(n))
                 .find(|i| {
-                    let found = variables()[*i].kind;
+                    let found = variables[*i].kind;
                     // Integers of FMI 2.0 set enumerations, too.
                     !fitting || found == kind || (kind == Kind::Integer && matches!(found, Kind::Choice(_)))
                 })
                 .expect("a variable of every kind");
             let alike: Vec<u32> = (0..n)
                 .filter(|i| {
-                    let (a, b) = (&variables()[*i], &variables()[first]);
+                    let (a, b) = (&variables[*i], &variables[first]);
                     a.kind == b.kind && a.causality == b.causality && a.variability == b.variability
                 })
-                .map(|i| variables()[i].reference)
+                .map(|i| variables[i].reference)
                 .collect();
             self.references.iter_mut().for_each(|reference| *reference = alike[random.below(alike.len())]);
         }
@@ -326,7 +329,7 @@ impl Victim<'_> {
         let get =
             self.functions.iter().find(|f| f.name.ends_with("GetReal") || f.name.ends_with("GetFloat64")).unwrap();
         memory.fill(random, 0.0, true, "GetReal");
-        memory.references[0] = variables()[0].reference;
+        memory.references[0] = memory.table.rows[0].reference;
         let (references, room) = (memory.references.as_ptr() as u64, memory.rooms[0].as_mut_ptr() as u64);
         // SAFETY: one reference, room for one number.
         let status = unsafe { (get.call)(self.pointer, references, 1, room, 1, 0, 0, 0, 0, 0, 0, 0, 0.0, 0.0, 0.0) };
@@ -337,7 +340,19 @@ impl Victim<'_> {
 }
 
 pub fn instantiate(loaded: &Loaded, standard: usize, exchange: bool, flags: usize, counter: &Counter) -> u64 {
-    let token = CString::new(token()).unwrap();
+    instantiate_of(loaded, Model::Plane, standard, exchange, flags, counter)
+}
+
+/// An instance of this model.
+pub fn instantiate_of(
+    loaded: &Loaded,
+    model: Model,
+    standard: usize,
+    exchange: bool,
+    flags: usize,
+    counter: &Counter,
+) -> u64 {
+    let token = CString::new(model.table().token).unwrap();
     let environment = std::ptr::from_ref(counter) as u64;
     let (name, token) = (c"victim".as_ptr() as u64, token.as_ptr() as u64);
     let (a, b) = (flags as u64 & 1, flags as u64 >> 1 & 1);

@@ -12,7 +12,10 @@ mod caller;
 use std::ffi::CString;
 use std::sync::atomic::Ordering;
 
-use caller::{AnyFunction, Counter, ERROR, Loaded, Memory, OK, Random, Victim, begin, instantiate, log_3};
+use caller::{
+    AnyFunction, Counter, ERROR, Loaded, Memory, OK, Random, Victim, begin, instantiate, instantiate_of, log_3,
+};
+use glidepolar_fmu::model::Model;
 use glidepolar_fmu::model::table::token;
 
 /// Functions without an instance as their first argument.
@@ -72,7 +75,10 @@ fn random_calls_in_random_order_never_hurt() {
         let standard = if sequence % 2 == 0 { 3 } else { 2 };
         let exchange = random.one_in(2);
         let counter = Counter::default();
-        let pointer = instantiate(&loaded, standard, exchange, random.below(4), &counter);
+        // Every third is the glider in space.
+        let model = if sequence % 3 == 2 { Model::Space } else { Model::Plane };
+        memory.table = model.table();
+        let pointer = instantiate_of(&loaded, model, standard, exchange, random.below(4), &counter);
         assert_ne!(pointer, 0);
         let foreign = instantiate(&loaded, 5 - standard, exchange, 0, &counter);
         if !random.one_in(3) {

@@ -9,7 +9,7 @@ use std::sync::Mutex;
 use glidepolar_fmu::fmi2::*;
 use glidepolar_fmu::fmi3::*;
 use glidepolar_fmu::model::table::token;
-use glidepolar_fmu::model::variables;
+use glidepolar_fmu::model::{Model, variables};
 
 pub const OK: c_int = 0;
 pub const WARNING: c_int = 1;
@@ -19,6 +19,12 @@ pub const ERROR: c_int = 3;
 /// The value reference of a variable.
 pub fn vr(name: &str) -> u32 {
     let found = variables().iter().find(|variable| variable.name == name);
+    found.unwrap_or_else(|| panic!("no variable {name}")).reference
+}
+
+/// The value reference of a variable of this model.
+pub fn vr_of(model: Model, name: &str) -> u32 {
+    let found = model.table().rows.iter().find(|variable| variable.name == name);
     found.unwrap_or_else(|| panic!("no variable {name}")).reference
 }
 
@@ -68,6 +74,7 @@ pub struct Environment {
 
 /// An instance driven through FMI 3.0.
 pub struct Glider3 {
+    pub model: Model,
     pub instance: Pointer,
     pub environment: Box<Environment>,
 }
@@ -143,19 +150,29 @@ impl Glider3 {
             return Err(environment.messages.take());
         }
         environment.instance = instance as usize;
-        Ok(Glider3 { instance, environment })
+        let (model, _) = Model::of_token(&token.to_string_lossy()).expect("a token of the library");
+        Ok(Glider3 { model, instance, environment })
+    }
+
+    /// A co-simulation of this model.
+    pub fn of(model: Model, options: Options) -> Self {
+        Self::with_resources(options, null(), model.table().token).expect("an instance without resources")
     }
 
     pub fn model_exchange() -> Self {
+        Self::model_exchange_of(Model::Plane)
+    }
+
+    pub fn model_exchange_of(model: Model) -> Self {
         let mut environment = Box::<Environment>::default();
-        let token = CString::new(token()).unwrap();
+        let token = CString::new(model.table().token).unwrap();
         let pointer: *mut c_void = (&raw mut *environment).cast();
         // SAFETY: as above.
         let instance = unsafe {
             fmi3InstantiateModelExchange(c"glider".as_ptr(), token.as_ptr(), null(), 0, 0, pointer, Some(log_3))
         };
         assert!(!instance.is_null(), "{:?}", environment.messages.take());
-        Glider3 { instance, environment }
+        Glider3 { model, instance, environment }
     }
 
     /// A co-simulation that has begun, after these start values.
@@ -180,7 +197,7 @@ impl Glider3 {
     }
 
     pub fn set(&self, values: &[(&str, f64)]) {
-        let references: Vec<u32> = values.iter().map(|(name, _)| vr(name)).collect();
+        let references: Vec<u32> = values.iter().map(|(name, _)| self.vr(name)).collect();
         let numbers: Vec<f64> = values.iter().map(|(_, value)| *value).collect();
         let n = references.len();
         // SAFETY: a live instance and arrays of n.
@@ -192,14 +209,27 @@ impl Glider3 {
         self.ok(unsafe { fmi3SetInt32(self.instance, &vr("actuation"), 1, &number, 1) });
     }
 
+    fn vr(&self, name: &str) -> u32 {
+        vr_of(self.model, name)
+    }
+
     pub fn get(&self, name: &str) -> f64 {
-        get_3(self.instance, name)
+        let mut value = f64::NAN;
+        // SAFETY: a live instance.
+        self.ok(unsafe { fmi3GetFloat64(self.instance, &self.vr(name), 1, &mut value, 1) });
+        value
+    }
+
+    /// Chooses an item of a list, before the simulation begins.
+    pub fn choose(&self, name: &str, number: i32) {
+        // SAFETY: as above.
+        self.ok(unsafe { fmi3SetInt32(self.instance, &self.vr(name), 1, &number, 1) });
     }
 
     pub fn is(&self, name: &str) -> bool {
         let mut value = 9;
         // SAFETY: as above.
-        self.ok(unsafe { fmi3GetBoolean(self.instance, &vr(name), 1, &mut value, 1) });
+        self.ok(unsafe { fmi3GetBoolean(self.instance, &self.vr(name), 1, &mut value, 1) });
         assert!(value < 2);
         value != 0
     }
@@ -207,7 +237,7 @@ impl Glider3 {
     pub fn integer(&self, name: &str) -> i32 {
         let mut value = 99;
         // SAFETY: as above.
-        self.ok(unsafe { fmi3GetInt32(self.instance, &vr(name), 1, &mut value, 1) });
+        self.ok(unsafe { fmi3GetInt32(self.instance, &self.vr(name), 1, &mut value, 1) });
         value
     }
 

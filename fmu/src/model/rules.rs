@@ -1,0 +1,109 @@
+//! What a glider is at one time and what its equations go by between two events, whichever model it is of. Knows no
+//! equations.
+
+use std::sync::Arc;
+
+use glidepolar_dynamics::{Actuation, Modes, Parameters};
+use glidepolar_environment::{WaterAt, WaterColumn};
+use glidepolar_number::Number;
+use glidepolar_spatial::{RateLaw, Steering};
+
+use super::values::{Values, head};
+use super::which::Model;
+
+/// So far beyond surface or seabed the glider must be to have met it, and back to have left it \[m\]: right after an event
+/// no indicator is zero, and each has the sign of its side.
+pub(super) const PAST_BOUNDARY_M: f64 = 1e-9;
+
+/// Everything that the glider is at one time: cloned to save and restored to go back, without allocation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Glider {
+    /// Which model it is of.
+    pub model: Model,
+    /// What does not follow from anything else.
+    pub values: Values<f64>,
+    /// Who moves the moving mass and the ballast: in the plane. In space, servos do.
+    pub actuation: Actuation,
+    /// Who gives rudder and roll mass their set-points: in space.
+    pub steering: Steering,
+    /// How lateral rates work on the hull of this vehicle: in space.
+    pub rate_law: RateLaw,
+    /// What changes at events only.
+    pub discrete: DiscreteState,
+    /// The water that travels with the glider's archive, if any does.
+    pub column: Option<Arc<WaterColumn>>,
+    /// Whether density and temperature come from that column and not from the inputs.
+    pub uses_column: bool,
+    /// Whether the start is the glide of the parameters that were set.
+    pub starts_in_trim: bool,
+}
+
+/// What changes at events only.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct DiscreteState {
+    /// Where ballast and moving mass stand.
+    pub modes: Modes,
+    /// Whether the jump of drag lies behind.
+    pub drag_has_stepped: bool,
+    /// Whether the hull breaks the surface.
+    pub at_surface: bool,
+    /// Whether the hull touches the seabed.
+    pub on_seabed: bool,
+}
+
+impl Glider {
+    /// What the equations go by until the next event.
+    pub fn rules(&self) -> Rules<'_> {
+        let column = self.column.as_deref().filter(|_| self.uses_column);
+        let Glider { model, actuation, steering, rate_law, discrete, .. } = *self;
+        Rules { model, actuation, steering, rate_law, discrete, column }
+    }
+
+    /// Those of its parameters that every model has.
+    pub fn parameters(&self) -> Parameters<f64> {
+        Parameters::from_array(head(&self.values.parameters))
+    }
+
+    /// Depth \[m\].
+    pub fn depth_m(&self) -> f64 {
+        self.values.state[self.model.depth()]
+    }
+}
+
+/// What the equations go by between two events, whatever the kind of number.
+#[derive(Debug, Clone, Copy)]
+pub struct Rules<'a> {
+    /// Which equations.
+    pub model: Model,
+    pub(super) actuation: Actuation,
+    pub(super) steering: Steering,
+    pub(super) rate_law: RateLaw,
+    pub(super) discrete: DiscreteState,
+    column: Option<&'a WaterColumn>,
+}
+
+impl Rules<'_> {
+    /// The parameters as the equations must see them until the next event: whether the jump of drag lies behind is a
+    /// mode, not a question of the time, so that no integrator meets the jump inside a step.
+    pub(super) fn active<T: Number>(&self, parameters: &Parameters<T>) -> Parameters<T> {
+        let mut active = *parameters;
+        if self.discrete.drag_has_stepped {
+            active.step_time_s = T::constant(f64::NEG_INFINITY);
+        } else {
+            active.drag_step = T::constant(0.0);
+        }
+        active
+    }
+
+    /// The water of the column at a depth, where there is one.
+    pub(super) fn water<T: Number>(&self, depth_m: T) -> Option<WaterAt<T>> {
+        self.column.map(|column| column.at(depth_m))
+    }
+
+    /// The indicators of surface and seabed, shifted by which side the glider is on.
+    pub(super) fn past_boundaries<T: Number>(&self, indicators: &mut [T]) {
+        for (z, is_beyond) in indicators.iter_mut().zip([self.discrete.at_surface, self.discrete.on_seabed]) {
+            *z += if is_beyond { -PAST_BOUNDARY_M } else { PAST_BOUNDARY_M };
+        }
+    }
+}

@@ -1,0 +1,555 @@
+//! The variables of the glider in six degrees of freedom: one row for each, as in the [table of the plane](crate::model::table),
+//! whose kinds of rows these are. A row keeps its value reference for good; a further row takes the next free number.
+
+use std::sync::LazyLock;
+
+use glidepolar_dynamics::PARAMETERS;
+use glidepolar_dynamics::empirical::PARAMETERS as EMPIRICAL;
+use glidepolar_dynamics::parameters::N_PARAMETERS;
+use glidepolar_fmu_resources::NOT_PUBLISHED;
+use glidepolar_number::Number;
+use glidepolar_spatial::{Inputs, LATERAL, N_INPUTS, N_LATERAL, N_STATES, NOMINALS, Outputs};
+
+use super::N_EVENTS;
+use crate::model::table::{
+    Causality, Choice, Discrete, FIXED, Initial, Kind, Row, Slot, Table, Token, Variable, choice, derivative, discrete,
+    in_order, indicator, parameter, power, real, start_in_trim, time, vehicle_name, water_source,
+};
+
+/// How many parameters are published as numbers.
+const N_PUBLISHED: usize = N_PARAMETERS - NOT_PUBLISHED.len() - EMPIRICAL.len() + N_LATERAL;
+
+/// How many variables there are.
+const N_VARIABLES: usize = 1 + N_INPUTS + N_STATES + N_OUTPUTS + 1 + 2 + N_STATES + N_EVENTS + 3 + N_PUBLISHED + 1;
+
+/// How many outputs that are neither states nor discrete.
+const N_OUTPUTS: usize = OUTPUTS.len();
+
+/// Who gives rudder and roll mass their set-points.
+pub static STEERING: Choice = Choice {
+    name: "SteeringKind",
+    description: "Who gives rudder and roll mass their set-points",
+    items: &[
+        ("direct", "the commands"),
+        ("heading_by_rudder", "the rudder follows heading_command_rad"),
+        ("heading_by_roll_mass", "the roll mass follows heading_command_rad"),
+    ],
+};
+
+/// The variables.
+pub fn space() -> Table {
+    static ROWS: LazyLock<[Variable; N_VARIABLES]> = LazyLock::new(|| in_order(build()));
+    static TOKEN: LazyLock<Token> = LazyLock::new(|| Token::of(&*ROWS));
+    Table { rows: &*ROWS, token: TOKEN.text() }
+}
+
+/// The inputs, in the order of the library's `Inputs`.
+const INPUTS: [Row; N_INPUTS] = [
+    (2, "ballast_command_m3", "m3", -10.0, 10.0, 0.0001, "Buoyancy-engine set-point, positive = more buoyant"),
+    (3, "moving_mass_command_m", "m", -100.0, 100.0, 0.01, "Moving-mass set-point along axis 1, positive forward"),
+    (
+        4,
+        "roll_mass_command_rad",
+        "rad",
+        -6.3,
+        6.3,
+        0.1,
+        "Roll-mass set-point, positive to starboard (steering 0 and 1)",
+    ),
+    (
+        5,
+        "rudder_command_rad",
+        "rad",
+        -3.2,
+        3.2,
+        0.1,
+        "Rudder set-point, positive turns the bow to starboard (steering 0 and 2)",
+    ),
+    (
+        6,
+        "heading_command_rad",
+        "rad",
+        -1000000.0,
+        1000000.0,
+        1.0,
+        "Heading that is held, clockwise from north, over full turns or within one (steering 1 and 2)",
+    ),
+    (7, "water_density_kg_m3", "kg/m3", 900.0, 1300.0, 1000.0, "In-situ water density at the glider (water_source 0)"),
+    (8, "water_temperature_C", "degC", -5.0, 50.0, 10.0, "Water temperature at the glider (water_source 0)"),
+    (9, "current_north_m_s", "m/s", -10.0, 10.0, 0.1, "Water velocity to the north"),
+    (10, "current_east_m_s", "m/s", -10.0, 10.0, 0.1, "Water velocity to the east"),
+    (11, "current_down_m_s", "m/s", -10.0, 10.0, 0.1, "Vertical water velocity, positive down"),
+    (
+        12,
+        "current_north_shear_1_s",
+        "1/s",
+        -10.0,
+        10.0,
+        0.01,
+        "Change of the velocity to the north with depth: a glider that sinks through it is accelerated",
+    ),
+    (
+        13,
+        "current_east_shear_1_s",
+        "1/s",
+        -10.0,
+        10.0,
+        0.01,
+        "Change of the velocity to the east with depth: a glider that sinks through it is accelerated",
+    ),
+    (
+        14,
+        "current_north_rate_m_s2",
+        "m/s2",
+        -10.0,
+        10.0,
+        0.001,
+        "Change of the velocity to the north with time at a fixed place: the force of accelerating water",
+    ),
+    (
+        15,
+        "current_east_rate_m_s2",
+        "m/s2",
+        -10.0,
+        10.0,
+        0.001,
+        "Change of the velocity to the east with time at a fixed place: the force of accelerating water",
+    ),
+    (
+        16,
+        "current_down_rate_m_s2",
+        "m/s2",
+        -10.0,
+        10.0,
+        0.001,
+        "Change of the vertical velocity with time at a fixed place, positive down: the force of accelerating water",
+    ),
+    (17, "seabed_depth_m", "m", 0.0, 12000.0, 1000.0, "Depth of the seabed"),
+];
+
+/// The states in the order of the library's `State`, and whether each is an output too.
+const STATES: [(Row, Causality); N_STATES] = [
+    ((18, "north_m", "m", -1000000000.0, 1000000000.0, 0.0, "Way north"), Causality::Output),
+    ((19, "east_m", "m", -1000000000.0, 1000000000.0, 0.0, "Way east"), Causality::Output),
+    ((20, "depth_m", "m", -100.0, 20000.0, 0.0, "Depth of the centre of buoyancy"), Causality::Output),
+    ((21, "roll_rad", "rad", -1000.0, 1000.0, 0.0, "Roll, starboard down positive"), Causality::Output),
+    ((22, "pitch_rad", "rad", -1000.0, 1000.0, 0.0, "Pitch, nose-up positive"), Causality::Output),
+    (
+        (
+            23,
+            "heading_rad",
+            "rad",
+            -1000000.0,
+            1000000.0,
+            0.0,
+            "Heading, clockwise from north, continuous over full turns",
+        ),
+        Causality::Output,
+    ),
+    ((24, "v1_m_s", "m/s", -100.0, 100.0, 0.0, "Velocity through the water along axis 1 (forward)"), Causality::Output),
+    (
+        (25, "v2_m_s", "m/s", -100.0, 100.0, 0.0, "Velocity through the water along axis 2 (to starboard)"),
+        Causality::Output,
+    ),
+    (
+        (26, "v3_m_s", "m/s", -100.0, 100.0, 0.0, "Velocity through the water along axis 3 (down when level)"),
+        Causality::Output,
+    ),
+    ((27, "p_rad_s", "rad/s", -1000.0, 1000.0, 0.0, "Rate about axis 1"), Causality::Output),
+    ((28, "q_rad_s", "rad/s", -1000.0, 1000.0, 0.0, "Rate about axis 2"), Causality::Output),
+    ((29, "r_rad_s", "rad/s", -1000.0, 1000.0, 0.0, "Rate about axis 3"), Causality::Output),
+    (
+        (
+            30,
+            "moving_mass_position_m",
+            "m",
+            -100.0,
+            100.0,
+            0.0,
+            "Position of the moving mass along axis 1, forward of the centre of buoyancy",
+        ),
+        Causality::Output,
+    ),
+    (
+        (31, "moving_mass_speed_m_s", "m/s", -100.0, 100.0, 0.0, "Speed of the moving mass in the hull"),
+        Causality::Local,
+    ),
+    (
+        (32, "roll_mass_rad", "rad", -100.0, 100.0, 0.0, "Angle of the roll mass, to starboard positive"),
+        Causality::Output,
+    ),
+    ((33, "roll_mass_speed_rad_s", "rad/s", -100.0, 100.0, 0.0, "Rate of the roll mass"), Causality::Local),
+    (
+        (34, "rudder_rad", "rad", -100.0, 100.0, 0.0, "Rudder angle, positive turns the bow to starboard"),
+        Causality::Output,
+    ),
+    (
+        (35, "ballast_mass_kg", "kg", -1000000.0, 1000000.0, 0.0, "Ballast mass at the reference density"),
+        Causality::Output,
+    ),
+    (
+        (
+            36,
+            "creep_pressure_Pa",
+            "Pa",
+            -1000000000.0,
+            1000000000.0,
+            0.0,
+            "Gauge pressure that the late part of the hull has followed so far; rests without hull_creep_per_Pa",
+        ),
+        Causality::Local,
+    ),
+    (
+        (
+            37,
+            "carried_density_kg_m3",
+            "kg/m3",
+            -1000.0,
+            1000.0,
+            0.0,
+            "Density of the carried water brought to p = 0, less the reference density; rests without carried_water_m3",
+        ),
+        Causality::Local,
+    ),
+    (
+        (
+            38,
+            "leaked_back_m3",
+            "m3",
+            -10.0,
+            10.0,
+            0.0,
+            "Ballast volume that has leaked back; rests without pump_leakback_cc_per_hour",
+        ),
+        Causality::Local,
+    ),
+    (
+        (39, "energy_J", "J", -1e18, 1e18, 0.0, "Energy drawn from the battery, by rudder and roll mass, too"),
+        Causality::Output,
+    ),
+];
+
+macro_rules! outputs {
+    (|$outputs:ident, $inputs:ident| $($reference:literal $name:literal [$unit:literal] $min:literal .. $max:literal, $nominal:literal, $meaning:literal, $value:expr;)*) => {
+        /// The calculated numbers that are neither states nor their derivatives, in the order of [`output_array`].
+        const OUTPUTS: &[Row] = &[$(($reference, $name, $unit, $min, $max, $nominal, $meaning),)*];
+
+        /// Their values, from what the equations give and from the inputs that act.
+        pub fn output_array<T: Number>($outputs: &Outputs<T>, $inputs: &Inputs<T>) -> [T; N_OUTPUTS] {
+            [$($value,)*]
+        }
+    };
+}
+
+// To add an output: one more line here, with the next free value reference.
+outputs! {
+    |outputs, inputs|
+    40 "glide_angle_rad" ["rad"] -1000.0 .. 1000.0, 0.1,
+        "Glide path angle through the water, negative when descending", outputs.glide_angle_rad;
+    41 "angle_of_attack_rad" ["rad"] -3.2 .. 3.2, 0.01,
+        "Angle of attack", outputs.angle_of_attack_rad;
+    42 "sideslip_rad" ["rad"] -3.2 .. 3.2, 0.01,
+        "Sideslip, flow from starboard positive", outputs.sideslip_rad;
+    43 "turn_rate_rad_s" ["rad/s"] -1000000.0 .. 1000000.0, 0.01,
+        "Rate of change of the heading", outputs.turn_rate_rad_s;
+    44 "speed_m_s" ["m/s"] 0.0 .. 200.0, 0.1,
+        "Speed through the water", outputs.speed_m_s;
+    45 "vertical_velocity_m_s" ["m/s"] -200.0 .. 200.0, 0.1,
+        "Rate of change of depth, current included, positive down", outputs.vertical_velocity_m_s;
+    46 "net_mass_kg" ["kg"] -1000000.0 .. 1000000.0, 0.1,
+        "Net (excess) mass m0, positive when heavy", outputs.net_mass_kg;
+    47 "ballast_m3" ["m3"] -1000.0 .. 1000.0, 0.0001,
+        "Ballast volume that an instrument reads, positive = more buoyant", outputs.ballast_m3;
+    48 "lift_N" ["N"] -1000000000.0 .. 1000000000.0, 1.0,
+        "Lift, normal to the path, upward positive", outputs.lift_N;
+    49 "drag_N" ["N"] -1000000000.0 .. 1000000000.0, 0.1,
+        "Drag, against the path", outputs.drag_N;
+    50 "side_force_N" ["N"] -1000000000.0 .. 1000000000.0, 0.1,
+        "Side force, to starboard positive", outputs.side_force_N;
+    51 "acceleration_1_m_s2" ["m/s2"] -1000000000.0 .. 1000000000.0, 1.0,
+        "What an accelerometer at the centre of buoyancy reads along axis 1: acceleration less gravity", outputs.imu_m_s2[0];
+    52 "acceleration_2_m_s2" ["m/s2"] -1000000000.0 .. 1000000000.0, 1.0,
+        "What an accelerometer at the centre of buoyancy reads along axis 2", outputs.imu_m_s2[1];
+    53 "acceleration_3_m_s2" ["m/s2"] -1000000000.0 .. 1000000000.0, 10.0,
+        "What an accelerometer at the centre of buoyancy reads along axis 3", outputs.imu_m_s2[2];
+    54 "pitch_read_rad" ["rad"] -10000.0 .. 10000.0, 0.1,
+        "Pitch as the glider's own instrument reads it", outputs.pitch_read_rad;
+    55 "pressure_read_dbar" ["dbar"] -100000.0 .. 100000.0, 10.0,
+        "Gauge pressure as the glider's own instrument reads it, without lag", outputs.pressure_read_dbar;
+    56 "surrounding_density_kg_m3" ["kg/m3"] 900.0 .. 1300.0, 1000.0,
+        "Density of the water that the glider is in, from input or column", inputs.water_density_kg_m3;
+    57 "surrounding_temperature_C" ["degC"] -5.0 .. 50.0, 10.0,
+        "Temperature of the water that the glider is in, from input or column", inputs.water_temperature_C;
+    58 "emerged_fraction" ["1"] 0.0 .. 1.0, 0.1,
+        "Share of its displacement that the hull has lost above the water, 0 below the surface", outputs.emerged_fraction;
+    59 "seabed_force_N" ["N"] 0.0 .. 1000000000.0, 1.0,
+        "Upward force of the seabed on the hull, 0 above it", outputs.seabed_N;
+}
+
+const POWER: u32 = 60;
+const AT_SURFACE: u32 = 61;
+const ON_SEABED: u32 = 62;
+
+macro_rules! derivatives {
+    ($($reference:literal $state:literal : $unit:literal),* $(,)?) => {
+        [$(($reference, concat!("der(", $state, ")"), $unit, concat!("Time derivative of ", $state))),*]
+    };
+}
+
+/// Value reference, name, unit and meaning of the derivatives, in the order of the states.
+const DERIVATIVES: [(u32, &str, &str, &str); N_STATES] = derivatives![
+    63 "north_m": "m/s",
+    64 "east_m": "m/s",
+    65 "depth_m": "m/s",
+    66 "roll_rad": "rad/s",
+    67 "pitch_rad": "rad/s",
+    68 "heading_rad": "rad/s",
+    69 "v1_m_s": "m/s2",
+    70 "v2_m_s": "m/s2",
+    71 "v3_m_s": "m/s2",
+    72 "p_rad_s": "rad/s2",
+    73 "q_rad_s": "rad/s2",
+    74 "r_rad_s": "rad/s2",
+    75 "moving_mass_position_m": "m/s",
+    76 "moving_mass_speed_m_s": "m/s2",
+    77 "roll_mass_rad": "rad/s",
+    78 "roll_mass_speed_rad_s": "rad/s2",
+    79 "rudder_rad": "rad/s",
+    80 "ballast_mass_kg": "kg/s",
+    81 "creep_pressure_Pa": "Pa/s",
+    82 "carried_density_kg_m3": "kg/m3/s",
+    83 "leaked_back_m3": "m3/s",
+    84 "energy_J": "W",
+];
+
+/// Value reference, name and meaning of the event indicators.
+const INDICATORS: [(u32, &str, &str); N_EVENTS] = [
+    (85, "indicator_surface", "Event indicator: changes sign at the surface"),
+    (86, "indicator_seabed", "Event indicator: changes sign at the seabed"),
+    (
+        87,
+        "indicator_ballast_down",
+        "Event indicator: changes sign where the servo of the ballast reaches or leaves its largest rate downwards",
+    ),
+    (
+        88,
+        "indicator_ballast_up",
+        "Event indicator: changes sign where the servo of the ballast reaches or leaves its largest rate upwards",
+    ),
+    (
+        89,
+        "indicator_moving_mass_down",
+        "Event indicator: changes sign where the servo of the moving mass reaches or leaves its largest rate downwards",
+    ),
+    (
+        90,
+        "indicator_moving_mass_up",
+        "Event indicator: changes sign where the servo of the moving mass reaches or leaves its largest rate upwards",
+    ),
+    (
+        91,
+        "indicator_roll_mass_down",
+        "Event indicator: changes sign where the servo of the roll mass reaches or leaves its largest rate downwards",
+    ),
+    (
+        92,
+        "indicator_roll_mass_up",
+        "Event indicator: changes sign where the servo of the roll mass reaches or leaves its largest rate upwards",
+    ),
+    (
+        93,
+        "indicator_rudder_down",
+        "Event indicator: changes sign where the servo of the rudder reaches or leaves its largest rate downwards",
+    ),
+    (
+        94,
+        "indicator_rudder_up",
+        "Event indicator: changes sign where the servo of the rudder reaches or leaves its largest rate upwards",
+    ),
+];
+
+const STEERING_REFERENCE: u32 = 95;
+const WATER_SOURCE: u32 = 96;
+const START_IN_TRIM: u32 = 97;
+
+/// Value references of the parameters, by name: those of the plane, then the lateral ones.
+const PARAMETER_REFERENCES: [(u32, &str); N_PUBLISHED] = [
+    (98, "gravity_m_s2"),
+    (99, "reference_density_kg_m3"),
+    (100, "reference_temperature_C"),
+    (101, "frontal_area_m2"),
+    (102, "length_m"),
+    (103, "a_per_rad"),
+    (104, "b"),
+    (105, "c_per_rad2"),
+    (106, "d_per_rad"),
+    (107, "CL0"),
+    (108, "CM0"),
+    (109, "ascent_a_ratio"),
+    (110, "ascent_b_ratio"),
+    (111, "ascent_c_ratio"),
+    (112, "ascent_d_ratio"),
+    (113, "pitch_damping_N_m_s"),
+    (114, "pitch_damping_quadratic_N_m_s2"),
+    (115, "pitch_damping_CMq"),
+    (116, "hull_mass_kg"),
+    (117, "moving_mass_kg"),
+    (118, "ballast_nominal_kg"),
+    (119, "displaced_mass_kg"),
+    (120, "added_mass_1_kg"),
+    (121, "added_mass_3_kg"),
+    (122, "pitch_inertia_kg_m2"),
+    (123, "moving_mass_height_m"),
+    (124, "offset_mass_kg"),
+    (125, "offset_mass_forward_m"),
+    (126, "offset_mass_below_m"),
+    (127, "ballast_forward_m"),
+    (128, "ballast_below_m"),
+    (129, "ballast_min_m3"),
+    (130, "ballast_max_m3"),
+    (131, "ballast_rate_m3_s"),
+    (132, "moving_mass_min_m"),
+    (133, "moving_mass_max_m"),
+    (134, "moving_mass_rate_m_s"),
+    (135, "hotel_W"),
+    (136, "pump_J_per_m3"),
+    (137, "pump_J_per_Pa_m3"),
+    (138, "ballast_offset_kg"),
+    (139, "hull_compressibility_per_Pa"),
+    (140, "hull_thermal_expansion_per_K"),
+    (141, "ballast_scale"),
+    (142, "trapped_air_cc"),
+    (143, "leak_kg_per_hour"),
+    (144, "drag_growth_per_day"),
+    (145, "drag_step"),
+    (146, "step_time_s"),
+    (147, "drag_exponent"),
+    (148, "nonlinear_lift_per_rad2"),
+    (149, "climb_dive_drag_ratio"),
+    (150, "climb_dive_lift_ratio"),
+    (151, "hull_creep_per_Pa"),
+    (152, "creep_time_s"),
+    (153, "carried_water_m3"),
+    (154, "exchange_time_s"),
+    (155, "pump_leakback_cc_per_hour"),
+    (156, "roll_drag_per_rad2"),
+    (157, "rudder_drag_per_rad2"),
+    (158, "vertical_current_m_s"),
+    (159, "density_bias_kg_m3"),
+    (160, "pitch_scale"),
+    (161, "pitch_offset_rad"),
+    (162, "pressure_scale"),
+    (163, "CY_beta_per_rad"),
+    (164, "Cl_beta_per_rad"),
+    (165, "CN_beta_per_rad"),
+    (166, "CY_r"),
+    (167, "CN_r"),
+    (168, "Cl_p"),
+    (169, "Cl_r"),
+    (170, "CN_p"),
+    (171, "ascent_CY_beta_per_rad"),
+    (172, "ascent_Cl_beta_per_rad"),
+    (173, "ascent_CN_beta_per_rad"),
+    (174, "ascent_CY_r"),
+    (175, "ascent_CN_r"),
+    (176, "ascent_Cl_p"),
+    (177, "ascent_Cl_r"),
+    (178, "ascent_CN_p"),
+    (179, "added_mass_2_kg"),
+    (180, "roll_inertia_kg_m2"),
+    (181, "yaw_inertia_kg_m2"),
+    (182, "added_Y_rdot_kg_m"),
+    (183, "moving_inertia_1_kg_m2"),
+    (184, "moving_inertia_2_kg_m2"),
+    (185, "moving_inertia_3_kg_m2"),
+    (186, "starboard_moment_kg_m"),
+    (187, "rudder_CY_per_rad"),
+    (188, "rudder_CN_per_rad"),
+    (189, "rudder_Cl_per_rad"),
+    (190, "rudder_min_rad"),
+    (191, "rudder_max_rad"),
+    (192, "rudder_rate_rad_s"),
+    (193, "rudder_power_W"),
+    (194, "rudder_offset_rad"),
+    (195, "roll_mass_kg"),
+    (196, "roll_mass_radius_m"),
+    (197, "roll_mass_min_rad"),
+    (198, "roll_mass_max_rad"),
+    (199, "roll_mass_rate_rad_s"),
+    (200, "roll_mass_power_W"),
+    (201, "roll_mass_offset_rad"),
+    (202, "heading_rudder_gain"),
+    (203, "heading_roll_gain_descent"),
+    (204, "heading_roll_gain_ascent"),
+    (205, "heading_lead_s"),
+    (206, "heading_dead_band_rad"),
+];
+
+const VEHICLE_NAME: u32 = 207;
+
+/// Lateral parameters that make the body what it is: they cannot change while it moves.
+const FIXED_LATERAL: &[&str] = &[
+    "added_mass_2_kg",
+    "roll_inertia_kg_m2",
+    "yaw_inertia_kg_m2",
+    "added_Y_rdot_kg_m",
+    "moving_inertia_1_kg_m2",
+    "moving_inertia_2_kg_m2",
+    "moving_inertia_3_kg_m2",
+    "starboard_moment_kg_m",
+    "roll_mass_kg",
+    "roll_mass_radius_m",
+];
+
+fn build() -> Vec<Variable> {
+    let mut table = vec![time()];
+    table.extend(INPUTS.iter().enumerate().map(|(i, row)| Variable {
+        causality: Causality::Input,
+        initial: Some(Initial::Exact),
+        ..real(row, Slot::Input(i))
+    }));
+    let nominals = NOMINALS.as_array();
+    table.extend(STATES.iter().enumerate().map(|(i, (row, causality))| Variable {
+        causality: *causality,
+        initial: Some(Initial::Exact),
+        nominal: Some(nominals[i]),
+        ..real(row, Slot::State(i))
+    }));
+    table.extend(
+        OUTPUTS
+            .iter()
+            .enumerate()
+            .map(|(i, row)| Variable { causality: Causality::Output, ..real(row, Slot::Output(i)) }),
+    );
+    table.push(power(POWER));
+    table.extend(discrete([
+        (
+            AT_SURFACE,
+            "at_surface",
+            Kind::Boolean,
+            Discrete::AtSurface,
+            "Whether the centre of buoyancy is above the surface",
+        ),
+        (ON_SEABED, "on_seabed", Kind::Boolean, Discrete::OnSeabed, "Whether the hull rests on the seabed"),
+    ]));
+    table.extend((0..N_STATES).map(|i| derivative(DERIVATIVES[i], i, nominals[i])));
+    table.extend((0..N_EVENTS).map(|i| indicator(INDICATORS[i], i)));
+    table.push(steering());
+    table.push(Variable { reference: WATER_SOURCE, ..water_source() });
+    table.push(Variable { reference: START_IN_TRIM, ..start_in_trim() });
+    // The empirical table is that of the plane, to which a log is compared.
+    let is_published = |name: &&str| !NOT_PUBLISHED.contains(name) && !EMPIRICAL.contains(name);
+    let all = PARAMETERS.iter().chain(LATERAL).enumerate().filter(|(_, info)| is_published(&info.name));
+    table.extend(all.map(|(i, info)| {
+        let is_fixed = FIXED.contains(&info.name) || FIXED_LATERAL.contains(&info.name);
+        parameter(info, i, is_fixed, &PARAMETER_REFERENCES)
+    }));
+    table.push(Variable { reference: VEHICLE_NAME, ..vehicle_name() });
+    table
+}
+
+fn steering() -> Variable {
+    const MEANING: &str =
+        "0 direct: rudder and roll mass follow their commands; 1 heading by rudder; 2 heading by roll mass";
+    choice(STEERING_REFERENCE, "steering", MEANING, &STEERING, Slot::Steering)
+}
