@@ -140,6 +140,44 @@ pub const TABLE: &[Effect] = &[
         "attitude, rudder, ballast and battery columns of a row are those of this time before the row, water and pressure those of the row"),
     effect!("pressure_hysteresis", "pressure_hysteresis", Zero, Either, 0.002..0.004,
         "pressure read on the way up = true + this x 4 P (1 - P/Pm), Pm the largest of the dive"),
+    // Outside the catalogue of the diagnosis; the largest size is three times the smallest, which is about what is relevant.
+    effect!("uncatalogued-wing-flex", "lift_loss_per_Pa", Zero, Up, 0.004..0.012,
+        "CL x (1 - this x dynamic pressure): wings that twist under their load"),
+    effect!("uncatalogued-bearing-friction", "friction_N", Zero, Up, 0.03..0.09,
+        "drag + this force, whatever the speed: a propeller at rest in its bearings"),
+    effect!("uncatalogued-tether", "line_drag_per_100m", Zero, Up, 0.03..0.09,
+        "CD x (1 + this x depth / 100 m): a line that reaches to the surface"),
+    effect!("uncatalogued-burped-air", "burped_air_cc", Zero, Up, 40.0..120.0,
+        "volume + this x P0/(P0 + P) on descents alone: air that leaves when the nose goes up"),
+    effect!("uncatalogued-engine-backlash", "engine_backlash_cc", Zero, Up, 10.0..30.0,
+        "true ballast volume = volume read - half of this after a move outwards, + half of it after one inwards"),
+    effect!("uncatalogued-weak-pump", "missing_cc_per_100dbar", Zero, Up, 3.0..9.0,
+        "true ballast volume = volume read - this x (pressure at the last move outwards) / 100 dbar, until the next one inwards"),
+    effect!("uncatalogued-foam-crush", "foam_cc", Zero, Up, 8.0..24.0,
+        "volume - this x (1 - exp(-P / 0.5 MPa)): foam that is soft at first"),
+    effect!("uncatalogued-hull-lag", "hull_lag_s", Zero, Up, 400.0..1200.0,
+        "hull at the temperature T' of the hull, dT'/dt = (T - T')/this"),
+    effect!("uncatalogued-bottom-mud", "mud_kg", Zero, Up, 0.02..0.06,
+        "mass + this where a descent ends, washed off with a time constant of 600 s"),
+    effect!("uncatalogued-wing-loss", "lift_lost", Zero, Up, 0.15..0.45,
+        "CL x (1 - this) from t = lift_lost_from_s on"),
+    effect!("uncatalogued-swarm", "swarm_drag", Zero, Up, 0.15..0.45,
+        "CD x (1 + this) between swarm_top_m and swarm_bottom_m"),
+    effect!("uncatalogued-internal-tide", "internal_tide_m_s", Zero, Up, 0.004..0.012,
+        "vertical velocity of the water this x sin(pi z / 400 m) cos(2 pi t / 12.42 h + phase), the water column heaved with it"),
+    effect!("uncatalogued-pressure-zero", "zero_dbar_per_K", Zero, Either, 0.05..0.15,
+        "pressure read = true + this x (T' - 10 degrees C), T' the water's temperature 60 s late"),
+    effect!("uncatalogued-slow-flushing", "flushing_s", Zero, Up, 10.0..30.0,
+        "temperature and salinity of the water in the cell, both late with this time constant"),
+    effect!("uncatalogued-pitch-rounding", "pitch_step_rad", Zero, Up, 0.02..0.06,
+        "pitch read rounded to multiples of this"),
+    effect!("uncatalogued-clock-jitter", "clock_jitter", Zero, Up, 0.1..0.3,
+        "time of a row + this x the mean step x a uniform number in -1 .. 1"),
+    effect!("uncatalogued-slow-speed", "speed_lag_s", Zero, Up, 60.0..180.0,
+        "speed read follows the true one as d(read)/dt = (true - read)/this"),
+    effect!("uncatalogued-warm-pitch", "pitch_rad_per_K", Zero, Either, 0.0007..0.0021,
+        "pitch read = true + this x (T' - 10 degrees C), T' the water's temperature 1800 s late"),
+    effect!("speed_scale", "speed_scale", One, Either, 0.03..0.09, "speed read = this x true speed"),
 ];
 
 /// An effect that someone asked for.
@@ -264,6 +302,12 @@ fn companions(name: &str, random: &mut Stream, duration_s: f64) -> Vec<(&'static
         "drag_step" => vec![("step_time_s", (duration_s * between(random, 0.3, 0.7)).round())],
         "uncatalogued-sloughing" => vec![("regrowth_s", duration_s * between(random, 0.20, 0.35))],
         "uncatalogued-tide" => vec![("tidal_phase_rad", between(random, 0.0, TAU))],
+        "uncatalogued-wing-loss" => vec![("lift_lost_from_s", (duration_s * between(random, 0.3, 0.7)).round())],
+        "uncatalogued-swarm" => {
+            let top_m = between(random, 30.0, 80.0);
+            vec![("swarm_top_m", top_m), ("swarm_bottom_m", top_m + between(random, 20.0, 50.0))]
+        }
+        "uncatalogued-internal-tide" => vec![("internal_tide_phase_rad", between(random, 0.0, TAU))],
         "uncatalogued-layer" => {
             let top_m = between(random, 50.0, 90.0);
             vec![("layer_top_m", top_m), ("layer_bottom_m", top_m + between(random, 30.0, 60.0))]

@@ -1,122 +1,14 @@
 //! Where the hidden effects act: on the glider and the water, or on what the instruments say. What each is stands in
 //! [`crate::catalogue::TABLE`].
 
-use crate::catalogue::Drawn;
+use crate::hidden::{ATMOSPHERE_PA, TIDE_S, smooth_step};
+pub use crate::hidden::{Flow, Hidden};
 use crate::ocean::Water;
 use crate::vehicle::{REFERENCE_DENSITY_KG_M3, Vehicle};
 use std::f64::consts::TAU;
 
-/// The standard atmosphere, Pa.
-const ATMOSPHERE_PA: f64 = 101_325.0;
 /// Speed at which a drag exponent leaves b as it is, m/s.
 const DRAG_REFERENCE_SPEED_M_S: f64 = 0.3;
-/// Period of the principal lunar tide, s.
-const TIDE_S: f64 = 12.4206 * 3600.0;
-
-macro_rules! hidden {
-    ($($field:ident = $name:literal, $neutral:expr;)*) => {
-        /// The effects of one log, every one that is absent at its neutral value.
-        #[derive(Debug, Clone, PartialEq)]
-        pub struct Hidden {
-            density_at_zero_pressure: bool,
-            $($field: f64,)*
-        }
-
-        impl Hidden {
-            /// Nothing hidden: the vehicle is what its file says.
-            pub fn nothing(vehicle: &Vehicle) -> Self {
-                let neutral = |value: fn(&Vehicle) -> f64| value(vehicle);
-                Self { density_at_zero_pressure: false, $($field: neutral($neutral),)* }
-            }
-
-            fn slot(&mut self, parameter: &str) -> Option<&mut f64> {
-                match parameter {
-                    $($name => Some(&mut self.$field),)*
-                    _ => None,
-                }
-            }
-        }
-    };
-}
-
-hidden! {
-    ballast_offset_kg = "ballast_offset_kg", |_| 0.0;
-    leak_kg_per_hour = "leak_kg_per_hour", |_| 0.0;
-    compressibility_per_pa = "hull_compressibility_per_Pa", |vehicle| vehicle.compressibility_per_pa;
-    thermal_expansion_per_k = "hull_thermal_expansion_per_K", |vehicle| vehicle.thermal_expansion_per_k;
-    trapped_air_cc = "trapped_air_cc", |_| 0.0;
-    ballast_scale = "ballast_scale", |_| 1.0;
-    pitch_offset_rad = "pitch_offset_rad", |_| 0.0;
-    pitch_scale = "pitch_scale", |_| 1.0;
-    pressure_scale = "pressure_scale", |_| 1.0;
-    pressure_lag_s = "pressure_lag_s", |_| 0.0;
-    drag_growth_per_day = "drag_growth_per_day", |_| 0.0;
-    drag_step = "drag_step", |_| 0.0;
-    step_time_s = "step_time_s", |_| f64::INFINITY;
-    drag_exponent = "drag_exponent", |_| 0.0;
-    nonlinear_lift_per_rad2 = "nonlinear_lift_per_rad2", |_| 0.0;
-    climb_dive_drag_ratio = "climb_dive_drag_ratio", |_| 1.0;
-    roll_drag_per_rad2 = "roll_drag_per_rad2", |_| 0.0;
-    rudder_drag_per_rad2 = "rudder_drag_per_rad2", |_| 0.0;
-    vertical_current_m_s = "vertical_current_m_s", |_| 0.0;
-    density_bias_kg_m3 = "density_bias_kg_m3", |_| 0.0;
-    climb_dive_lift_ratio = "climb_dive_lift_ratio", |_| 1.0;
-    hull_creep_per_pa = "hull_creep_per_Pa", |_| 0.0;
-    creep_time_s = "creep_time_s", |_| 0.0;
-    carried_water_m3 = "carried_water_m3", |_| 0.0;
-    exchange_time_s = "exchange_time_s", |_| 0.0;
-    leakback_cc_per_hour = "pump_leakback_cc_per_hour", |_| 0.0;
-    salinity_drift_per_day = "salinity_drift_per_day", |_| 0.0;
-    thermal_lag_s = "thermal_lag_s", |_| 0.0;
-    clock_offset_s = "clock_offset_s", |_| 0.0;
-    pressure_hysteresis = "pressure_hysteresis", |_| 0.0;
-    stall_angle_rad = "stall_angle_rad", |_| f64::INFINITY;
-    compass_pitch_rad = "pitch_error_rad", |_| 0.0;
-    backlash_m = "backlash_m", |_| 0.0;
-    patch_drag = "patch_drag", |_| 0.0;
-    regrowth_s = "regrowth_s", |_| f64::INFINITY;
-    tidal_velocity_m_s = "tidal_velocity_m_s", |_| 0.0;
-    tidal_phase_rad = "tidal_phase_rad", |_| 0.0;
-    reading_per_k = "reading_per_K", |_| 0.0;
-    layer_velocity_m_s = "layer_velocity_m_s", |_| 0.0;
-    layer_top_m = "layer_top_m", |_| 0.0;
-    layer_bottom_m = "layer_bottom_m", |_| 0.0;
-}
-
-/// How the glider meets the water, as far as drag and lift depend on it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Flow {
-    /// Time since the first row, s.
-    pub time_s: f64,
-    /// Angle of attack, rad.
-    pub angle_rad: f64,
-    /// Density of the water, kg/m3.
-    pub density_kg_m3: f64,
-    /// Dynamic pressure, Pa.
-    pub dynamic_pressure_pa: f64,
-    /// Whether the glider rises through the water.
-    pub rising: bool,
-    /// Roll, rad.
-    pub roll_rad: f64,
-    /// Rudder, rad.
-    pub rudder_rad: f64,
-}
-
-impl Hidden {
-    /// The drawn effects on a vehicle.
-    pub fn of(drawn: &[Drawn], vehicle: &Vehicle) -> Self {
-        let mut hidden = Self::nothing(vehicle);
-        for effect in drawn {
-            hidden.density_at_zero_pressure |= effect.effect.name == "density_at_zero_pressure";
-            for &(parameter, value) in &effect.parameters {
-                if let Some(slot) = hidden.slot(parameter) {
-                    *slot = value;
-                }
-            }
-        }
-        hidden
-    }
-}
 
 /// What the hull keeps of where it has been.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -129,21 +21,31 @@ pub struct Memory {
     pub carried_psu: f64,
     /// Ballast volume that has leaked back, cc.
     pub leaked_cc: f64,
+    /// What the effects outside the catalogue keep.
+    pub outside: crate::outside::Kept,
 }
 
 impl Memory {
     /// At the surface, in equilibrium with the water there.
     pub fn afloat(water: &Water) -> Self {
-        Self { creep_pa: 0.0, carried_c: water.temperature_c, carried_psu: water.salinity_psu, leaked_cc: 0.0 }
+        Self {
+            creep_pa: 0.0,
+            carried_c: water.temperature_c,
+            carried_psu: water.salinity_psu,
+            leaked_cc: 0.0,
+            outside: crate::outside::Kept::afloat(water),
+        }
     }
 
-    /// A step on: `pumped` says whether the engine moved in it.
-    pub fn step(&mut self, hidden: &Hidden, water: &Water, pressure_pa: f64, pumped: bool, step_s: f64) {
+    /// A step on: `pumped_cc` is by how much the engine moved in it.
+    pub fn step(&mut self, hidden: &Hidden, water: &Water, pressure_pa: f64, pumped_cc: f64, step_s: f64) {
+        self.outside.step(hidden, water, pressure_pa, pumped_cc, step_s);
         let share = |time_s: f64| if time_s > 0.0 { 1.0 - (-step_s / time_s).exp() } else { 1.0 };
         self.creep_pa += (pressure_pa - self.creep_pa) * share(hidden.creep_time_s);
         self.carried_c += (water.temperature_c - self.carried_c) * share(hidden.exchange_time_s);
         self.carried_psu += (water.salinity_psu - self.carried_psu) * share(hidden.exchange_time_s);
-        self.leaked_cc = if pumped { 0.0 } else { self.leaked_cc + hidden.leakback_cc_per_hour * step_s / 3600.0 };
+        self.leaked_cc =
+            if pumped_cc != 0.0 { 0.0 } else { self.leaked_cc + hidden.leakback_cc_per_hour * step_s / 3600.0 };
     }
 }
 
@@ -151,7 +53,7 @@ impl Memory {
 impl Hidden {
     /// True mass, kg, of a vehicle whose file says `mass_kg`, the water that it carries included.
     pub fn mass_kg(&self, mass_kg: f64, time_s: f64, memory: &Memory, pressure_pa: f64) -> f64 {
-        let dry_kg = mass_kg + self.ballast_offset_kg + self.leak_kg_per_hour * time_s / 3600.0;
+        let dry_kg = mass_kg + self.ballast_offset_kg + self.leak_kg_per_hour * time_s / 3600.0 + memory.outside.mud_kg;
         if self.carried_water_m3 == 0.0 {
             return dry_kg;
         }
@@ -175,17 +77,21 @@ impl Hidden {
         };
         let air_cc = self.trapped_air_cc * ATMOSPHERE_PA / (ATMOSPHERE_PA + pressure_pa);
         let crept_m3 = self.hull_creep_per_pa * memory.creep_pa * vehicle.displaced_volume_m3;
-        hull.hull_volume_m3(pressure_pa, temperature_c) - crept_m3
+        let hull_c = if self.hull_lag_s > 0.0 { memory.outside.hull_c } else { temperature_c };
+        hull.hull_volume_m3(pressure_pa, hull_c) - crept_m3
             + self.carried_water_m3
             + 1e-6 * (self.ballast_scale * engine_cc - memory.leaked_cc + air_cc)
+            + 1e-6 * self.outside_cc(&memory.outside, pressure_pa)
     }
 
     /// Lift coefficient of an attached flow.
-    pub fn lift_coefficient(&self, vehicle: &Vehicle, angle_rad: f64, rising: bool) -> f64 {
+    pub fn lift_coefficient(&self, vehicle: &Vehicle, flow: &Flow) -> f64 {
+        let angle_rad = flow.angle_rad;
         let stalled = (angle_rad.abs() - self.stall_angle_rad).max(0.0);
-        let leg = if rising { self.climb_dive_lift_ratio } else { 1.0 };
-        leg * (vehicle.a_per_rad * (angle_rad - 0.7 * stalled.copysign(angle_rad))
-            + self.nonlinear_lift_per_rad2 * angle_rad * angle_rad.abs())
+        let leg = if flow.rising { self.climb_dive_lift_ratio } else { 1.0 };
+        leg * self.lift_left(flow)
+            * (vehicle.a_per_rad * (angle_rad - 0.7 * stalled.copysign(angle_rad))
+                + self.nonlinear_lift_per_rad2 * angle_rad * angle_rad.abs())
     }
 
     /// Drag coefficient of an attached flow.
@@ -202,7 +108,8 @@ impl Hidden {
         let rudder = 1.0 + self.rudder_drag_per_rad2 * flow.rudder_rad * flow.rudder_rad;
         let patch = 1.0 + self.patch_drag * (flow.time_s / self.regrowth_s).fract();
         let plain = vehicle.b * reynolds + vehicle.c_per_rad2 * flow.angle_rad * flow.angle_rad;
-        plain * growth * step * leg * roll * rudder * patch
+        plain * growth * step * leg * roll * rudder * patch * self.drag_beside(flow)
+            + self.friction_n / (flow.dynamic_pressure_pa.max(0.5) * vehicle.frontal_area_m2)
     }
 
     /// True position of the moving mass where it reads `reading_m` and last moved in direction `moved` (+1, -1).
@@ -215,7 +122,9 @@ impl Hidden {
         let tide = self.tidal_velocity_m_s * (TAU * time_s / TIDE_S + self.tidal_phase_rad).cos();
         let inside =
             smooth_step((depth_m - self.layer_top_m) / 5.0) * smooth_step((self.layer_bottom_m - depth_m) / 5.0);
-        (self.vertical_current_m_s + tide) * (depth_m / 5.0).tanh().max(0.0) + self.layer_velocity_m_s * inside
+        (self.vertical_current_m_s + tide) * (depth_m / 5.0).tanh().max(0.0)
+            + self.layer_velocity_m_s * inside
+            + self.internal_tide(depth_m, time_s).0
     }
 }
 
@@ -276,8 +185,4 @@ impl Hidden {
         let pressure_dbar = if self.density_at_zero_pressure { 0.0 } else { pressure_read_dbar };
         crate::ocean::density_eos80(read.salinity_psu, read.temperature_c, pressure_dbar) - self.density_bias_kg_m3
     }
-}
-
-fn smooth_step(x: f64) -> f64 {
-    0.5 * (1.0 + x.tanh())
 }

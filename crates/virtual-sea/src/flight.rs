@@ -1,8 +1,9 @@
 //! One flight: water, hidden effects, pilot and motion, step by step, with the whole truth of every step.
 
 use crate::effects::{Flow, Hidden, Memory};
+pub use crate::hidden::Instant;
 use crate::motion::{Imposed, Inertia, Load, Motion, State};
-use crate::ocean::{Ocean, Wander, Water};
+use crate::ocean::{Ocean, Wander};
 use crate::pilot::{Leg, Orders, Pilot, Readings};
 use crate::random::{Part, between, stream};
 use crate::vehicle::{ATTACHED_RAD, Vehicle, attached_angle};
@@ -35,43 +36,6 @@ pub struct Voyage<'a> {
     pub duration_s: f64,
     /// Seed of the unsteady water met on the way.
     pub seed: u64,
-}
-
-/// The truth at the start of one step.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Instant {
-    /// Time since the start, s.
-    pub time_s: f64,
-    /// Number of the dive.
-    pub dive: u32,
-    /// Depth, m.
-    pub depth_m: f64,
-    /// Downward speed over ground, m/s.
-    pub sinking_m_s: f64,
-    /// Downward speed of the water, m/s.
-    pub water_sinking_m_s: f64,
-    /// Speed through the water, m/s.
-    pub speed_m_s: f64,
-    /// Angle of attack, rad.
-    pub angle_rad: f64,
-    /// Pitch, rad.
-    pub pitch_rad: f64,
-    /// Roll, rad.
-    pub roll_rad: f64,
-    /// Heading, rad.
-    pub heading_rad: f64,
-    /// Rudder, rad.
-    pub rudder_rad: f64,
-    /// Count of the buoyancy engine, cc; times a hidden scale it is the true ballast volume.
-    pub engine_cc: f64,
-    /// Reading of the moving mass, m.
-    pub moving_mass_m: f64,
-    /// Gauge pressure, Pa.
-    pub pressure_pa: f64,
-    /// Water at the glider.
-    pub water: Water,
-    /// True net mass, kg, + = heavy.
-    pub net_mass_kg: f64,
 }
 
 /// Flies a voyage and shows every step to `observe`.
@@ -204,7 +168,7 @@ impl<'a> Glider<'a> {
         };
         self.state = inertia.step(&self.state, &self.imposed, STEP_S, |state, motion| forces.load(state, motion));
         self.engine_cc += pumped_cc;
-        self.memory.step(hidden, &now.water, now.pressure_pa, pumped_cc != 0.0, STEP_S);
+        self.memory.step(hidden, &now.water, now.pressure_pa, pumped_cc, STEP_S);
         self.moving_mass_m += slid_m;
         self.imposed.sliding_m_s = 0.0;
         self.imposed.water_x_m_s += (self.imposed.water_x_m_s2 + self.imposed.met_x_m_s2) * STEP_S;
@@ -216,7 +180,7 @@ impl<'a> Glider<'a> {
         let Voyage { ocean, hidden, .. } = *self.voyage;
         let waves = ocean.waves(now.time_s);
         let (wave_m_s, heave_m) = ocean.heave(&waves, now.depth_m);
-        self.heave_m = heave_m;
+        self.heave_m = heave_m + hidden.internal_tide(now.depth_m, now.time_s).1;
         let [eddies_x, eddies_z] = &mut self.turbulence;
         let quiet = (now.depth_m / 2.0).tanh().max(0.0);
         let gust_x = -eddies_x.value() + eddies_x.next(&mut self.random);
@@ -272,6 +236,7 @@ impl Forces<'_> {
             rising: through_3 * state.pitch_rad.cos() - through_1 * state.pitch_rad.sin() < 0.0,
             roll_rad: self.roll_rad,
             rudder_rad: self.rudder_rad,
+            depth_m: state.depth_m,
         };
         let force = water_force(vehicle, hidden, &flow, immersed);
         Load {
@@ -303,7 +268,7 @@ fn water_force(vehicle: &Vehicle, hidden: &Hidden, flow: &Flow, immersed: f64) -
 /// hull is lost within another [`FADING_RAD`].
 fn axial_and_normal(vehicle: &Vehicle, hidden: &Hidden, flow: &Flow) -> (f64, f64) {
     let at = |angle_rad: f64| {
-        let lift = hidden.lift_coefficient(vehicle, angle_rad, flow.rising) * flow.roll_rad.cos();
+        let lift = hidden.lift_coefficient(vehicle, &Flow { angle_rad, ..*flow }) * flow.roll_rad.cos();
         let drag = hidden.drag_coefficient(vehicle, &Flow { angle_rad, ..*flow });
         let (sin, cos) = angle_rad.sin_cos();
         (drag * cos - lift * sin, lift * cos + drag * sin)

@@ -20,9 +20,11 @@
 pub mod catalogue;
 pub mod effects;
 pub mod flight;
+pub mod hidden;
 pub mod log;
 pub mod motion;
 pub mod ocean;
+pub mod outside;
 pub mod pilot;
 pub mod random;
 pub mod sensors;

@@ -120,6 +120,7 @@ pub struct Instruments<'a> {
     pitch_wander: Wander,
     speed_wander: Wander,
     next_row_s: f64,
+    felt: crate::outside::Felt,
     log: Log,
 }
 
@@ -135,6 +136,7 @@ impl<'a> Instruments<'a> {
             pitch_wander: Wander::new(&mut random, quality.pitch_wander_rad, 7200.0, STEP_S),
             speed_wander: Wander::new(&mut random, quality.speed_wander_m_s, 60.0, STEP_S),
             next_row_s: 0.0,
+            felt: crate::outside::Felt::default(),
             log: Log { speed_through_water_m_s: speed.then(Vec::new), ..Log::default() },
             random,
         }
@@ -146,7 +148,9 @@ impl<'a> Instruments<'a> {
         // A dive begins anew near the surface; what is less than the largest is on the way up.
         self.largest_dbar = if now.depth_m < 2.0 { 0.0 } else { self.largest_dbar.max(true_dbar) };
         let hysteresis_dbar = self.hidden.hysteresis_dbar(true_dbar, self.largest_dbar);
-        let goal_dbar = self.hidden.pressure_reading_dbar(true_dbar) + hysteresis_dbar;
+        let now = &self.felt.step(self.hidden, now, STEP_S);
+        let zero_dbar = self.hidden.pressure_zero_dbar(&self.felt);
+        let goal_dbar = self.hidden.pressure_reading_dbar(true_dbar) + hysteresis_dbar + zero_dbar;
         let late_dbar = self.pressure_read_dbar.unwrap_or(goal_dbar);
         let pressure_dbar = late_dbar + (goal_dbar - late_dbar) * self.hidden.pressure_catch_up(STEP_S);
         self.pressure_read_dbar = Some(pressure_dbar);
@@ -192,10 +196,17 @@ impl<'a> Instruments<'a> {
         };
         let pitch =
             self.hidden.pitch_reading(now.pitch_rad, now.heading_rad) + pitch_error_rad + noise(quality.pitch_rad);
+        let pitch = self.hidden.pitch_shown(pitch, &self.felt);
+        let late_s = if self.hidden.clock_jitter > 0.0 {
+            self.hidden.clock_jitter * quality.interval_s * between(&mut self.random, -1.0, 1.0)
+        } else {
+            0.0
+        };
+        let mut noise = |sd: f64| sd * normal(&mut self.random);
         let ballast =
             self.hidden.ballast_reading_cc(now.engine_cc, now.water.temperature_c) + noise(quality.ballast_cc);
         let log = &mut self.log;
-        log.time_s.push(row.time_s);
+        log.time_s.push(row.time_s + late_s);
         log.pressure_dbar.push(pressure);
         log.pitch_rad.push(pitch);
         log.roll_rad.push(now.roll_rad + noise(quality.attitude_rad));
@@ -207,7 +218,7 @@ impl<'a> Instruments<'a> {
         log.salinity_psu.push(read.salinity_psu);
         log.density_kg_m3.push(self.hidden.density_reading(&read, pressure));
         log.dive.push(now.dive);
-        let speed = flown.speed_m_s + speed_error_m_s + noise(quality.speed_m_s);
+        let speed = flown.speed_m_s * self.hidden.speed_scale + speed_error_m_s + noise(quality.speed_m_s);
         self.lose(flown, speed);
     }
 

@@ -397,3 +397,50 @@ fn requests_are_read_and_bad_ones_refused() {
         assert!(message.contains(bad.split([',', '=']).next().unwrap_or(bad)), "{message}");
     }
 }
+
+#[test]
+fn forces_outside_the_catalogue_are_as_defined() {
+    let vehicle = still("none").0.truth.vehicle;
+    let pressed = |now: &Instant| 0.5 * now.water.density_kg_m3 * now.speed_m_s.powi(2);
+    closes("uncatalogued-wing-flex=0.005", |now, hand| ByHand {
+        lift: hand.lift * (1.0 - 0.005 * pressed(now)),
+        ..hand
+    });
+    closes("uncatalogued-bearing-friction=0.05", |now, hand| ByHand {
+        drag: hand.drag + 0.05 / (pressed(now) * vehicle.frontal_area_m2),
+        ..hand
+    });
+    closes("uncatalogued-tether=0.08", |now, hand| ByHand { drag: hand.drag * (1.0 + 0.0008 * now.depth_m), ..hand });
+    closes("uncatalogued-foam-crush=20", |now, hand| ByHand {
+        volume_m3: hand.volume_m3 - 20e-6 * (1.0 - (-now.pressure_pa / 5e5).exp()),
+        ..hand
+    });
+    closes("uncatalogued-burped-air=100", |now, hand| {
+        let air = if now.pitch_rad < 0.0 { 100e-6 * 101_325.0 / (101_325.0 + now.pressure_pa) } else { 0.0 };
+        ByHand { volume_m3: hand.volume_m3 + air, ..hand }
+    });
+    closes("uncatalogued-engine-backlash=20", |now, hand| {
+        let lost = if now.pitch_rad < 0.0 { -10e-6 } else { 10e-6 };
+        ByHand { volume_m3: hand.volume_m3 - lost, ..hand }
+    });
+    let (sea, _) = still("uncatalogued-wing-loss=0.3");
+    let from_s = sea.truth.parameter("lift_lost_from_s").expect("a time");
+    closes("uncatalogued-wing-loss=0.3", |now, hand| ByHand {
+        lift: hand.lift * if now.time_s >= from_s { 0.7 } else { 1.0 },
+        ..hand
+    });
+}
+
+#[test]
+fn readings_outside_the_catalogue_are_as_defined() {
+    let (sea, flight) = still("uncatalogued-pitch-rounding=0.03");
+    for (row, now) in rows(&sea, &flight) {
+        let steps = sea.log.pitch_rad[row] / 0.03;
+        assert!((steps - steps.round()).abs() < 1e-9 && (sea.log.pitch_rad[row] - now.pitch_rad).abs() < 0.0151);
+    }
+    let (sea, flight) = still("speed_scale=1.05");
+    let speeds = sea.log.speed_through_water_m_s.as_ref().expect("a speed");
+    for (row, now) in rows(&sea, &flight) {
+        assert!((speeds[row] - 1.05 * now.speed_m_s).abs() < 1e-9);
+    }
+}

@@ -5,7 +5,8 @@
 use std::fmt::Write as _;
 
 use super::effects::{
-    Bubble, CHANNELS, Gyre, Hidden, RectifiedVibration, Transition, Wall, WarmUp, Weed, WrongTemperature,
+    Bubble, CHANNELS, Gyre, Hidden, RectifiedVibration, Seiche, TornStrip, Touching, Transition, Wall, WarmUp, Weed,
+    WrongTemperature,
 };
 use super::random::Stream;
 
@@ -65,7 +66,7 @@ pub const CATALOGUE: &[Entry] = &[
         unit: "N m",
         meaning: "the YM reading shifts by this as soon as a model is under way, after its zero was taken at rest",
         bounds: (-50.0, 50.0),
-        draw: Draw::EitherSign(0.5, 1.2),
+        draw: Draw::EitherSign(0.3, 1.0),
         act: |hidden, size, _| {
             hidden.shift_under_way[2] = size;
             String::new()
@@ -77,7 +78,7 @@ pub const CATALOGUE: &[Entry] = &[
         unit: "",
         meaning: "AF shows this fraction of SF beyond what the stated interaction matrix removes",
         bounds: (-0.5, 0.5),
-        draw: Draw::EitherSign(0.05, 0.1),
+        draw: Draw::EitherSign(0.01, 0.04),
         act: |hidden, size, _| {
             hidden.af_from_sf = size;
             String::new()
@@ -113,7 +114,7 @@ pub const CATALOGUE: &[Entry] = &[
         unit: "N/h",
         meaning: "rate at which one channel's zero starts to run away at the morning's switching-on, beside its even drift; settles exponentially",
         bounds: (-50.0, 50.0),
-        draw: Draw::EitherSign(20.0, 40.0),
+        draw: Draw::EitherSign(2.0, 5.0),
         act: |hidden, size, stream| {
             let warm_up =
                 WarmUp { channel: stream.index(2), rate_per_hour: size, time_constant_h: stream.between(0.5, 0.9) };
@@ -264,7 +265,7 @@ pub const CATALOGUE: &[Entry] = &[
         unit: "",
         meaning: "the water must pass the model within the tank's section: size is the frontal area over that section; across the tank the model takes up more",
         bounds: (0.0, 0.05),
-        draw: Draw::Between(0.018, 0.03),
+        draw: Draw::Between(0.005, 0.015),
         act: |hidden, size, _| {
             hidden.blockage_section_ratio = size;
             String::new()
@@ -393,6 +394,161 @@ pub const CATALOGUE: &[Entry] = &[
             let onset_rad = stream.between(7.0, 11.0).to_radians();
             hidden.stall = Some(Bubble { lift_loss: size, onset_rad, side: 1.0 });
             format!("beyond {:.2} deg", onset_rad.to_degrees())
+        },
+    },
+    Entry {
+        name: "uncatalogued-speed-slip",
+        parameter: "speed_slip",
+        unit: "",
+        meaning: "the carriage's measuring wheel slips: relative error of the recorded speed, a standard deviation from run to run",
+        bounds: (0.0, 0.1),
+        draw: Draw::Between(0.01, 0.03),
+        act: |hidden, size, _| {
+            hidden.rig.speed_slip = size;
+            String::new()
+        },
+    },
+    Entry {
+        name: "uncatalogued-sting-resonance",
+        parameter: "resonance_share",
+        unit: "",
+        meaning: "the sting rings about one speed and the balance shows a larger moment there: share of YM",
+        bounds: (-0.5, 0.5),
+        draw: Draw::EitherSign(0.04, 0.12),
+        act: |hidden, size, stream| {
+            let speed_m_s = stream.between(1.2, 2.8);
+            hidden.rig.resonance = Some((size, speed_m_s));
+            format!("at {speed_m_s:.2} m/s")
+        },
+    },
+    Entry {
+        name: "uncatalogued-torn-strip",
+        parameter: "strip_cd",
+        unit: "",
+        meaning: "the transition strip is partly torn off one hull: CD saved there below one speed, more on one side",
+        bounds: (0.0, 0.1),
+        draw: Draw::Between(0.01, 0.03),
+        act: |hidden, size, stream| {
+            let strip = TornStrip {
+                drag_saved: size,
+                speed_m_s: stream.between(1.3, 2.7),
+                hull_fraction: stream.between(0.0, 1.0),
+                side: stream.sign(),
+            };
+            hidden.rig.torn_strip = Some(strip);
+            format!("below {:.2} m/s", strip.speed_m_s)
+        },
+    },
+    Entry {
+        name: "uncatalogued-dead-water",
+        parameter: "dead_water_cd",
+        unit: "",
+        meaning: "the water settles in layers during the day: CD gained about 1 m/s, in proportion to the hours",
+        bounds: (0.0, 0.2),
+        draw: Draw::Between(0.02, 0.05),
+        act: |hidden, size, _| {
+            hidden.rig.dead_water_cd = size;
+            String::new()
+        },
+    },
+    Entry {
+        name: "uncatalogued-flipped-block",
+        parameter: "flipped_runs",
+        unit: "",
+        meaning: "so many runs in a row of every hull are written down with the other sign of yaw",
+        bounds: (1.0, 20.0),
+        draw: Draw::Between(3.0, 6.0),
+        act: |hidden, size, stream| {
+            hidden.rig.flipped_block = Some((stream.between(0.2, 0.7), size.round() as usize));
+            String::new()
+        },
+    },
+    Entry {
+        name: "uncatalogued-seiche",
+        parameter: "seiche_ratio",
+        unit: "",
+        meaning: "a standing wave of the tank that the run before started: current over that run's speed, with the phase that the waiting time leaves it",
+        bounds: (0.0, 0.3),
+        draw: Draw::Between(0.04, 0.1),
+        act: |hidden, size, stream| {
+            let seiche =
+                Seiche { ratio: size, period_s: stream.between(30.0, 90.0), decay_s: stream.between(300.0, 900.0) };
+            hidden.rig.seiche = Some(seiche);
+            format!("period {:.0} s", seiche.period_s)
+        },
+    },
+    Entry {
+        name: "uncatalogued-cable",
+        parameter: "cable_N_m_per_deg",
+        unit: "N m/deg",
+        meaning: "a cable that the yaw table twists pulls the balance: moment per degree at any speed, at rest too; zeros are taken straight ahead",
+        bounds: (-1.0, 1.0),
+        draw: Draw::EitherSign(0.02, 0.08),
+        act: |hidden, size, stream| {
+            hidden.rig.cable_per_deg = (size, size * stream.between(-2.0, 2.0));
+            format!("side force {:.3} N/deg", hidden.rig.cable_per_deg.1)
+        },
+    },
+    Entry {
+        name: "uncatalogued-yaw-slip",
+        parameter: "yaw_slip_deg",
+        unit: "deg",
+        meaning: "the yaw table slips at one run of one hull and stays so until the hull is changed",
+        bounds: (-5.0, 5.0),
+        draw: Draw::EitherSign(0.3, 1.0),
+        act: |hidden, size, stream| {
+            hidden.rig.yaw_slip = Some((size, stream.between(0.0, 1.0), stream.between(0.25, 0.75)));
+            String::new()
+        },
+    },
+    Entry {
+        name: "uncatalogued-touching",
+        parameter: "touching_share",
+        unit: "",
+        meaning: "the model touches the fairing beyond one angle on one side: the share of its load that the balance misses there",
+        bounds: (0.0, 0.5),
+        draw: Draw::Between(0.03, 0.1),
+        act: |hidden, size, stream| {
+            let touching =
+                Touching { share: size, onset_rad: stream.between(3.0, 9.0).to_radians(), side: stream.sign() };
+            hidden.rig.touching = Some(touching);
+            format!("beyond {:.2} deg", touching.side * touching.onset_rad.to_degrees())
+        },
+    },
+    Entry {
+        name: "uncatalogued-backlash",
+        parameter: "backlash_deg",
+        unit: "deg",
+        meaning: "the yaw table has play: the true angle is smaller than the recorded one by half of this, on either side",
+        bounds: (0.0, 3.0),
+        draw: Draw::Between(0.3, 0.9),
+        act: |hidden, size, _| {
+            hidden.rig.backlash_deg = size;
+            String::new()
+        },
+    },
+    Entry {
+        name: "uncatalogued-elastic-strut",
+        parameter: "twist_deg_per_N_m",
+        unit: "deg/(N m)",
+        meaning: "the strut twists under the yaw moment: the true angle exceeds the recorded one by this times the moment",
+        bounds: (-0.1, 0.1),
+        draw: Draw::Between(0.01, 0.03),
+        act: |hidden, size, _| {
+            hidden.rig.twist_rad_per_N_m = size.to_radians();
+            String::new()
+        },
+    },
+    Entry {
+        name: "uncatalogued-air-bubbles",
+        parameter: "air_cd",
+        unit: "",
+        meaning: "air on the hull at the begin of every day, which leaves it in the course of an hour or two: CD gained",
+        bounds: (0.0, 0.2),
+        draw: Draw::Between(0.015, 0.04),
+        act: |hidden, size, stream| {
+            hidden.rig.air = Some((size, stream.between(0.7, 2.0)));
+            String::new()
         },
     },
 ];

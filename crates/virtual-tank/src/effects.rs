@@ -60,7 +60,61 @@ pub(super) struct Hidden {
     pub lock_in: Option<Transition>,
     pub stall: Option<Bubble>,
     pub transition: Option<Transition>,
+    pub rig: RigFaults,
     pub flipped: [bool; 3],
+}
+
+/// Faults of rig, model and water that no mechanism of a reduction describes; none unless hidden.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct RigFaults {
+    /// Relative error of the carriage's measured speed, a standard deviation from run to run.
+    pub speed_slip: f64,
+    /// Share that YM gains about one speed \[1, m/s\].
+    pub resonance: Option<(f64, f64)>,
+    pub torn_strip: Option<TornStrip>,
+    /// CD gained about 1 m/s late in the day, where the water has settled in layers.
+    pub dead_water_cd: f64,
+    /// Share of a hull's programme at which so many runs are written down with the other sign of yaw.
+    pub flipped_block: Option<(f64, usize)>,
+    pub seiche: Option<Seiche>,
+    /// Moment and side force of a cable that the yaw table twists, per degree, whatever the speed \[N m, N\].
+    pub cable_per_deg: (f64, f64),
+    /// Yaw by which the table slips at one run of a hull, and when, as shares of hulls and of runs \[deg, 1, 1\].
+    pub yaw_slip: Option<(f64, f64, f64)>,
+    pub touching: Option<Touching>,
+    /// Free play of the yaw table \[deg\].
+    pub backlash_deg: f64,
+    /// Twist of the strut \[rad/(N m)\].
+    pub twist_rad_per_N_m: f64,
+    /// CD of air on the hull at the begin of a day, and its time constant \[1, h\].
+    pub air: Option<(f64, f64)>,
+}
+
+/// A strip of sand that trips the boundary layer, torn off one hull: there the flow stays laminar below one speed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct TornStrip {
+    pub drag_saved: f64,
+    pub speed_m_s: f64,
+    pub hull_fraction: f64,
+    /// The side that lost more of it.
+    pub side: f64,
+}
+
+/// A standing wave of the tank that the run before started.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Seiche {
+    /// Current over the speed of the run before.
+    pub ratio: f64,
+    pub period_s: f64,
+    pub decay_s: f64,
+}
+
+/// The model touches something beyond one angle on one side and hands it a share of its load.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Touching {
+    pub share: f64,
+    pub onset_rad: f64,
+    pub side: f64,
 }
 
 /// A zero that runs away after the morning's switching-on and settles.
@@ -153,6 +207,7 @@ impl Default for Hidden {
             lock_in: None,
             stall: None,
             transition: None,
+            rig: RigFaults::default(),
             flipped: [false; 3],
         }
     }

@@ -9,7 +9,7 @@ use super::balance::Balance;
 use super::hull::Hull;
 use super::motion::Kind;
 use super::outline::{DIAMETER_M, PHOENIX};
-use super::programme::PlannedRun;
+use super::planned_run::PlannedRun;
 use super::truth::Truth;
 use super::{Error, io_error};
 

@@ -2,7 +2,9 @@
 //! Knows what a towing-tank crew decides and what goes wrong while they do; no physics of hulls or balances.
 
 use super::effects::Hidden;
+use super::faults;
 use super::motion::{Command, Kind};
+use super::planned_run::PlannedRun;
 use super::random::Stream;
 use super::world::{Order, World};
 
@@ -10,39 +12,6 @@ use super::world::{Order, World};
 const LAST_BLOCK_BEGINS_H: f64 = 6.5;
 /// Changing hulls, h.
 const HULL_CHANGE_H: f64 = 1.0;
-
-/// A run as it was made.
-#[derive(Debug, Clone)]
-pub(super) struct PlannedRun {
-    /// Index of the hull; none for the strut alone.
-    pub hull: Option<usize>,
-    pub command: Command,
-    pub day: usize,
-    /// After the begin of the day.
-    pub hours: f64,
-    /// True temperature of the water, and the one written down.
-    pub temperature_c: f64,
-    pub recorded_temperature_c: f64,
-    /// Time since the end of the run before, and its speed.
-    pub wait_s: f64,
-    pub speed_before_m_s: f64,
-    /// The last run of the day that loaded the balance: its hull and what it was told to do.
-    pub loaded_before: Option<(Option<usize>, Command)>,
-    /// True yaw less set yaw, this run's own.
-    pub yaw_error_deg: f64,
-    /// True speed over set speed, this run's own.
-    pub speed_ratio: f64,
-    /// Drag coefficient of something caught on the model.
-    pub extra_cd: f64,
-    pub note: String,
-}
-
-impl PlannedRun {
-    /// Since the begin of the campaign's first day, s.
-    pub(super) fn start_time_s(&self) -> f64 {
-        self.day as f64 * 86_400.0 + self.hours * 3600.0
-    }
-}
 
 /// What a campaign is to hold.
 #[derive(Debug, Clone, Copy)]
@@ -102,6 +71,7 @@ pub(super) fn plan(wishes: Wishes<'_>, world: &World, hidden: &Hidden, stream: &
     let mut runs = crew.runs;
     write_wrong_temperature(&mut runs, hidden);
     catch_weed(&mut runs, hulls, hidden);
+    faults::mislead(&mut runs, hulls, &hidden.rig);
     runs
 }
 
@@ -225,6 +195,7 @@ impl Crew<'_> {
             yaw_error_deg: if moving { self.world.levels.yaw_setting_deg * yaw_draw } else { 0.0 },
             speed_ratio: if moving { 1.0 + self.world.levels.speed_setting * speed_draw } else { 1.0 },
             extra_cd: 0.0,
+            speed_slip: 0.0,
             note: note.to_owned(),
         });
         self.hours += command.times().end / 3600.0;

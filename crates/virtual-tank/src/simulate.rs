@@ -7,7 +7,7 @@ use super::effects::Hidden;
 use super::hull::{Flow, Hull, Loads};
 use super::motion::{Kind, Mechanism, Motion, Times};
 use super::noise::{Disturbance, NoiseLevels};
-use super::programme::PlannedRun;
+use super::planned_run::PlannedRun;
 use super::random::Stream;
 use super::water::Water;
 
@@ -100,6 +100,10 @@ struct Experiment<'a> {
     yaw_offset: f64,
     /// True speed at full throttle, m/s.
     full_speed: f64,
+    /// True over recorded speed.
+    speed_scale: f64,
+    /// Angle by which the strut is twisted, rad.
+    twist: f64,
     way: f64,
     sideways: f64,
 }
@@ -112,6 +116,9 @@ impl<'a> Experiment<'a> {
         let growth = [0, 1, 2].map(|i| (end[i] - begin[i]) / times.end);
         let kept = tank.kept_of_last_load(run);
         (0..3).for_each(|i| begin[i] += kept[i]);
+        let speed_scale = hidden.speed_scale * (1.0 + hidden.rig.speed_slip * run.speed_slip);
+        let play = 0.5 * hidden.rig.backlash_deg * run.command.yaw_deg.signum();
+        let play = if run.command.yaw_deg == 0.0 { 0.0 } else { play };
         Self {
             tank,
             run,
@@ -122,8 +129,10 @@ impl<'a> Experiment<'a> {
             water: Water::fresh(run.temperature_c),
             disturbance: Disturbance::new(tank.levels, interval, stream),
             zero: (begin, growth),
-            yaw_offset: (run.yaw_error_deg + hidden.yaw_misalignment_deg).to_radians(),
-            full_speed: run.command.speed_m_s * run.speed_ratio * hidden.speed_scale,
+            yaw_offset: (run.yaw_error_deg + hidden.yaw_misalignment_deg - play).to_radians(),
+            full_speed: run.command.speed_m_s * run.speed_ratio * speed_scale,
+            speed_scale,
+            twist: 0.0,
             way: 0.0,
             sideways: 0.0,
         }
@@ -138,11 +147,13 @@ impl<'a> Experiment<'a> {
         let speed = self.full_speed * share * (1.0 + uneven);
         let speed_rate = self.full_speed * (rate * (1.0 + uneven) + share * uneven_rate);
         let mut motion = self.mechanism.at(time, speed, speed_rate);
-        motion.heading += self.yaw_offset;
+        motion.heading += self.yaw_offset + self.twist;
         self.way += speed * self.interval;
         self.sideways += motion.velocity.1 * self.interval;
 
         let load = self.load(time, &motion);
+        self.twist = hidden.rig.twist_rad_per_N_m * load.n;
+        let load = hidden.rig.on_balance(load, speed, motion.heading, self.run.command.yaw_deg);
         let speed_share = speed / 2.0;
         let model_share = if self.hull.is_some() { 1.0 } else { self.tank.levels.strut_alone_share };
         let [af, sf, ym] = self.disturbance.forces(speed_share, model_share, stream);
@@ -164,7 +175,7 @@ impl<'a> Experiment<'a> {
         let sway = if self.run.command.kind == Kind::Arc { self.sideways } else { motion.shown.2 };
         [
             time,
-            motion.shown.0 / hidden.speed_scale + sensors[0] * stream.normal(),
+            motion.shown.0 / self.speed_scale + sensors[0] * stream.normal(),
             motion.shown.1 + sensors[1] * stream.normal(),
             sway + sensors[2] * stream.normal(),
             reading[0],
@@ -220,6 +231,11 @@ impl<'a> Experiment<'a> {
         let mut current = (0.0, 0.0);
         if hidden.residual_current != 0.0 {
             current.0 = hidden.residual_current * self.run.speed_before_m_s * (-self.run.wait_s / 360.0).exp();
+        }
+        if let Some(seiche) = hidden.rig.seiche {
+            let phase = std::f64::consts::TAU * self.run.wait_s / seiche.period_s;
+            let left = (-self.run.wait_s / seiche.decay_s).exp();
+            current.0 += seiche.ratio * self.run.speed_before_m_s * left * phase.cos();
         }
         if let Some(gyre) = hidden.gyre {
             let swing = (self.run.start_time_s() * std::f64::consts::TAU / gyre.period_s + gyre.phase_rad).sin();
