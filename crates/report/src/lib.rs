@@ -37,6 +37,7 @@ mod draw;
 mod figure;
 mod labels;
 mod legend;
+mod mouse;
 mod number;
 pub mod output;
 mod page;
@@ -52,5 +53,5 @@ mod tests;
 
 pub use figure::{Axis, Dash, Figure, Layer, Panel, Shape};
 pub use number::{estimate, interval, probability, significant, with_interval};
-pub use page::{Block, InputFile, Report, Section};
+pub use page::{Block, InputFile, Report, Section, as_command};
 pub use table::{Cell, Table};

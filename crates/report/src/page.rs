@@ -2,11 +2,14 @@
 
 use super::draw::document;
 use super::figure::Figure;
+use super::mouse;
 use super::table::{Cell, Table};
 use crate::output::{OutputError, OutputFolder};
+use glidepolar_input::memory::Table as InMemory;
 use glidepolar_input::{InputError, turns};
 use minijinja::{Environment, Value, context};
 use sha2::{Digest, Sha256};
+use std::cell::RefCell;
 use std::collections::HashSet;
 use std::io::Read;
 use std::path::Path;
@@ -72,10 +75,26 @@ pub struct InputFile {
     pub sha256: String,
 }
 
+thread_local! {
+    /// What stands for the arguments of this process, where a program does the work of a command itself.
+    static COMMAND: RefCell<Option<Vec<String>>> = const { RefCell::new(None) };
+}
+
+/// Does some work whose pages show this command, and not the one that this process was started with.
+pub fn as_command<T>(words: &[String], work: impl FnOnce() -> T) -> T {
+    let before = COMMAND.replace(Some(words.to_vec()));
+    let done = work();
+    COMMAND.replace(before);
+    done
+}
+
 impl InputFile {
     /// Reads a file for its size and checksum, in bounded memory.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, InputError> {
         let path = path.as_ref();
+        if let Some(table) = InMemory::named(path) {
+            return Ok(InputFile::of_table(&table));
+        }
         let failed = |e: std::io::Error| InputError::io(path, &e);
         let mut file = std::fs::File::open(path).map_err(failed)?;
         let (mut sum, mut bytes, mut buffer) = (Sha256::new(), 0, vec![0; 1 << 16]);
@@ -88,6 +107,16 @@ impl InputFile {
             bytes += n as u64;
         }
         Ok(InputFile { name: path.to_string_lossy().into_owned(), bytes, sha256: hexadecimal(&sum.finalize()) })
+    }
+
+    /// Of a table that the calling program holds: its numbers, row by row.
+    fn of_table(table: &InMemory) -> Self {
+        let (columns, mut sum) = (table.names().len(), Sha256::new());
+        for row in 0..table.rows() {
+            (0..columns).for_each(|column| sum.update(table.at(row, column).to_le_bytes()));
+        }
+        let name = table.path().to_string_lossy().into_owned();
+        InputFile { name, bytes: (table.rows() * columns * 8) as u64, sha256: hexadecimal(&sum.finalize()) }
     }
 
     /// Of content that is already in memory.
@@ -146,7 +175,9 @@ impl Report {
             findings: Vec::new(),
             sections: Vec::new(),
             program: concat!("glidepolar ", env!("CARGO_PKG_VERSION")).to_owned(),
-            command: command_line(std::env::args()),
+            command: COMMAND.with_borrow(|command| {
+                command.clone().map_or_else(|| command_line(std::env::args()), |words| command_line(words.into_iter()))
+            }),
             inputs: Vec::new(),
         }
     }
@@ -175,7 +206,8 @@ impl Report {
         self
     }
 
-    /// The page. Every text is escaped; figures stand inline; no script, no request to anywhere.
+    /// The page. Every text is escaped; figures stand inline; no request to anywhere, and no script but the one that shows
+    /// figures under the mouse. Without it the drawings stay.
     pub fn html(&self) -> String {
         Self::render(self.values())
     }
@@ -235,7 +267,7 @@ impl Report {
     }
 
     fn values(&self) -> Value {
-        let mut count = Count { figures: 0, tables: 0 };
+        let mut count = Count { figures: 0, tables: 0, numbers: Vec::new() };
         let mut taken = HashSet::new();
         let mut link =
             |s: &Section| s.own_page.as_ref().map(|stem| format!("{}.html", free_name(stem.clone(), &mut taken)));
@@ -245,8 +277,19 @@ impl Report {
             .iter()
             .map(|i| context! { name => visible(&i.name), bytes => grouped(i.bytes), sha256 => i.sha256.as_str() })
             .collect();
+        // A `<` in a text must not end the block of numbers.
+        let numbers = if count.numbers.is_empty() {
+            String::new()
+        } else {
+            format!("{{{}}}", count.numbers.join(",")).replace('<', "\\u003c")
+        };
+        let script = if count.numbers.is_empty() { String::new() } else { mouse::script() };
+        let style = if script.is_empty() { "" } else { mouse::STYLE };
         context! {
-            style => Value::from_safe_string(include_str!("page.css").to_owned()),
+            style => Value::from_safe_string(format!("{style}\n{}", include_str!("page.css"))),
+            allowance => Value::from_safe_string(mouse::allowance(&script)),
+            script => Value::from_safe_string(script),
+            numbers => Value::from_safe_string(numbers),
             title => visible(&self.title),
             subject => visible(&self.subject),
             warnings => all_visible(&self.warnings),
@@ -275,6 +318,8 @@ fn free_name(name: String, taken: &mut HashSet<String>) -> String {
 struct Count {
     figures: usize,
     tables: usize,
+    /// Of each figure that a mouse can explore: its number on the page and what it shows, as JSON.
+    numbers: Vec<String>,
 }
 
 fn section(section: &Section, link: Option<String>, count: &mut Count) -> Value {
@@ -290,6 +335,9 @@ fn block(block: &Block, count: &mut Count) -> Value {
         Block::Code(text) => context! { kind => "code", text => visible(text) },
         Block::Figure(figure) => {
             count.figures += 1;
+            if let Some(numbers) = mouse::numbers(figure) {
+                count.numbers.push(format!("\"{}\":{numbers}", count.figures));
+            }
             let svg = document(figure, &format!("figure-{}", count.figures), false);
             context! {
                 kind => "figure",

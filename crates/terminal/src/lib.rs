@@ -4,7 +4,10 @@
 //! Exit code 0: done; 1: the question has no answer, or the result could not be written; 2: the input cannot be used.
 //! Standard output carries results, standard error messages. Knows no command.
 
+mod capture;
 pub mod shell;
+
+pub use capture::{Captured, captured};
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -47,6 +50,9 @@ impl Output {
         text.push('\n');
         if path.as_os_str() == "-" {
             use std::io::Write;
+            if capture::json(&text) {
+                return Ok(());
+            }
             return std::io::stdout()
                 .write_all(text.as_bytes())
                 .map_err(|error| CliError::Failed(format!("standard output cannot be written: {error}")));
@@ -142,6 +148,9 @@ pub fn begin() {
 /// the program ends with a message: the rest of the table would not arrive either.
 pub fn print_line(line: std::fmt::Arguments) {
     use std::io::Write;
+    if capture::line(line) {
+        return;
+    }
     if let Err(error) = writeln!(anstream::stdout().lock(), "{line}") {
         let error = CliError::Failed(format!("standard output cannot be written: {error}"));
         show(&error);
@@ -165,6 +174,9 @@ pub fn show(error: &CliError) {
 /// and one that throws them away has still been told.
 pub fn warn<S: std::fmt::Display>(warnings: impl IntoIterator<Item = S>) {
     for warning in warnings {
+        if capture::warning(&warning) {
+            continue;
+        }
         anstream::eprintln!("{YELLOW}warning{YELLOW:#}: {warning}");
     }
 }
