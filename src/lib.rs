@@ -17,6 +17,7 @@ pub mod diagnose;
 pub mod fmu_archive;
 pub mod identify;
 pub mod plan;
+pub mod reading;
 pub mod simulate;
 pub mod track;
 

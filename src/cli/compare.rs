@@ -6,7 +6,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::reading::Reading;
-use super::{CliError, Output, vehicle_input, warn};
+use super::{CliError, Output, log_vehicle, vehicle_input, warn};
 use crate::dynamics::{Parameters, Surroundings};
 use crate::estimate::Estimate;
 use crate::glide::{Attitude, at_pitch};
@@ -105,7 +105,7 @@ fn glider(a: &Arguments, what: &str, warnings: &mut Vec<String>) -> Result<Vehic
     let Some(vehicle) = &a.vehicle else {
         return Err(CliError::Usage(format!("{what} is a log: add --vehicle, the glider that flew it")));
     };
-    let vehicle = Vehicle::load(vehicle)?;
+    let vehicle = log_vehicle::load(vehicle, &[PathBuf::from(what)])?;
     let mut log = a.reading.read(&[PathBuf::from(what)], &vehicle)?;
     let vehicle = log.located(vehicle)?;
     warnings.extend(log.corrected(&vehicle)?.into_iter().map(|warning| format!("{what}: {warning}")));
@@ -155,6 +155,20 @@ fn water(p: &Parameters<f64>) -> Surroundings<f64> {
     }
 }
 
+/// The pitch down at which a glider of this net mass flies furthest over its depth \[deg\], and its glide ratio there.
+pub(super) fn best_glide(p: &Parameters<f64>, net_mass_kg: f64) -> Option<(f64, f64)> {
+    (10..=600)
+        .filter_map(|tenths| {
+            let pitch_deg = f64::from(tenths) / 10.0;
+            let attitude = Attitude { pitch_rad: -pitch_deg.to_radians(), net_mass_kg };
+            let glide = at_pitch(p, &water(p), attitude).ok()?;
+            Some((pitch_deg, 1.0 / glide.glide_angle_rad.abs().tan()))
+        })
+        .max_by(|x, y| x.1.total_cmp(&y.1))
+        // The first pitch of all is an edge, and no optimum.
+        .filter(|(pitch_deg, _)| *pitch_deg > 1.0)
+}
+
 impl Compared {
     fn of(what: &str, vehicle: &Vehicle, net_mass_kg: f64, depth_m: f64) -> Compared {
         let p = vehicle.glide_parameters();
@@ -166,15 +180,7 @@ impl Compared {
         let glide = |pitch_deg: f64| {
             at_pitch(&p, &water(&p), Attitude { pitch_rad: -pitch_deg.to_radians(), net_mass_kg }).ok()
         };
-        let ratio = |glide: &crate::glide::SteadyGlide<f64>| 1.0 / glide.glide_angle_rad.abs().tan();
-        let best = (10..=600)
-            .filter_map(|tenths| {
-                let pitch_deg = f64::from(tenths) / 10.0;
-                Some((pitch_deg, ratio(&glide(pitch_deg)?)))
-            })
-            .max_by(|x, y| x.1.total_cmp(&y.1))
-            // The first pitch of all is an edge, and no optimum.
-            .filter(|(pitch_deg, _)| *pitch_deg > 1.0);
+        let best = best_glide(&p, net_mass_kg);
         let dive = dive(vehicle, &p, net_mass_kg, depth_m);
         let has_energy = vehicle.get("energy.hotel_W").is_some_and(|hotel| hotel > 0.0);
         let energy_kJ = dive.filter(|_| has_energy).map(|dive| dive.energy_J() / 1e3);

@@ -4,18 +4,19 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::diagnose_words::{checked, left_over, less, size, verdict, words};
-use super::identify::{TrimChoice, with_error};
-use super::reading::{Reading, noted, refused};
-use super::{CliError, Output, diagnose_page, vehicle_input, warn};
+use super::diagnose_words::{checked, left_over, less, size, table_without_cause, verdict, words};
+use super::identify::TrimChoice;
+use super::reading::Reading;
+use super::{CliError, Output, diagnose_page, log_vehicle, vehicle_input, warn};
 use crate::diagnose::sea::{
     LEAST_RELEVANT, LiftSlope, Request, SeaError, SeaProblem, VehicleLogError, diagnose_vehicle, extended,
 };
 use crate::diagnose::{Checked, Diagnosis, Relevance};
+use crate::identify::ExternalValue;
 use crate::input::printable;
 use crate::output::{Replace, check, write_whole};
+use crate::reading::{ReadingError, noted};
 use crate::report::InputFile;
-use crate::vehicle::Vehicle;
 
 /// What is wrong in a log against a vehicle, why, the extended vehicle, the measured gain
 #[derive(Debug, Args)]
@@ -55,7 +56,7 @@ pub struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
-    let vehicle = Vehicle::load(&arguments.vehicle)?;
+    let vehicle = log_vehicle::load(&arguments.vehicle, &arguments.logs)?;
     let mut log = arguments.reading.read(&arguments.logs, &vehicle)?;
     let vehicle = log.located(vehicle)?;
     let trim = TrimChoice::of(arguments.trim, &vehicle);
@@ -67,18 +68,20 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let (vehicle, mut found) =
         diagnose_vehicle(&vehicle, &log.observations, &request).map_err(|error| match error {
             VehicleLogError::Vehicle(error) => error.into(),
-            VehicleLogError::Log(SeaError::Inconsistent(checks)) => refused(checks, &log.notes),
+            VehicleLogError::Log(SeaError::Inconsistent(checks)) => {
+                ReadingError::Inconsistent { checks, notes: log.notes.clone() }.into()
+            }
             // What was taken out in the reading may be what is missing.
             VehicleLogError::Log(error) => CliError::Failed(format!("{error}{}", noted(&log.notes))),
         })?;
-    found.told.diagnosis.warnings.extend(log.notes.iter().cloned());
+    found.outcome.diagnosis.warnings.extend(log.notes.iter().cloned());
 
     let replace = if arguments.output.force { Replace::Any } else { Replace::Never };
     let extended = arguments.extended.as_ref().map(|path| Ok::<_, CliError>((path, extended(&vehicle, &found)?)));
     let extended = extended.transpose()?;
     if let Some((path, extended)) = &extended {
         check(path, extended.to_toml().as_bytes(), replace)?;
-        found.told.diagnosis.extended = Some(path.display().to_string());
+        found.outcome.diagnosis.extended = Some(path.display().to_string());
     }
     if let Some(out) = &arguments.out {
         let mut page = diagnose_page::page(&vehicle.name, &found, trim.sentence());
@@ -92,21 +95,21 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     }
     if arguments.output.shows_tables() {
         println!("{}", log.steady_share());
-        print(&found.told.diagnosis, &found.problem, trim.sentence());
+        print(&found.outcome.diagnosis, &found.problem, trim.sentence());
     }
-    warn(&found.told.diagnosis.warnings);
-    arguments.output.write_json(&found.told.diagnosis)
+    warn(&found.outcome.diagnosis.warnings);
+    arguments.output.write_json(&found.outcome.diagnosis)
 }
 
 /// The lift slope that was asked for.
 fn lift_slope(text: Option<&str>) -> Result<LiftSlope, CliError> {
-    let Some(text) = text else { return Ok(LiftSlope { value_per_rad: None, se_per_rad: None }) };
+    let Some(text) = text else { return Ok(LiftSlope::OfVehicle) };
     let wrong = || {
         let shown = printable(text);
         CliError::Usage(format!("--pin-lift={shown} is no lift slope: expected A or A+-SE, positive numbers per rad"))
     };
-    let (lift, se_per_rad) = with_error(text).filter(|(lift, _)| *lift > 0.0 && *lift < 1e3).ok_or_else(wrong)?;
-    Ok(LiftSlope { value_per_rad: Some(lift), se_per_rad })
+    let known = ExternalValue::parse(text).filter(|known| known.value > 0.0 && known.value < 1e3);
+    known.map(LiftSlope::External).ok_or_else(wrong)
 }
 
 fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
@@ -163,6 +166,9 @@ fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
     }
     if let Some(unexplained) = &found.unexplained {
         println!("  unexplained: what is left depends on {}", unexplained.depends_on.join(", "));
+    }
+    if let Some(table) = &found.empirical {
+        println!("  {}", table_without_cause(table));
     }
     if let Some(trim) = &found.trim {
         println!("  trim against the neutral baseline: {}", size("ballast_offset_kg", trim));

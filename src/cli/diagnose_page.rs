@@ -1,13 +1,13 @@
 //! A diagnosis as a page: for each of the four answers one figure and one sentence.
 
-use super::diagnose_words::{checked, left_over, less, size, unit, verdict, words};
+use super::diagnose_words::{checked, left_over, less, size, table_without_cause, unit, verdict, words};
 use crate::diagnose::sea::SeaDiagnosis;
 use crate::diagnose::{Checked, Diagnosis};
 use crate::report::{Axis, Cell, Figure, Layer, Panel, Report, Section, Table, probability, with_interval};
 
 /// The page of a log's diagnosis.
 pub(super) fn page(vehicle: &str, found: &SeaDiagnosis, trim: &str) -> Report {
-    let diagnosis = &found.told.diagnosis;
+    let diagnosis = &found.outcome.diagnosis;
     let subject = format!("{vehicle}, {} stretches of steady glide", found.problem.n_bins());
     let mut report = Report::new("Diagnosis", subject).finding(format!("Baseline: {trim}."));
     if !found.problem.has_speed() {
@@ -108,6 +108,10 @@ fn cause(found: &Diagnosis) -> String {
             left.depends_on.join(", ")
         ));
     }
+    if let Some(table) = &found.empirical {
+        let table = table_without_cause(table);
+        sentences.push(format!("The extension carries it as an {table}."));
+    }
     if let Some(trim) = &found.trim {
         sentences.push(format!("Trim against the neutral baseline: {}.", size("ballast_offset_kg", trim)));
     }
@@ -162,7 +166,7 @@ fn residual(quantity: &str) -> Axis {
 /// The baseline's residuals along the covariate with which they go most clearly, and what the extension leaves of them.
 fn misfit(found: &SeaDiagnosis) -> Figure {
     let evidence = &found.evidence;
-    let worst = found.told.diagnosis.wrong.first().map_or("depth", |wrong| wrong.regime.as_str());
+    let worst = found.outcome.diagnosis.wrong.first().map_or("depth", |wrong| wrong.regime.as_str());
     let covariates = &evidence.covariates;
     let covariate = covariates.iter().find(|c| c.name == worst).or_else(|| covariates.first());
     let (name, values) = covariate.map_or(("time", &evidence.time_s), |c| (c.name, &c.values));
@@ -172,7 +176,7 @@ fn misfit(found: &SeaDiagnosis) -> Figure {
         for (leg, label) in [(1.0, "descents, baseline"), (-1.0, "ascents, baseline")] {
             let rows: Vec<usize> = quantity.rows.clone().filter(|row| evidence.leg[*row] == leg).collect();
             let xs = rows.iter().map(|row| shown(name, values[*row])).collect();
-            let ys = rows.iter().map(|row| found.told.before.residual[*row] * 1e3).collect();
+            let ys = rows.iter().map(|row| found.outcome.before.residual[*row] * 1e3).collect();
             panel = panel.layer(Layer::points(xs, ys).label(label));
         }
         figure = figure.panel(panel);
@@ -209,8 +213,8 @@ fn flown(found: &SeaDiagnosis) -> Figure {
         figure = figure.panel(
             Panel::new(residual(quantity.name))
                 .layer(Layer::at_y(0.0))
-                .layer(Layer::points(hours.clone(), of(&found.told.before.held_out)).label("baseline"))
-                .layer(Layer::points(hours.clone(), of(&found.told.after.held_out)).label("extension")),
+                .layer(Layer::points(hours.clone(), of(&found.outcome.before.held_out)).label("baseline"))
+                .layer(Layer::points(hours.clone(), of(&found.outcome.after.held_out)).label("extension")),
         );
     }
     figure.caption(format!(

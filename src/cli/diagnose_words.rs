@@ -1,7 +1,22 @@
 //! The words of a diagnosis, the same in the table and on the page.
 
-use crate::diagnose::{Check, Checked, Left, Verdict};
+use crate::diagnose::{Check, Checked, Empirical, Left, Verdict};
 use crate::estimate::Estimate;
+
+/// The table that the extension carries for what is unexplained.
+pub(super) fn table_without_cause(table: &Empirical) -> String {
+    let of = |values: &[f64]| values.iter().map(|value| format!("{value:.3}")).collect::<Vec<_>>().join(", ");
+    format!(
+        "empirical table, no cause: {} {} at {} {}; held-out {} {:.2} -> {:.2} mm/s",
+        words(table.acts_on),
+        of(&table.values),
+        words(table.against),
+        of(&table.at),
+        words(&table.gain.quantity),
+        table.gain.holdout_rms_before * 1e3,
+        table.gain.holdout_rms_after * 1e3
+    )
+}
 
 /// What is left of a quantity, relevant or not.
 pub(super) fn left_over(left: &Left) -> String {

@@ -6,7 +6,7 @@ use clap::Args;
 use glidepolar_archive::{Archive, Limits};
 
 use super::fmu::{Standard, packed};
-use super::{Changes, CliError};
+use super::{Changes, CliError, warn};
 use crate::fmu_archive::{PackError, Water, pack, starts_at_rest};
 use crate::input::{InputError, printable};
 use crate::output::{Replace, write_whole};
@@ -17,6 +17,7 @@ use crate::water::WaterColumn;
 #[command(after_help = "Examples:\n  \
     glidepolar export-fmu rogue -o Rogue.fmu\n  \
     glidepolar export-fmu my-glider.toml -o MyGlider.fmu --fmi 2 --water-column summer.csv\n  \
+    glidepolar export-fmu seaglider --3d -o Seaglider3D.fmu\n  \
     glidepolar export-fmu slocum-049 --set mechanisms.drag_growth_per_day=0.01 -o Fouled.fmu")]
 pub struct Arguments {
     /// Vehicle file, or the name of a built-in vehicle
@@ -27,6 +28,9 @@ pub struct Arguments {
     /// Version of the standard
     #[arg(long, value_enum, default_value = "3")]
     fmi: Standard,
+    /// The glider in six degrees of freedom: the vehicle file needs [lateral]
+    #[arg(long = "3d")]
+    space: bool,
     /// Table of density and temperature against depth that travels along (depth_m,density_kg_m3,temperature_C)
     #[arg(long, value_name = "FILE")]
     water_column: Option<PathBuf>,
@@ -54,10 +58,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     };
     let path = match &arguments.template {
         Some(path) => path.clone(),
-        None => packed(arguments.fmi)?,
+        None => packed(arguments.fmi, arguments.space)?,
     };
     let template = Archive::read(&path, &Limits::default()).map_err(|error| CliError::Usage(error.to_string()))?;
     let description = String::from_utf8_lossy(template.get("modelDescription.xml").unwrap_or_default()).into_owned();
+    let is_space = description.contains("modelName=\"UnderwaterGlider3D\"");
+    if is_space != arguments.space {
+        let (is, advice) = match is_space {
+            true => ("six degrees of freedom", "add --3d"),
+            false => ("the vertical plane", "leave --3d out"),
+        };
+        let path = path.display();
+        return Err(CliError::Usage(format!("{path} is the FMU of {is}; {advice}, or choose another --template")));
+    }
     if !description.contains(arguments.fmi.version()) {
         return Err(CliError::Usage(format!(
             "{} is no FMU of this version ({} expected); choose another --template or --fmi",
@@ -72,7 +85,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     })?;
     if starts_at_rest(&vehicle, water)? {
         let name = printable(&vehicle.name);
-        eprintln!("warning: {name} has no steady glide down within its limits: the FMU starts level and at rest");
+        warn([format!("{name} has no steady glide down within its limits: the FMU starts level and at rest")]);
     }
     let mut bytes = std::io::Cursor::new(Vec::new());
     packed.write_to(&mut bytes).map_err(|error| CliError::Failed(error.to_string()))?;

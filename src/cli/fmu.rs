@@ -16,6 +16,9 @@ pub struct Arguments {
     /// Version of the standard
     #[arg(long, value_enum, default_value = "3")]
     fmi: Standard,
+    /// The glider in six degrees of freedom
+    #[arg(long = "3d")]
+    space: bool,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -30,10 +33,12 @@ pub(super) enum Standard {
 
 impl Standard {
     /// The archive's name, as it is packed.
-    pub fn file(self) -> &'static str {
-        match self {
-            Standard::Fmi2 => "UnderwaterGlider_fmi2.fmu",
-            Standard::Fmi3 => "UnderwaterGlider.fmu",
+    pub fn file(self, space: bool) -> &'static str {
+        match (self, space) {
+            (Standard::Fmi2, false) => "UnderwaterGlider_fmi2.fmu",
+            (Standard::Fmi3, false) => "UnderwaterGlider.fmu",
+            (Standard::Fmi2, true) => "UnderwaterGlider3D_fmi2.fmu",
+            (Standard::Fmi3, true) => "UnderwaterGlider3D.fmu",
         }
     }
 
@@ -47,16 +52,16 @@ impl Standard {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
-    println!("{}", packed(arguments.fmi)?.display());
+    println!("{}", packed(arguments.fmi, arguments.space)?.display());
     Ok(())
 }
 
-/// The packed archive of a standard: beside the installed program, or in a checkout's target folder.
+/// The packed archive of a standard, of the glider in the plane or in space: beside the installed program, or in a checkout's target folder.
 ///
 /// # Errors
 /// Where there is none; the message says where it was looked for.
-pub(super) fn packed(standard: Standard) -> Result<PathBuf, CliError> {
-    let name = standard.file();
+pub(super) fn packed(standard: Standard, space: bool) -> Result<PathBuf, CliError> {
+    let name = standard.file(space);
     let mut places: Vec<PathBuf> = Vec::new();
     if let Some(beside) = std::env::current_exe().ok().as_deref().and_then(Path::parent) {
         // target/release/glidepolar stands beside target/fmu, an installed program's folder beside its share.

@@ -200,6 +200,7 @@ fn coefficients(parameters: &Parameters<f64>, water: &Surroundings<f64>, polars:
         time_s: water.time_s,
         roll_rad: 0.0,
         rudder_rad: 0.0,
+        empirical: parameters.empirical(water),
     };
     let pressure = 0.5 * water.density_kg_m3 * speed * speed;
     let at = |angle_deg: f64| {

@@ -4,11 +4,14 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::reading::{Log, Reading};
-use super::{CliError, Output, identify_page, identify_write, vehicle_input, warn};
-use crate::identify::{Given, Identification, IdentifyError, Report, Request, Trim, Unsteady, identify, paper_form};
+use super::reading::Reading;
+use super::{CliError, Output, identify_page, identify_write, log_vehicle, vehicle_input, warn};
+use crate::identify::{
+    ExternalValue, Given, Identification, IdentifyError, Report, Request, Trim, Unsteady, identify, paper_form,
+};
 use crate::log::Shorten;
 use crate::output::OutputFolder;
+use crate::reading::PreparedLog;
 use crate::report::{InputFile, Report as Page};
 use crate::vehicle::Vehicle;
 use glidepolar_turning::{ByLeg, Turning, turning};
@@ -26,7 +29,7 @@ pub struct Arguments {
     /// Flight logs; several files are one log, in this order
     #[arg(required = true, value_name = "LOG")]
     logs: Vec<PathBuf>,
-    /// Vehicle file or name of a built-in vehicle
+    /// Vehicle file, name of a built-in vehicle, or from-file: what the log's own files state (Seaglider)
     #[arg(long, value_name = "VEHICLE")]
     vehicle: String,
     #[command(flatten)]
@@ -86,11 +89,12 @@ impl TrimChoice {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
-    let vehicle = Vehicle::load(&arguments.vehicle)?;
+    let vehicle = log_vehicle::load(&arguments.vehicle, &arguments.logs)?;
     let how = if arguments.unsteady { Shorten::Dives } else { Shorten::Means };
     let mut log = arguments.reading.read_shortened(&arguments.logs, &vehicle, how)?;
     let vehicle = log.located(vehicle)?;
     let mut warnings = log.corrected(&vehicle)?;
+    warnings.extend(log.calibration.iter().flat_map(|own| log_vehicle::contradictions(&vehicle, own)));
     let trim = TrimChoice::of(arguments.trim, &vehicle);
     if arguments.method == Method::Iterative {
         return iterative(arguments, &vehicle, log, warnings, trim);
@@ -106,9 +110,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     }
     let request = Request { trim, free: arguments.free.clone(), pin: pins(&arguments.pin)?, unsteady };
     let steady = log.steady_share();
-    let found = identify(&vehicle, &log.observations, &request)?;
+    // What contradicts the vehicle may be why nothing can be fitted.
+    let found = identify(&vehicle, &log.observations, &request).inspect_err(|_| warn(&warnings))?;
     let mut report = found.report(&vehicle, log.w_filter, log.notes);
     warnings.append(&mut report.warnings);
+    warnings.extend(other_lift_slope(&vehicle, &report));
     report.warnings = warnings;
     report.turning = turning(&log.observations);
     if let Some(turning) = &report.turning {
@@ -125,12 +131,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if arguments.output.shows_tables() {
         println!("{steady}");
         print(&report, &found);
-        identify_write::print_for_seagliders(&vehicle, &found, &report);
+        identify_write::print_for_seagliders(&vehicle, &found, &report, log.calibration.as_ref());
     }
     warn(&report.warnings);
     if let Some(out) = &arguments.out {
         let mut folder = arguments.output.folder(out)?;
-        let page = identify_page::of_joint(&vehicle, &found, &report, &log.observations, &mut folder)?;
+        let page = identify_page::of_joint(
+            &vehicle,
+            &found,
+            &report,
+            &log.observations,
+            log.calibration.as_ref(),
+            &mut folder,
+        )?;
         write_page(arguments, page, folder)?;
     }
     if let Some((path, identified)) = &identified {
@@ -139,15 +152,36 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     arguments.output.write_json(&report)
 }
 
+/// Standard errors from which on the log contradicts the vehicle's own lift slope: by chance in 3 logs of 1000.
+const CONTRADICTS_SE: f64 = 3.0;
+
+/// Whether the lift slope that was fitted is another than the vehicle's own.
+fn other_lift_slope(vehicle: &Vehicle, report: &Report) -> Option<String> {
+    let fitted = report.parameters.get("a")?.as_ref().filter(|_| !report.pinned.contains_key("a"))?;
+    let keys = ["hydro.descent.a_per_rad", "hydro.a_per_rad"];
+    let own = keys.iter().find_map(|key| vehicle.get(key))?;
+    let own_se = keys.iter().find_map(|key| vehicle.uncertainty.get(*key)).copied().unwrap_or(0.0);
+    let apart = (fitted.value - own).abs() / fitted.se.hypot(own_se);
+    (apart > CONTRADICTS_SE).then(|| {
+        format!(
+            "the log contradicts the lift slope of `{}`: {} +- {} per rad fitted, {} in the vehicle, {apart:.0} standard errors apart; another glider, a changed hull, or a wrong speed or density",
+            vehicle.name,
+            figure(fitted.value),
+            figure(fitted.se),
+            figure(own)
+        )
+    })
+}
+
 /// The tank paper's scheme, from the vehicle's coefficients and from half and double its lift slope.
 fn iterative(
     arguments: &Arguments,
     vehicle: &Vehicle,
-    log: Log,
+    log: PreparedLog,
     warnings: Vec<String>,
     trim: Trim,
 ) -> Result<(), CliError> {
-    let Log { observations, w_filter, notes, .. } = log;
+    let PreparedLog { observations, w_filter, notes, .. } = log;
     let Some(mut report) = paper_form::iterative(vehicle, trim, &observations, w_filter, notes) else {
         return Err(CliError::Failed("the scheme has no solution for any leg: weight, pitch and sink rate contradict each other; is the trim right?".into()));
     };
@@ -205,17 +239,7 @@ fn pins(texts: &[String]) -> Result<Vec<Given>, CliError> {
 
 fn pin(text: &str) -> Option<Given> {
     let (name, figure) = text.split_once('=')?;
-    let (value, se) = with_error(figure)?;
-    Some(Given { name: name.to_owned(), value, se })
-}
-
-/// `VALUE` or `VALUE+-SE`.
-pub(super) fn with_error(text: &str) -> Option<(f64, Option<f64>)> {
-    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|value| value.is_finite());
-    match text.split_once("+-") {
-        Some((value, se)) => Some((number(value)?, Some(number(se).filter(|&se| se > 0.0)?))),
-        None => Some((number(text)?, None)),
-    }
+    Some(Given { name: name.to_owned(), known: ExternalValue::parse(figure)? })
 }
 
 impl From<IdentifyError> for CliError {

@@ -4,7 +4,7 @@ use crate::dynamics::Parameters;
 use crate::identify::identifiability::ProfilePoint;
 use crate::identify::polar_points::PolarPoint;
 use crate::identify::{Dive, Residual, residuals};
-use crate::report::{Axis, Dash, Figure, Layer, Panel};
+use crate::report::{Axis, Dash, Figure, Layer, Panel, Section};
 
 /// Points of a cloud that are drawn at most.
 const MOST_POINTS: usize = 4000;
@@ -30,6 +30,37 @@ pub(super) fn legs(p: &Parameters<f64>) -> [Leg; 2] {
             c: p.c_per_rad2 * p.ascent_c_ratio * p.climb_dive_drag_ratio,
         },
     ]
+}
+
+/// Depth, pitch and vertical velocity against time, measured and by the fitted glide.
+pub(super) fn time_series(parameters: &Parameters<f64>, dives: &[Dive]) -> Figure {
+    let samples: usize = dives.iter().map(|dive| dive.observations.len()).sum();
+    let every = samples.div_ceil(MOST_POINTS).max(1);
+    let first_s = dives.iter().flat_map(|dive| &dive.observations).map(|o| o.time_s).fold(f64::INFINITY, f64::min);
+    let (mut time, mut depth, mut pitch, mut measured, mut modelled) = (vec![], vec![], vec![], vec![], vec![]);
+    for dive in dives {
+        for (o, r) in dive.observations.iter().zip(residuals(parameters, &dive.observations)).step_by(every) {
+            time.push((o.time_s - first_s) / 3600.0);
+            depth.push(o.pressure_dbar);
+            pitch.push(o.pitch_rad.to_degrees());
+            measured.push(-o.sink_m_s);
+            modelled.push(r.sink_m_s - o.sink_m_s);
+        }
+    }
+    let points = |ys: Vec<f64>, label: &str| Layer::points(time.clone(), ys).label(label);
+    Figure::new("time-series", Axis::new("Time", "t", "h"))
+        .panel(Panel::new(Axis::new("Pressure", "p", "dbar").reversed()).layer(points(depth, "measured")))
+        .panel(Panel::new(Axis::new("Pitch", "θ", "deg")).layer(points(pitch, "measured")))
+        .panel(
+            Panel::new(Axis::new("Upwards", "w", "m/s"))
+                .layer(points(measured, "measured"))
+                .layer(points(modelled, "modelled")),
+        )
+        .caption(if every == 1 {
+            "Samples on legs against time from the first of them; the vertical velocity of the fitted glide beside the measured one.".to_owned()
+        } else {
+            format!("Every {every}th sample on legs against time from the first of them; the vertical velocity of the fitted glide beside the measured one.")
+        })
 }
 
 /// Figures 11 and 12: path angle and speed against pitch.
@@ -75,6 +106,69 @@ pub(super) fn coefficients(points: &[PolarPoint], parameters: &Parameters<f64>) 
         .panel(lift)
         .caption("Drag and lift coefficient of each glide on the frontal area, from its own balance of forces with the model's angle of attack, and the fitted b + cα² and aα at the reference speed (the tank paper's Figures 13 and 14).")
 }
+
+/// Dives that are drawn at most.
+const MOST_DIVES: usize = 8;
+
+/// Longest time between two samples over which the modelled depth is carried on \[s\]; beyond it begins anew.
+const LONGEST_STEP_S: f64 = 120.0;
+
+/// Depth and vertical velocity, measured and modelled, over the time of each dive: the first dives, the last, and others
+/// evenly between.
+pub(super) fn dives_over_time(parameters: &Parameters<f64>, dives: &[Dive]) -> Option<Section> {
+    let flown: Vec<&Dive> = dives.iter().filter(|dive| dive.observations.len() > 2).collect();
+    let shown = flown.len().min(MOST_DIVES);
+    let last = flown.len().checked_sub(1)?;
+    let indices = (0..shown).map(|i| if shown > 1 { i * last / (shown - 1) } else { 0 });
+    let title = if shown < flown.len() {
+        format!("Measured and modelled, {shown} of {} dives", flown.len())
+    } else {
+        "Measured and modelled, dive by dive".to_owned()
+    };
+    let section = Section::new(title).text(
+        "The modelled depth is the sum of the modelled velocities from where each leg's steady samples begin. What it misses at the leg's end is the mean error of its vertical velocity times its duration.",
+    );
+    Some(indices.fold(section, |section, index| section.figure(dive_over_time(parameters, flown[index], index))))
+}
+
+fn dive_over_time(parameters: &Parameters<f64>, dive: &Dive, index: usize) -> Figure {
+    let found = residuals(parameters, &dive.observations);
+    let begin_s = dive.observations[0].time_s;
+    let every = dive.observations.len().div_ceil(MOST_POINTS / 4).max(1);
+    // Time, depth measured and modelled, downward velocity measured and modelled.
+    let mut columns: [Vec<f64>; 5] = Default::default();
+    let mut before: Option<(f64, u32, f64)> = None;
+    let mut depth = f64::NAN;
+    for (i, (o, residual)) in dive.observations.iter().zip(&found).enumerate() {
+        let modelled_m_s = o.sink_m_s - residual.sink_m_s;
+        let step = before.filter(|(time_s, leg, _)| *leg == o.leg && o.time_s - time_s < LONGEST_STEP_S);
+        depth = match step {
+            Some((time_s, _, velocity)) if modelled_m_s.is_finite() => {
+                depth + 0.5 * (velocity + modelled_m_s) * (o.time_s - time_s) * DBAR_PER_M
+            }
+            _ => o.pressure_dbar,
+        };
+        before = modelled_m_s.is_finite().then_some((o.time_s, o.leg, modelled_m_s));
+        if i % every == 0 {
+            let row = [(o.time_s - begin_s) / 60.0, o.pressure_dbar, depth, o.sink_m_s * 100.0, modelled_m_s * 100.0];
+            columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
+        }
+    }
+    let [time, measured, modelled, sink, sink_modelled] = columns;
+    let both = |measured: Vec<f64>, modelled: Vec<f64>| {
+        [
+            Layer::points(time.clone(), measured).label("measured"),
+            Layer::points(time.clone(), modelled).label("modelled"),
+        ]
+    };
+    Figure::new(format!("dive-{}", index + 1), Axis::new("Time since the first steady sample", "t", "min"))
+        .panel(Panel::new(Axis::new("Pressure", "p", "dbar").reversed()).layers(both(measured, modelled)))
+        .panel(Panel::new(Axis::new("Downward velocity", "w", "cm/s")).layers(both(sink, sink_modelled)))
+        .caption(format!("Dive {} of the log, steady samples.", index + 1))
+}
+
+/// 1 m of sea water of 1025 kg/m3 \[dbar/m\].
+const DBAR_PER_M: f64 = 1.0055;
 
 /// Residuals of the vertical velocity against time and against pressure.
 pub(super) fn residual_clouds(parameters: &Parameters<f64>, dives: &[Dive]) -> Vec<Figure> {

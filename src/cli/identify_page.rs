@@ -6,12 +6,12 @@ use crate::identify::paper_form::IterativeReport;
 use crate::identify::pitch_balance::{PitchBalance, predicted_pitch_rad};
 use crate::identify::polar_points::{PolarPoint, polar_points};
 use crate::identify::{Dive, Identification, Report, residuals};
-use crate::log::Observation;
+use crate::log::{Calibration, Observation};
 use crate::output::{OutputError, OutputFolder};
 use crate::report::{Cell, Report as Page, Section, Table, significant};
 use crate::vehicle::Vehicle;
 
-use super::identify_figures as figures;
+use super::{identify_figures as figures, identify_write};
 
 /// Standard errors on either side over which a profile is taken, and its points.
 const PROFILE_AT_SE: [f64; 9] = [-3.0, -2.25, -1.5, -0.75, 0.0, 0.75, 1.5, 2.25, 3.0];
@@ -22,6 +22,7 @@ pub(super) fn of_joint(
     found: &Identification,
     report: &Report,
     observations: &[Observation],
+    calibration: Option<&Calibration>,
     folder: &mut OutputFolder,
 ) -> Result<Page, OutputError> {
     let parameters = &found.best_fit().parameters;
@@ -33,6 +34,7 @@ pub(super) fn of_joint(
 
     let mut page = Page::new("Identification", format!("{}, {} glides", vehicle.name, report.n_glides));
     page.warnings.extend(report.warnings.iter().cloned());
+    page.findings.extend(answers(parameters, &points));
     page.findings.extend(findings(report));
     let mut profiles = Section::new("What the data tell, and what they do not")
         .figure(figures::lift_slope_profile(&found.profile))
@@ -49,6 +51,11 @@ pub(super) fn of_joint(
         }
     }
     let clouds = figures::residual_clouds(&found.fit.parameters, &found.dives);
+    page = figures::dives_over_time(parameters, &found.dives)
+        .into_iter()
+        .fold(page.section(pilots_constants(vehicle, found, report, calibration)), |page, section| {
+            page.section(section)
+        });
     page = page
         .section(Section::new("Parameters").table(parameter_table(report)).table(correlation_table(report)))
         .section(
@@ -56,6 +63,7 @@ pub(super) fn of_joint(
                 .figure(figures::path_and_speed(&points))
                 .figure(figures::coefficients(&points, parameters)),
         )
+        .section(Section::new("Through time").figure(figures::time_series(&found.best_fit().parameters, &found.dives)))
         .section(profiles)
         .section(clouds.into_iter().fold(Section::new("Residuals"), Section::figure).table(quality_table(report)));
     if let Some(balance) = &found.pitch_balance {
@@ -101,6 +109,56 @@ pub(super) fn of_iterative(
                 .figure(figures::coefficients(&points, &report.solved)),
         )
         .section(Section::new("Glide by glide").folded().table(glide_table(&points))))
+}
+
+/// What a pilot asks first: how far, how slowly, and how fast as usual.
+fn answers(parameters: &Parameters<f64>, points: &[PolarPoint]) -> Vec<String> {
+    let mut answers = Vec::new();
+    for (descends, leg) in [(true, "descents"), (false, "ascents")] {
+        let own: Vec<&PolarPoint> = points.iter().filter(|point| point.descends() == descends).collect();
+        if own.is_empty() {
+            continue;
+        }
+        let mean = |of: fn(&PolarPoint) -> f64| own.iter().map(|point| of(point)).sum::<f64>() / own.len() as f64;
+        answers.push(format!(
+            "On {leg} at the usual pitch of {} deg: {} m/s through the water, {} m/s vertically, {} deg angle of attack.",
+            significant(mean(|p| p.glide.pitch_rad).to_degrees(), 3),
+            significant(mean(|p| p.speed_m_s), 3),
+            significant(mean(|p| p.glide.sink_m_s.abs()), 3),
+            significant(mean(|p| p.angle_of_attack_rad.abs()).to_degrees(), 2)
+        ));
+    }
+    /// Net mass at which the best glide is stated \[kg\]; it hardly depends on it.
+    const NET_MASS_KG: f64 = 0.15;
+    if let Some((pitch_deg, ratio)) = super::compare::best_glide(parameters, NET_MASS_KG) {
+        answers.push(format!(
+            "Best glide: {} m forward for each metre of depth, at a pitch of {} deg down.",
+            significant(ratio, 3),
+            significant(pitch_deg, 3)
+        ));
+    }
+    answers
+}
+
+/// What a Seaglider's pilot types in; an empty section for others.
+fn pilots_constants(
+    vehicle: &Vehicle,
+    found: &Identification,
+    report: &Report,
+    calibration: Option<&Calibration>,
+) -> Section {
+    let lines = identify_write::for_seagliders(vehicle, found, report, calibration);
+    let mut table = Table::new(
+        "The basestation's constants, with standard errors. VOLMAX or C_VBD, not both: they correct the same offset. As such they are given with --vehicle from-file.",
+        ["Constant", "Value", "Standard error", "Unit"],
+    );
+    if lines.is_empty() {
+        return Section::new("For the pilot").text("Best glide and usual speeds stand above; `glidepolar plan` and `glidepolar track` take the vehicle that --write writes.");
+    }
+    for line in lines {
+        table.push(line.map(Cell::from));
+    }
+    Section::new("For the pilot: constants to type in").table(table)
 }
 
 fn findings(report: &Report) -> Vec<String> {

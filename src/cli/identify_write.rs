@@ -6,6 +6,7 @@ use super::CliError;
 use crate::dynamics::{PARAMETERS, Parameters};
 use crate::identify::names::{long_name, short_name};
 use crate::identify::{Fit, Identification, Report};
+use crate::log::Calibration;
 use crate::vehicle::Vehicle;
 
 /// Where a vehicle file states what a fit calls by another name.
@@ -108,32 +109,86 @@ struct Constant {
 
 /// Prints the figures in the constants of a Seaglider's pilot, where the vehicle is one: those of the basestation's model,
 /// lift `q l^2 hd_a alpha`, drag `q l^2 (hd_b q^hd_s + hd_c alpha^2)`, `q` the dynamic pressure \[Pa\], `alpha` in degrees.
-pub(super) fn print_for_seagliders(vehicle: &Vehicle, found: &Identification, report: &Report) {
-    if !vehicle.name.to_lowercase().contains("seaglider") {
+pub(super) fn print_for_seagliders(
+    vehicle: &Vehicle,
+    found: &Identification,
+    report: &Report,
+    calibration: Option<&Calibration>,
+) {
+    let lines = for_seagliders(vehicle, found, report, calibration);
+    if lines.is_empty() {
         return;
     }
     println!();
     println!("as a Seaglider's pilot types it in (+- standard error):");
-    for constant in constants(&found.best_fit().parameters, report) {
-        let (value, se) = (digits(constant.value), digits(constant.se));
-        println!("  {:<14} {value:>12} +- {se:<11} {}", constant.name, constant.unit);
+    for [name, value, se, unit] in lines {
+        println!("  {name:<14} {value:>12} +- {se:<11} {unit}");
     }
     println!("  VOLMAX or C_VBD, not both: they correct the same offset.");
 }
 
-fn constants(p: &Parameters<f64>, report: &Report) -> Vec<Constant> {
+/// Name, value, standard error and unit of each constant; none where the vehicle is no Seaglider.
+pub(super) fn for_seagliders(
+    vehicle: &Vehicle,
+    found: &Identification,
+    report: &Report,
+    calibration: Option<&Calibration>,
+) -> Vec<[String; 4]> {
+    if !vehicle.name.to_lowercase().contains("seaglider") {
+        return Vec::new();
+    }
+    let p = &found.best_fit().parameters;
+    let own = calibration.filter(|own| is_described_by(vehicle, own));
+    let all =
+        constants(p, report, calibration).into_iter().chain(own.into_iter().flat_map(|own| absolute(p, report, own)));
+    let line = |c: Constant| [c.name.to_owned(), digits(c.value), digits(c.se), c.unit.to_owned()];
+    all.map(line).collect()
+}
+
+/// Whether the vehicle has the mass and the volume of the files: then the offset counts from these.
+fn is_described_by(vehicle: &Vehicle, own: &Calibration) -> bool {
+    let same = |path: &str, value: Option<f64>| {
+        value.zip(vehicle.get(path)).is_some_and(|(own, here)| (own - here).abs() <= 1e-9 * own.abs())
+    };
+    let volume = own.neutral_volume_m3().map(|volume| volume - own.vbd_bias_cc.unwrap_or(0.0) * 1e-6);
+    same("mass.mass_kg", own.mass_kg) && same("mass.displaced_volume_m3", volume)
+}
+
+/// `VOLMAX` and `C_VBD` as such: the largest volume that explains the fitted weight, and the counts at which the glider is
+/// neutral in the water of `RHO`.
+fn absolute(p: &Parameters<f64>, report: &Report, own: &Calibration) -> Vec<Constant> {
+    let Some(Some(offset)) = report.parameters.get("ballast_offset_kg") else { return Vec::new() };
+    let cc_per_kg = 1e6 / p.reference_density_kg_m3;
+    let mut found = Vec::new();
+    if let Some(volmax_m3) = own.volmax_m3 {
+        let value = volmax_m3 * 1e6 - offset.value * cc_per_kg;
+        found.push(Constant { name: "VOLMAX", value, se: offset.se * cc_per_kg, unit: "cc" });
+    }
+    let neutral = || {
+        let heavy_kg = own.mass_kg? + offset.value - own.neutral_volume_m3()? * own.log_rho_kg_m3?;
+        let counts_per_kg = 1e6 / own.log_rho_kg_m3? / own.vbd_cc_per_count?;
+        let value = own.c_vbd_counts? + heavy_kg * counts_per_kg;
+        Some(Constant { name: "C_VBD", value, se: (offset.se * counts_per_kg).abs(), unit: "counts, neutral in RHO" })
+    };
+    found.extend(neutral());
+    found
+}
+
+fn constants(p: &Parameters<f64>, report: &Report, own: Option<&Calibration>) -> Vec<Constant> {
     let per_l2 = p.frontal_area_m2 / (p.length_m * p.length_m);
     let degree = PI / 180.0;
     let reference_Pa = 0.5 * p.reference_density_kg_m3 * REFERENCE_SPEED_M_S * REFERENCE_SPEED_M_S;
-    // A glider that is heavier by so much displaces so much less; in counts by the nominal -0.245296 cc a count.
-    const CC_PER_COUNT: f64 = -0.245_296;
+    // A glider that is heavier by so much displaces so much less; in counts by the files' own cc a count, else the nominal.
+    const NOMINAL_CC_PER_COUNT: f64 = -0.245_296;
+    let own_count = own.and_then(|own| own.vbd_cc_per_count).filter(|count| count.abs() > 1e-3);
+    let count_unit = if own_count.is_some() { "counts" } else { "counts, at -0.245296 cc a count" };
     let cc_per_kg = 1e6 / p.reference_density_kg_m3;
     [
         ("a", "HD_A", per_l2 * degree, "per deg"),
         ("b", "HD_B", per_l2 * reference_Pa.powf(-p.drag_exponent), "Pa^(1/4)"),
         ("c", "HD_C", per_l2 * degree * degree, "per deg^2"),
         ("ballast_offset_kg", "VOLMAX change", -cc_per_kg, "cc"),
-        ("ballast_offset_kg", "C_VBD change", cc_per_kg / CC_PER_COUNT, "counts, at -0.245296 cc a count"),
+        ("ballast_offset_kg", "C_VBD change", cc_per_kg / own_count.unwrap_or(NOMINAL_CC_PER_COUNT), count_unit),
     ]
     .into_iter()
     .filter_map(|(row, name, factor, unit)| {

@@ -47,6 +47,27 @@ pub(super) struct Frame<'a> {
     pub output: &'a Output,
 }
 
+impl Frame<'_> {
+    /// Writes the tables of a flown mission (time history, log, fixes) and, where a folder is given, its page: none of
+    /// them where one of the tables may not be written.
+    pub fn write(
+        &self,
+        arguments: &MissionArguments,
+        [history, log, fixes]: [Option<String>; 3],
+        page: impl FnOnce(&Path) -> Result<(), CliError>,
+    ) -> Result<(), CliError> {
+        let tables = [self.csv.zip(history), arguments.log.as_deref().zip(log), arguments.fixes.as_deref().zip(fixes)];
+        for (path, table) in tables.iter().flatten() {
+            self.output.check(path, table.as_bytes())?;
+        }
+        arguments.out.as_deref().map_or(Ok(()), page)?;
+        for (path, table) in tables.iter().flatten() {
+            self.output.write(path, table.as_bytes())?;
+        }
+        Ok(())
+    }
+}
+
 pub(super) fn run(
     vehicle: &Vehicle,
     file: &Path,
@@ -67,23 +88,12 @@ pub(super) fn run(
         true
     })?;
     tables.last_fix();
-    let tables = [
-        frame.csv.zip(tables.history),
-        arguments.log.as_deref().zip(tables.log),
-        arguments.fixes.as_deref().zip(tables.fixes),
-    ];
-    for (path, table) in tables.iter().flatten() {
-        frame.output.check(path, table.as_bytes())?;
-    }
-    if let Some(folder) = &arguments.out {
+    frame.write(arguments, [tables.history, tables.log, tables.fixes], |folder| {
         let mut folder = frame.output.folder(folder)?;
         folder.add("legs.csv", legs_table(&flight.legs))?;
         let input = InputFile::read(file)?;
-        mission_page::page(&vehicle.name, &mission, &flight, &trace, input).write(folder)?;
-    }
-    for (path, table) in tables.iter().flatten() {
-        frame.output.write(path, table.as_bytes())?;
-    }
+        Ok(mission_page::page(&vehicle.name, &mission, &flight, &trace, input).write(folder)?)
+    })?;
     let report = Report::new(vehicle, &mission, &flight);
     if frame.output.shows_tables() {
         report.print();

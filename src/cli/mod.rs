@@ -29,6 +29,7 @@ pub mod identify;
 mod identify_figures;
 mod identify_page;
 mod identify_write;
+mod log_vehicle;
 mod mission;
 mod mission_page;
 pub mod plan;
@@ -36,6 +37,8 @@ mod plan_page;
 mod plan_tables;
 pub mod reading;
 pub mod simulate;
+mod space;
+mod space_page;
 mod sweep;
 mod table;
 pub mod track;
@@ -134,6 +137,7 @@ pub fn water_density(density_kg_m3: Option<f64>) -> Result<Option<f64>, CliError
 /// # Errors
 /// Where the vehicle file cannot be read.
 pub fn vehicle_input(name_or_file: &str) -> Result<InputFile, CliError> {
+    let name_or_file = if name_or_file == log_vehicle::FROM_FILE { "seaglider" } else { name_or_file };
     match crate::vehicle::builtin::text(name_or_file) {
         Some(text) => Ok(InputFile::of(format!("built-in vehicle {name_or_file}"), text.as_bytes())),
         None => Ok(InputFile::read(name_or_file)?),

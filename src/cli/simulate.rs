@@ -7,11 +7,15 @@ use serde::Serialize;
 
 use super::history_page::History;
 use super::mission::{self, Frame, MissionArguments};
-use super::{Changes, CliError, Output, sweep, vehicle_input};
+use super::{Changes, CliError, Output, space, sweep, vehicle_input};
 use crate::dynamics::Actuation;
 use crate::input::InputError;
 use crate::report::InputFile;
+use crate::simulate::space::Origin;
 use crate::simulate::{COLUMNS, Row, Schedule, Settings, fly};
+use crate::spatial::Steering;
+use crate::spatial::steering::with_gains;
+use crate::vehicle::Vehicle;
 
 /// More rows than this are a slip of the keyboard.
 const MAX_ROWS: f64 = 1e8;
@@ -28,6 +32,7 @@ const INTERVAL_S: f64 = 1.0;
     glidepolar simulate slocum-graver --stop 1000 --csv history.csv\n  \
     glidepolar simulate my-glider.toml --inputs commands.csv --stop 3600 --interval 10 --csv history.csv\n  \
     glidepolar simulate slocum-049 --mission missions/rising-seabed.toml --out voyage/\n  \
+    glidepolar simulate slocum-049 --3d --mission missions/lawn-mower.toml --out survey/\n  \
     glidepolar simulate slocum-graver --sweep variants.csv --stop 1000 --csv results.csv\n  \
     glidepolar simulate --mission-keys\n\n\
     A mission says how deep, at which pitch and with how much ballast, when to surface, and what seabed and water the\n\
@@ -40,11 +45,17 @@ pub struct Arguments {
     vehicle: Option<String>,
     #[command(flatten)]
     mission: MissionArguments,
+    /// Fly in six degrees of freedom: the glider rolls, slips and turns; a mission may have waypoints
+    #[arg(long = "3d")]
+    space: bool,
+    /// Who steers without a mission (--3d): commands, or heading_command_rad by rudder or roll mass
+    #[arg(long, value_enum, default_value = "direct", requires = "space")]
+    steering: Steers,
     /// Inputs against time (CSV)
     #[arg(long, value_name = "FILE")]
     inputs: Option<PathBuf>,
     /// Fly many variants at once: a table of parameters (CSV), a row for each
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["mission", "out"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["mission", "out", "space"])]
     sweep: Option<PathBuf>,
     #[command(flatten)]
     changes: Changes,
@@ -65,6 +76,23 @@ pub struct Arguments {
     csv: Option<PathBuf>,
     #[command(flatten)]
     output: Output,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum Steers {
+    Direct,
+    Rudder,
+    RollMass,
+}
+
+impl From<Steers> for Steering {
+    fn from(steers: Steers) -> Self {
+        match steers {
+            Steers::Direct => Steering::Direct,
+            Steers::Rudder => Steering::HeadingByRudder,
+            Steers::RollMass => Steering::HeadingByRollMass,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
@@ -99,9 +127,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
             csv: arguments.csv.as_deref(),
             output: &arguments.output,
         };
-        return mission::run(&arguments.changes.load(name)?, file, &arguments.mission, &frame);
+        let vehicle = arguments.changes.load(name)?;
+        return match arguments.space {
+            true => space::mission(&vehicle, file, &arguments.mission, &frame),
+            false => mission::run(&vehicle, file, &arguments.mission, &frame),
+        };
     }
     let vehicle = arguments.changes.load(name)?;
+    if arguments.space {
+        return in_space(arguments, &vehicle, &settings);
+    }
     let parameters = vehicle.parameters()?;
     let schedule = match &arguments.inputs {
         None => Schedule::default(),
@@ -146,6 +181,23 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         summary.print();
     }
     arguments.output.write_json(&summary)
+}
+
+fn in_space(arguments: &Arguments, vehicle: &Vehicle, settings: &Settings) -> Result<(), CliError> {
+    if settings.actuation != Actuation::Servo {
+        return Err(CliError::Usage("--3d knows servos only: leave --actuation out".to_owned()));
+    }
+    let body = with_gains(&vehicle.body()?);
+    let in_space = crate::simulate::space::Settings {
+        steering: arguments.steering.into(),
+        stop_s: settings.stop_s,
+        interval_s: settings.interval_s,
+        tolerance: settings.tolerance,
+        origin: Origin::default(),
+    };
+    let input = vehicle_input(arguments.vehicle.as_deref().unwrap_or_default())?;
+    let places = (arguments.mission.out.as_deref(), input, &arguments.output);
+    space::history(&vehicle.name, &body, arguments.inputs.as_deref(), &in_space, arguments.csv.as_deref(), places)
 }
 
 fn settings(arguments: &Arguments) -> Result<Settings, CliError> {

@@ -6,14 +6,15 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
-use super::reading::{Gathering, columns, no_rows, settings};
+use super::reading::columns;
 use super::table::for_each_row;
 use super::track_page::{self, Remarks};
-use super::{CliError, Output, vehicle_input, warn};
+use super::{CliError, Output, log_vehicle, vehicle_input, warn, water_density};
 use crate::diagnose::sea::consistency::DensityError;
 use crate::dynamics::Parameters;
 use crate::input::{InputError, Place};
 use crate::log::{CHANNELS, Channel, DBAR_PA, FlightLog, LogFiles, Piece, Shorten, in_situ_density_kg_m3};
+use crate::reading::{Gathering, no_rows, settings};
 use crate::report::InputFile;
 use crate::track::comparison::{self, Comparison, Stored};
 use crate::track::{DiveTrack, Drift, Fix, Sample, Settings, Track, reckon};
@@ -107,7 +108,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         }
     }
     let Read { log, vehicle, mut warnings, density_error, fixes: own_fixes, declination_deg } =
-        read(a, Vehicle::load(&a.vehicle)?)?;
+        read(a, log_vehicle::load(&a.vehicle, &a.logs)?)?;
     let declination_deg = a.declination_deg.or(declination_deg).unwrap_or(0.0);
     let samples = samples(a, &log, density_error)?;
     let moved: Vec<Parameters<f64>> = vehicle
@@ -209,7 +210,7 @@ struct Read {
 fn read(a: &Arguments, vehicle: Vehicle) -> Result<Read, CliError> {
     let columns = columns(&a.column, &a.unit, &a.cache, None)?;
     let mut log = FlightLog::default();
-    let mut gathering = Gathering::new(settings(&vehicle, a.density)?, Shorten::Means);
+    let mut gathering = Gathering::new(settings(&vehicle, water_density(a.density)?), Shorten::Means);
     let mut files = LogFiles::open(&a.logs, &columns)?;
     while let Some(piece) = files.next_piece(PIECE_ROWS)? {
         match piece {

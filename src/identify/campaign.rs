@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::consider_parameters::{carry, doubts_of};
-use super::considered::{Carried, Doubt};
+use super::consider_parameters::{considered_of, propagate};
+use super::considered::{Considered, Propagated};
 use super::data::{Dive, by_dive};
-use super::external_values::{Pin, doubts, from_outside, other_than_built_up};
+use super::external_values::{ExternalValue, Pin, considered, from_outside, other_than_built_up};
 use super::holdout::hold_out;
 use super::identifiability::{ProfilePoint, is_identified, profile};
 use super::inflections::{Inflections, UNSTEADY_ONLY, Unsteady, inflections};
@@ -43,10 +43,8 @@ pub struct Request {
 pub struct Given {
     /// Its name, short or long.
     pub name: String,
-    /// Its value.
-    pub value: f64,
-    /// Standard error of that value; without one it is taken for exact, and the report says so.
-    pub se: Option<f64>,
+    /// Its value; one without a standard error is taken for exact, and the report says so.
+    pub known: ExternalValue,
 }
 
 /// The result.
@@ -137,7 +135,7 @@ pub fn identify(
         return Err(IdentifyError::NeedsUnsteady((*name).to_owned()));
     }
 
-    for Given { name, value, se } in &request.pin {
+    for Given { name, known: ExternalValue { value, se } } in &request.pin {
         let row = parameter_index(long_name(name)).ok_or_else(|| IdentifyError::UnknownParameter(name.clone()))?;
         *baseline.at(row) = *value;
         free.retain(|free| *free != PARAMETERS[row].name);
@@ -175,17 +173,17 @@ pub fn identify(
         }
     }
 
-    // Parameters that the data do not tell are pinned, the worst first, until all that are left can be told.
+    // Parameters that the data cannot identify are pinned, the worst first, until all that are left are identified.
     let mut question = Question::new(baseline, &free)?;
     let mut fitted = fit(&question, &mut dives)?;
     if let Some(few) = speeds.worth(&fitted.tally.speed).too_few(dives.len()) {
         return without_speed(vehicle, observations, request, few);
     }
-    carry(&mut fitted, &mut &mut dives[..], &doubts(vehicle, &baseline, &pinned));
+    propagate(&mut fitted, &mut &mut dives[..], &considered(vehicle, &baseline, &pinned));
     loop {
         let unknown = (0..fitted.free.len())
             .filter(|&i| !is_identified(&fitted, i) && !asked.contains(&PARAMETERS[fitted.free[i]].name))
-            // b and the trim are what is left when nothing else can be told.
+            // b and the trim are what is left when nothing else is identified.
             .filter(|&i| !["b", "ballast_offset_kg"].contains(&PARAMETERS[fitted.free[i]].name))
             .max_by_key(|&i| u8::from(PARAMETERS[fitted.free[i]].name == "c_per_rad2"));
         let Some(position) = unknown.filter(|_| dives.len() >= 2) else { break };
@@ -203,9 +201,9 @@ pub fn identify(
         free.retain(|name| *name != info.name);
         question = Question::new(baseline, &free)?;
         fitted = fit(&question, &mut dives)?;
-        carry(&mut fitted, &mut &mut dives[..], &doubts(vehicle, &baseline, &pinned));
+        propagate(&mut fitted, &mut &mut dives[..], &considered(vehicle, &baseline, &pinned));
     }
-    let doubts = doubts(vehicle, &baseline, &pinned);
+    let considered = considered(vehicle, &baseline, &pinned);
 
     let reweighed = reweighed(&fitted, &mut dives);
     fitted.model_error = reweighed.as_ref().map_or_else(Vec::new, Disagreement::model_error);
@@ -219,23 +217,26 @@ pub fn identify(
                 moving.free.extend(parameter_index(name));
             }
             let mut flown = inflections(&moving, &fitted.parameters, observations, unsteady)?;
-            carry(&mut flown.fit, &mut flown.passages, &doubts);
+            propagate(&mut flown.fit, &mut flown.passages, &considered);
             flown.fit.model_error = model_error_of(&flown.fit.free, &fitted);
             Some(flown)
         }
         None => None,
     };
     let polar = inflections.as_ref().map_or(&fitted, |flown| &flown.fit);
-    for carried in &polar.carried {
+    for propagated in &polar.propagated {
         let moves = polar.free.iter().map(|&row| short_name(PARAMETERS[row].name).to_owned());
-        let moves: BTreeMap<String, f64> = moves.zip(carried.moves.iter().copied()).collect();
-        let pin = pinned.entry(carried.doubt.name.clone()).or_insert_with(|| as_the_vehicle_has_it(vehicle, carried));
+        let moves: BTreeMap<String, f64> = moves.zip(propagated.moves.iter().copied()).collect();
+        let pin = pinned
+            .entry(propagated.considered.name.clone())
+            .or_insert_with(|| as_the_vehicle_has_it(vehicle, propagated));
         pin.moves = moves;
     }
     // The balance of moments rests on the polar, whose errors are correlated, and on what else is held in it.
-    let is_in_polar = |doubt: &&Doubt| polar.carried.iter().any(|carried| carried.doubt.name == doubt.name);
-    let mut of_moments = doubts_of(polar);
-    of_moments.extend(doubts.iter().filter(|doubt| !is_in_polar(doubt)).cloned());
+    let is_in_polar =
+        |one: &&Considered| polar.propagated.iter().any(|propagated| propagated.considered.name == one.name);
+    let mut of_moments = considered_of(polar);
+    of_moments.extend(considered.iter().filter(|one| !is_in_polar(one)).cloned());
     let pitch_balance = pitch_balance(vehicle, &polar.parameters, &dives, &of_moments)?;
     let legs = legs_apart(&question, &fitted, &dives);
     let a = fitted.parameters.a_per_rad;
@@ -246,10 +247,10 @@ pub fn identify(
     if let Some(reweighed) = &reweighed {
         warnings.extend(reweighed.named.iter().map(|&position| depends_on_weighing(&fitted, reweighed, position)));
     }
-    if let Some(carried) = fitted.carried.iter().find(|carried| carried.doubt.name == "a") {
-        warnings.push(speed_in_doubt(&fitted, carried, &dives));
+    if let Some(propagated) = fitted.propagated.iter().find(|propagated| propagated.considered.name == "a") {
+        warnings.push(speed_in_doubt(&fitted, propagated, &dives));
     }
-    if pitch_balance.as_ref().is_some_and(|balance| !balance.told) {
+    if pitch_balance.as_ref().is_some_and(|balance| !balance.is_identified) {
         warnings.push(
             "d and the height of the centre of gravity rest on the arm of the ballast, which these data do not tell: give the vehicle its `ballast.forward_m`"
                 .into(),
@@ -308,8 +309,8 @@ fn depends_on_weighing(fitted: &Fit, reweighed: &Disagreement, position: usize) 
 }
 
 /// Something that nobody asked for and that the vehicle states with an error.
-fn as_the_vehicle_has_it(vehicle: &Vehicle, carried: &Carried) -> Pin {
-    let (row, se) = carried.doubt.along[0];
+fn as_the_vehicle_has_it(vehicle: &Vehicle, propagated: &Propagated) -> Pin {
+    let (row, se) = propagated.considered.along[0];
     let value = vehicle.glide_parameters().as_array()[row];
     let reason = "not asked for; the vehicle states its error".to_owned();
     Pin::new(value, Some(se.abs()), format!("vehicle `{}`", vehicle.name), reason)
@@ -355,7 +356,7 @@ fn legs_apart(question: &Question, joint: &Fit, dives: &[Dive]) -> Option<LegsAp
 }
 
 /// What the error of a held lift slope does to the speed, in a sentence.
-fn speed_in_doubt(fitted: &Fit, carried: &Carried, dives: &[Dive]) -> String {
+fn speed_in_doubt(fitted: &Fit, propagated: &Propagated, dives: &[Dive]) -> String {
     let mean_speed = |parameters: &Parameters<f64>| {
         let speeds = dives.iter().flat_map(|dive| residuals(parameters, &dive.observations));
         let (n, sum) = speeds
@@ -365,14 +366,14 @@ fn speed_in_doubt(fitted: &Fit, carried: &Carried, dives: &[Dive]) -> String {
         sum / n as f64
     };
     let mut moved = fitted.parameters;
-    for (row, by) in carried.whole(&fitted.free).along {
+    for (row, by) in propagated.whole(&fitted.free).along {
         *moved.at(row) += by;
     }
     let (mean, with) = (mean_speed(&fitted.parameters), mean_speed(&moved));
     format!(
         "the lift slope is held at {:.1} +- {:.1} per rad: one such standard error moves the mean speed of {mean:.3} m/s by {:.3} m/s, and b and c as the report says",
         fitted.parameters.a_per_rad,
-        carried.doubt.along.iter().map(|(_, by)| by.abs()).sum::<f64>(),
+        propagated.considered.along.iter().map(|(_, by)| by.abs()).sum::<f64>(),
         (with - mean).abs()
     )
 }

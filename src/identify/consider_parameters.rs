@@ -11,7 +11,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::blocks::Blocks;
-use super::considered::{Carried, Doubt};
+use super::considered::{Considered, Propagated};
 use super::evaluate::MOST_FREE;
 use super::joint::Fit;
 use glidepolar_inference::covariance::inverse_symmetric;
@@ -20,10 +20,10 @@ use glidepolar_inference::gram::Gram;
 /// A move by less than this share of a parameter's own standard error is rounding.
 const NOT_FELT: f64 = 1e-6;
 
-/// Carries what is in doubt to the standard errors of a fit. A row that was free is in no doubt; a doubt that these samples
-/// do not feel is left out.
-pub(super) fn carry(fit: &mut Fit, samples: &mut dyn Blocks, doubts: &[Doubt]) {
-    let mut held: Vec<usize> = doubts.iter().flat_map(|doubt| &doubt.along).map(|&(row, _)| row).collect();
+/// Propagates the errors of fixed parameters to the standard errors of a fit. A row that was free is not fixed; an error that these
+/// samples do not feel is left out.
+pub(super) fn propagate(fit: &mut Fit, samples: &mut dyn Blocks, considered: &[Considered]) {
+    let mut held: Vec<usize> = considered.iter().flat_map(|one| &one.along).map(|&(row, _)| row).collect();
     held.sort_unstable();
     held.dedup();
     held.retain(|row| !fit.free.contains(row));
@@ -31,16 +31,19 @@ pub(super) fn carry(fit: &mut Fit, samples: &mut dyn Blocks, doubts: &[Doubt]) {
         return;
     }
     let slopes = slopes(fit, samples, &held);
-    fit.carried = doubts
+    fit.propagated = considered
         .iter()
-        .filter_map(|doubt| {
+        .filter_map(|one| {
             let along: Vec<(usize, f64)> =
-                doubt.along.iter().copied().filter(|(row, by)| held.contains(row) && *by != 0.0).collect();
+                one.along.iter().copied().filter(|(row, by)| held.contains(row) && *by != 0.0).collect();
             let column = |row| slopes.column(held.binary_search(&row).unwrap_or(0));
             let moves = along.iter().fold(DVector::zeros(fit.free.len()), |sum, &(row, by)| sum + column(row) * by);
             let felt =
                 moves.iter().zip(fit.covariance.diagonal().iter()).any(|(by, own)| by.abs() > NOT_FELT * own.sqrt());
-            felt.then(|| Carried { doubt: Doubt { along, ..doubt.clone() }, moves: moves.iter().copied().collect() })
+            felt.then(|| Propagated {
+                considered: Considered { along, ..one.clone() },
+                moves: moves.iter().copied().collect(),
+            })
         })
         .collect();
 }
@@ -60,28 +63,28 @@ fn slopes(fit: &Fit, samples: &mut dyn Blocks, held: &[usize]) -> DMatrix<f64> {
     slopes
 }
 
-/// The errors of a fit as doubts about its parameters, correlated as they are: one for each principal direction of the scatter
+/// The errors of a fit as those of parameters considered in the next, correlated as they are: one for each principal direction of the scatter
 /// between dives, one for each thing that it held, and one for the model.
-pub(super) fn doubts_of(fit: &Fit) -> Vec<Doubt> {
+pub(super) fn considered_of(fit: &Fit) -> Vec<Considered> {
     let n = fit.free.len();
     // Scaled to a unit diagonal: the parameters' units differ by ten orders of magnitude.
     let scale = DVector::from_fn(n, |i, _| fit.covariance[(i, i)].max(0.0).sqrt());
     let correlation = glidepolar_inference::covariance::correlation(&fit.covariance);
-    let mut doubts = Vec::new();
+    let mut considered = Vec::new();
     if n > 0 && correlation.iter().chain(scale.iter()).all(|value| value.is_finite()) {
         let eigen = correlation.symmetric_eigen();
         for k in 0..n {
             let root = eigen.eigenvalues[k].max(0.0).sqrt();
             let along = (0..n).map(|i| (fit.free[i], root * scale[i] * eigen.eigenvectors[(i, k)])).collect();
-            doubts.push(Doubt { name: "polar".to_owned(), along });
+            considered.push(Considered { name: "polar".to_owned(), along });
         }
     }
-    doubts.extend(fit.carried.iter().map(|carried| carried.whole(&fit.free)));
+    considered.extend(fit.propagated.iter().map(|propagated| propagated.whole(&fit.free)));
     if !fit.model_error.is_empty() {
         let along = fit.free.iter().copied().zip(fit.model_error.iter().copied()).collect();
-        doubts.push(Doubt { name: "model".to_owned(), along });
+        considered.push(Considered { name: "model".to_owned(), along });
     }
-    doubts
+    considered
 }
 
 #[cfg(test)]
@@ -106,15 +109,15 @@ mod tests {
         let question = Question { use_speed: false, ..Question::new(truth, &["b"]).unwrap() };
         let mut found = fit(&question, &mut dives).unwrap();
         let row = parameter_index("a_per_rad").unwrap();
-        let doubt = Doubt { name: "a".into(), along: vec![(row, 0.1 * truth.a_per_rad)] };
-        carry(&mut found, &mut &mut dives[..], &[doubt]);
+        let one = Considered { name: "a".into(), along: vec![(row, 0.1 * truth.a_per_rad)] };
+        propagate(&mut found, &mut &mut dives[..], &[one]);
 
         let gamma = 27f64.to_radians();
         let alpha = gamma - all[0].pitch_rad.abs();
         let change = -0.1 / (1.0 / alpha + 2.0 / (2.0 * gamma).sin() - 3.0 / gamma.tan());
         let expected = 3.0 / gamma.tan() * change * truth.b;
-        let carried = found.carried[0].moves[0];
-        assert!((carried / expected - 1.0).abs() < 1e-6, "{carried} against {expected}");
+        let propagated = found.propagated[0].moves[0];
+        assert!((propagated / expected - 1.0).abs() < 1e-6, "{propagated} against {expected}");
         // Nothing scatters here: all of the error is what was carried.
         assert!((found.se(0) / expected.abs() - 1.0).abs() < 1e-3, "{}", found.se(0));
     }

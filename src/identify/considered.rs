@@ -3,7 +3,7 @@
 /// One standard error of something that is held: by how much it moves which rows of
 /// [`PARAMETERS`](crate::dynamics::PARAMETERS). Different ones are independent.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Doubt {
+pub struct Considered {
     /// Short name of what is held.
     pub name: String,
     /// Rows and by how much they move.
@@ -12,17 +12,20 @@ pub struct Doubt {
 
 /// What one of them does to a fit.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Carried {
+pub struct Propagated {
     /// What is held.
-    pub doubt: Doubt,
+    pub considered: Considered,
     /// Moves of the free parameters, in the order of the fit.
     pub moves: Vec<f64>,
 }
 
-impl Carried {
-    /// The doubt with all that follows from it: what is held and what was fitted beside it move together.
-    pub(super) fn whole(&self, free: &[usize]) -> Doubt {
+impl Propagated {
+    /// The error with all that follows from it: what is fixed and what was fitted beside it move together.
+    pub(super) fn whole(&self, free: &[usize]) -> Considered {
         let follows = free.iter().copied().zip(self.moves.iter().copied());
-        Doubt { name: self.doubt.name.clone(), along: self.doubt.along.iter().copied().chain(follows).collect() }
+        Considered {
+            name: self.considered.name.clone(),
+            along: self.considered.along.iter().copied().chain(follows).collect(),
+        }
     }
 }

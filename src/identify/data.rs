@@ -6,6 +6,7 @@
 //! speeds has more of the sensor's noise in it than one of many, and weighs that much less ([`SpeedNoise`]).
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::bins::{Bin, bins};
 use super::within_bin::{Inside, Parts};
@@ -17,13 +18,15 @@ use crate::log::Observation;
 pub struct Dive {
     /// Its samples.
     pub observations: Vec<Observation>,
+    /// All samples of the dive, of which these are the steady ones: what goes before a steady glide is where its speed begins.
+    log: Arc<[Observation]>,
     /// Their means over stretches of a leg: what is fitted.
     pub bins: Vec<Bin>,
     /// The bins in parts.
     parts: Parts,
     /// Solutions for the parameters tried last, from which the next ones start; one a bin.
     guesses: Vec<Option<[f64; 2]>>,
-    /// What happens inside each bin, by the parameters told last.
+    /// What happens inside each bin, by the parameters of the latest update.
     inside: Vec<Inside>,
     /// Root of the time that each sample stands for, against the mean.
     root_weights: Vec<f64>,
@@ -81,7 +84,12 @@ impl SpeedNoise {
 }
 
 impl Dive {
-    fn new(observations: Vec<Observation>, root_weights: Vec<f64>, before: [usize; 2]) -> Self {
+    fn new(
+        log: Arc<[Observation]>,
+        observations: Vec<Observation>,
+        root_weights: Vec<f64>,
+        before: [usize; 2],
+    ) -> Self {
         let mut weights = root_weights.iter().map(|root| root * root);
         let bins = bins(&observations, usize::MAX, 1);
         let bin_weights: Vec<f64> = bins.iter().map(|bin| weights.by_ref().take(bin.samples).sum()).collect();
@@ -89,13 +97,19 @@ impl Dive {
             guesses: vec![None; bins.len()],
             inside: vec![Inside::NOTHING; bins.len()],
             bin_root_weights: bin_weights.into_iter().map(f64::sqrt).collect(),
-            parts: Parts::new(&bins, &observations),
+            parts: Parts::new(&bins, &observations, &log),
             bins,
             root_weights,
             speed_noise: SpeedNoise::default(),
             before,
             observations,
+            log,
         }
+    }
+
+    /// What happens inside each of its bins at these parameters.
+    pub fn inside(&self, parameters: &Parameters<f64>) -> Vec<Inside> {
+        self.parts.inside(parameters, &self.bins)
     }
 
     /// The same dive among others that show what a few speeds scatter by.
@@ -126,7 +140,7 @@ impl Dive {
     }
 
     /// Every `every`-th sample of the log, as a dive; nothing where none is left.
-    pub(super) fn thinned(&self, every: usize) -> Option<Dive> {
+    pub(super) fn subsampled(&self, every: usize) -> Option<Dive> {
         self.part(|i, _| (self.before[0] + i).is_multiple_of(every))
     }
 
@@ -135,8 +149,9 @@ impl Dive {
         let kept = || (0..self.observations.len()).filter(|&i| keep(i, &self.observations[i]));
         let observations: Vec<Observation> = kept().map(|i| self.observations[i]).collect();
         let root_weights = kept().map(|i| self.root_weights[i]).collect();
-        (!observations.is_empty())
-            .then(|| Dive::new(observations, root_weights, self.before).with_speed_noise(self.speed_noise))
+        (!observations.is_empty()).then(|| {
+            Dive::new(self.log.clone(), observations, root_weights, self.before).with_speed_noise(self.speed_noise)
+        })
     }
 }
 
@@ -175,24 +190,30 @@ fn durations_s(observations: &[Observation]) -> Vec<f64> {
 
 /// The steady samples grouped by dive. Dives without any are left out.
 pub fn by_dive(observations: &[Observation]) -> Vec<Dive> {
-    let dives: Vec<Vec<Observation>> = ranges(observations, |o| o.dive)
+    let dives: Vec<(Arc<[Observation]>, Vec<Observation>)> = ranges(observations, |o| o.dive)
         .into_iter()
-        .map(|range| observations[range].iter().filter(|o| o.steady).copied().collect::<Vec<_>>())
-        .filter(|samples| !samples.is_empty())
+        .map(|range| {
+            let log = &observations[range];
+            (log.into(), log.iter().filter(|o| o.steady).copied().collect::<Vec<_>>())
+        })
+        .filter(|(_, samples)| !samples.is_empty())
         .collect();
     // Dives that were sampled more often than others weigh no more for it.
-    let durations: Vec<Vec<f64>> = dives.iter().map(|dive| durations_s(dive)).collect();
-    let samples: usize = dives.iter().map(Vec::len).sum();
+    let durations: Vec<Vec<f64>> = dives.iter().map(|(_, dive)| durations_s(dive)).collect();
+    let samples: usize = dives.iter().map(|(_, dive)| dive.len()).sum();
     let mean_s = durations.iter().flatten().sum::<f64>() / samples as f64;
     let mut before = [0, 0];
-    let placed = |(observations, durations): (Vec<Observation>, Vec<f64>)| {
-        let root_weights = durations.into_iter().map(|duration_s| (duration_s / mean_s).sqrt()).collect();
-        let dive = Dive::new(observations, root_weights, before);
-        before[0] += dive.observations.len();
-        before[1] += dive.bins.len();
-        dive
-    };
-    let dives: Vec<Dive> = dives.into_iter().zip(durations).map(placed).collect();
+    let dives: Vec<Dive> = dives
+        .into_iter()
+        .zip(durations)
+        .map(|((log, observations), durations)| {
+            let root_weights = durations.into_iter().map(|duration_s| (duration_s / mean_s).sqrt()).collect();
+            let dive = Dive::new(log, observations, root_weights, before);
+            before[0] += dive.observations.len();
+            before[1] += dive.bins.len();
+            dive
+        })
+        .collect();
     let speed_noise = SpeedNoise::of(&dives);
     dives.into_iter().map(|dive| dive.with_speed_noise(speed_noise)).collect()
 }

@@ -8,11 +8,32 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::considered::Doubt;
+use super::considered::Considered;
 use super::names::{long_name, short_name};
 use crate::assemble::{Figure, wing_lift_slope_per_rad};
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
 use crate::vehicle::Vehicle;
+
+/// A value that is known from outside the log, as a user gives it: `21` or `21+-3`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ExternalValue {
+    /// The value.
+    pub value: f64,
+    /// Its standard error; without one it is taken for exact.
+    pub se: Option<f64>,
+}
+
+impl ExternalValue {
+    /// Reads `VALUE` or `VALUE+-SE`; none where they are no numbers, or the error is not positive.
+    pub fn parse(text: &str) -> Option<Self> {
+        let number = |text: &str| text.trim().parse::<f64>().ok().filter(|value| value.is_finite());
+        let (value, se) = match text.split_once("+-") {
+            Some((value, se)) => (value, Some(number(se).filter(|se| *se > 0.0)?)),
+            None => (text, None),
+        };
+        Some(ExternalValue { value: number(value)?, se })
+    }
+}
 
 /// A parameter that was held, at what, and why.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -109,7 +130,7 @@ pub(super) fn from_outside(vehicle: &Vehicle, row: usize) -> (f64, Option<f64>, 
         let source = format!("vehicle `{}`; published for Slocums: 1.4 to 29", vehicle.name);
         return (value, Some(SLOCUM_C_SCATTER_PER_RAD2), source);
     }
-    let stated = stated(vehicle).into_iter().flat_map(|doubt| doubt.along).find(|(of, _)| *of == row);
+    let stated = stated(vehicle).into_iter().flat_map(|one| one.along).find(|(of, _)| *of == row);
     match (stated, unstated_error(name)) {
         (Some((_, se)), _) => (value, Some(se.abs()), format!("vehicle `{}`", vehicle.name)),
         (None, Some(share)) => {
@@ -120,19 +141,22 @@ pub(super) fn from_outside(vehicle: &Vehicle, row: usize) -> (f64, Option<f64>, 
     }
 }
 
-/// What is in doubt in a fit: every pin that has an error, and what else the vehicle states with one and the baseline takes
+/// The parameters considered in a fit: every pin that has an error, and what else the vehicle states with one and the baseline takes
 /// over from it.
-pub(super) fn doubts(vehicle: &Vehicle, baseline: &Parameters<f64>, pinned: &BTreeMap<String, Pin>) -> Vec<Doubt> {
+pub(super) fn considered(
+    vehicle: &Vehicle,
+    baseline: &Parameters<f64>,
+    pinned: &BTreeMap<String, Pin>,
+) -> Vec<Considered> {
     let pins = pinned.iter().filter_map(|(name, pin)| {
         let row = parameter_index(long_name(name))?;
-        Some(Doubt { name: name.clone(), along: vec![(row, pin.se?)] })
+        Some(Considered { name: name.clone(), along: vec![(row, pin.se?)] })
     });
     let (own, taken) = (vehicle.glide_parameters().as_array(), baseline.as_array());
     let is_pinned = |row: usize| pinned.contains_key(short_name(PARAMETERS[row].name));
-    let others = stated(vehicle).into_iter().filter(|doubt| {
+    let others = stated(vehicle).into_iter().filter(|one| {
         // The trim sets the mass of the hull anew, and with it nothing that was in doubt.
-        doubt
-            .along
+        one.along
             .iter()
             .all(|&(row, _)| !is_pinned(row) && (own[row] == taken[row] || PARAMETERS[row].name == "hull_mass_kg"))
     });
@@ -140,10 +164,10 @@ pub(super) fn doubts(vehicle: &Vehicle, baseline: &Parameters<f64>, pinned: &BTr
 }
 
 /// What a vehicle states with an error, as far as a fit may hold it.
-fn stated(vehicle: &Vehicle) -> Vec<Doubt> {
+fn stated(vehicle: &Vehicle) -> Vec<Considered> {
     const HOLDS: [&str; 5] = ["hydro.", "hull.", "mechanisms.", "added_mass.", "ballast."];
     let own = vehicle.glide_parameters().as_array();
-    let doubt = |(path, se): (&String, &f64)| {
+    let considered = |(path, se): (&String, &f64)| {
         let held = HOLDS.iter().any(|section| path.starts_with(section)) || path == "mass.moving_mass_kg";
         let mut moved = vehicle.clone();
         moved.set(path, vehicle.get(path).filter(|_| held)? + se).ok()?;
@@ -152,7 +176,7 @@ fn stated(vehicle: &Vehicle) -> Vec<Doubt> {
             (0..own.len()).map(|row| (row, moved[row] - own[row])).filter(|(_, by)| *by != 0.0).collect();
         // A mass that is told apart from the hull's: its own name, not the hull's.
         let (first, _) = along.iter().find(|(row, _)| PARAMETERS[*row].name != "hull_mass_kg")?;
-        Some(Doubt { name: short_name(PARAMETERS[*first].name).to_owned(), along })
+        Some(Considered { name: short_name(PARAMETERS[*first].name).to_owned(), along })
     };
-    vehicle.uncertainty.iter().filter_map(doubt).collect()
+    vehicle.uncertainty.iter().filter_map(considered).collect()
 }

@@ -123,8 +123,8 @@ impl Identification {
         if let Some(balance) = &self.pitch_balance {
             self.tell(&balance.fit, &mut parameters, &mut identifiable);
             for &row in &balance.fit.free {
-                if let Some(told) = identifiable.get_mut(short_name(PARAMETERS[row].name)) {
-                    *told &= balance.told;
+                if let Some(is_identified) = identifiable.get_mut(short_name(PARAMETERS[row].name)) {
+                    *is_identified &= balance.is_identified;
                 }
             }
             pinned.extend(balance.pinned.iter().map(|(name, pin)| (short_name(name).to_owned(), pin.clone())));
@@ -132,7 +132,7 @@ impl Identification {
             let freedom =
                 balance.fit.position("offset_mass_below_m").map_or(1.0, |i| balance.fit.degrees_of_freedom(i));
             parameters.insert("cg_below_cb_m".to_owned(), Some(Estimate::student(below, se, freedom, "m")));
-            identifiable.insert("cg_below_cb_m".to_owned(), balance.told);
+            identifiable.insert("cg_below_cb_m".to_owned(), balance.is_identified);
         }
         for (short, pin) in &pinned {
             let row = parameter_index(long_name(short)).expect("a pinned parameter is a row");

@@ -124,8 +124,8 @@ fn point(value: f64, parameters: &Parameters<f64>, dives: &[Dive]) -> ProfilePoi
 }
 
 /// Dives of which only every so many samples are kept.
-pub(super) fn thinned(dives: &[Dive], most: usize) -> Vec<Dive> {
+pub(super) fn subsampled(dives: &[Dive], most: usize) -> Vec<Dive> {
     let samples: usize = dives.iter().map(|dive| dive.observations.len()).sum();
     let every = samples.div_ceil(most).max(1);
-    dives.iter().filter_map(|dive| dive.thinned(every)).collect()
+    dives.iter().filter_map(|dive| dive.subsampled(every)).collect()
 }

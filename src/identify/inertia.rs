@@ -31,7 +31,22 @@ pub fn inertia<'o>(
     observations: impl IntoIterator<Item = &'o Observation>,
 ) -> Vec<Inertia> {
     let observations: Vec<&Observation> = observations.into_iter().collect();
-    let gap_s = GAP_S.max(1.5 * usual_step_s(observations.iter().copied()));
+    let gap_s = gap_s(observations.iter().copied());
+    inertia_between_gaps(parameters, gap_s, observations)
+}
+
+/// A step between these observations beyond which another glide begins \[s\].
+pub(super) fn gap_s<'o>(observations: impl Iterator<Item = &'o Observation> + Clone) -> f64 {
+    GAP_S.max(1.5 * usual_step_s(observations))
+}
+
+/// The same where a step longer than this is a gap \[s\].
+pub(super) fn inertia_between_gaps<'o>(
+    parameters: &Parameters<f64>,
+    gap_s: f64,
+    observations: impl IntoIterator<Item = &'o Observation>,
+) -> Vec<Inertia> {
+    let observations: Vec<&Observation> = observations.into_iter().collect();
     let steady = steady(parameters, &observations);
     // From one sample to another the rates of change of the steady glide, and the time between.
     let rates = |i: usize, j: usize| {
@@ -207,7 +222,7 @@ mod tests {
         });
         let samples: Vec<Observation> = leg.into_iter().map(|(o, _)| o).collect();
         let bins = super::super::bins(&samples, usize::MAX, 1);
-        let inside = super::super::Parts::new(&bins, &samples).inside(&p, &bins);
+        let inside = super::super::Parts::new(&bins, &samples, &samples).inside(&p, &bins);
         let means: Vec<&Observation> = bins.iter().map(|bin| &bin.mean).collect();
         let (mut before, mut after) = (0f64, 0f64);
         for ((bin, inside), of_means) in bins.iter().zip(&inside).zip(inertia(&p, means)) {

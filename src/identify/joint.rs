@@ -13,11 +13,11 @@ use nalgebra::{DMatrix, DVector};
 use nalgebra_lm as lm;
 
 use super::blocks::Blocks;
-use super::considered::Carried;
+use super::considered::Propagated;
 use super::data::Dive;
 use super::evaluate::{MOST_FREE, Tally, Weights};
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
-use glidepolar_inference::covariance::jackknife;
+use glidepolar_inference::covariance::{inverse_symmetric_at_least, jackknife};
 use glidepolar_inference::gram::Gram;
 
 /// What is to be fitted, and how.
@@ -120,8 +120,8 @@ pub struct Fit {
     /// Covariance of the free parameters, dives as the independent unit.
     pub covariance: DMatrix<f64>,
     /// What the errors of held parameters do to the free ones.
-    pub carried: Vec<Carried>,
-    /// What the model itself is in doubt by, where two weighings of the same data disagree: one standard error, by which all
+    pub propagated: Vec<Propagated>,
+    /// The error of the model itself, where two weighings of the same data disagree: one standard error, by which all
     /// free parameters move together. Empty where they agree.
     pub model_error: Vec<f64>,
     /// Evaluations of all samples.
@@ -163,8 +163,8 @@ impl Fit {
 
     /// Moves of the free parameters by one standard error of each thing that is independent of the others.
     fn moves_together(&self) -> impl Iterator<Item = &[f64]> {
-        let carried = self.carried.iter().map(|carried| carried.moves.as_slice());
-        carried.chain((!self.model_error.is_empty()).then_some(self.model_error.as_slice()))
+        let propagated = self.propagated.iter().map(|propagated| propagated.moves.as_slice());
+        propagated.chain((!self.model_error.is_empty()).then_some(self.model_error.as_slice()))
     }
 
     /// Degrees of freedom of that standard error: those of the dives for what they scatter, none lost by what was held
@@ -207,6 +207,25 @@ pub(super) fn refine(question: &Question, samples: &mut dyn Blocks) -> Result<Fi
     solver.finish(question.baseline)
 }
 
+/// What the steady glide with its inertia misses of a flight by the equations of motion \[m/s\]: a tenth of a millimetre per
+/// second of vertical velocity (docs/theory/identification.md), and three times that of speed, the path's sine being a third.
+const MODEL_ERROR_M_S: [f64; 2] = [1e-4, 3e-4];
+
+/// What such errors do to the free parameters at worst: all of them along the one direction that moves a parameter most.
+///
+/// With residuals `r` in units of the weights, `|dt_i| <= |r| sqrt((J'J)^-1_ii)`. Beside the noise of the sea it is small. A
+/// combination of parameters that the data hardly show has no other bound in a log without noise.
+fn covariance_of_model(free: usize, grams: &[Gram], weights: Weights, tally: &Tally) -> DMatrix<f64> {
+    let total = Gram::sum(free, grams);
+    let rows = [(weights.sink_m_s, tally.sink), (weights.speed_m_s, tally.speed)];
+    let left: f64 = rows.iter().map(|(weight, scatter)| scatter.sum_of_squares / weight.powi(2)).sum();
+    let of_model: f64 =
+        rows.iter().zip(MODEL_ERROR_M_S).map(|((weight, scatter), e)| scatter.n as f64 * (e / weight).powi(2)).sum();
+    // A bin counts as often as the time that it stands for.
+    let squares = total.sum_of_squares() * of_model / left.max(f64::MIN_POSITIVE);
+    inverse_symmetric_at_least(&total.normal_matrix()) * squares
+}
+
 /// The weights that the residuals themselves suggest.
 fn scatter(tally: Tally, before: Weights) -> Weights {
     let effective = |s: &super::evaluate::Scatter, before: f64| {
@@ -214,7 +233,7 @@ fn scatter(tally: Tally, before: Weights) -> Weights {
             return before;
         }
         // A floor against data without any noise: a tenth of a millimetre per second.
-        s.rms().max(1e-4)
+        s.rms().max(MODEL_ERROR_M_S[0])
     };
     Weights { sink_m_s: effective(&tally.sink, before.sink_m_s), speed_m_s: effective(&tally.speed, before.speed_m_s) }
 }
@@ -254,8 +273,8 @@ impl<'a> Solver<'a> {
             weights: self.weights,
             tally,
             chi2: Gram::sum(n, &self.grams).sum_of_squares(),
-            covariance: jackknife(n, &self.grams),
-            carried: Vec::new(),
+            covariance: jackknife(n, &self.grams) + covariance_of_model(n, &self.grams, self.weights, &tally),
+            propagated: Vec::new(),
             model_error: Vec::new(),
             grams: self.grams,
             evaluations: self.evaluations,

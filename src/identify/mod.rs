@@ -39,10 +39,10 @@ mod within_bin;
 
 pub use bins::{Bin, bins};
 pub use campaign::{Given, Identification, Request, identify};
-pub use considered::{Carried, Doubt};
+pub use considered::{Considered, Propagated};
 pub use data::{Dive, by_dive, ranges};
 pub use evaluate::{MOST_FREE, Scatter, Tally, Weights, evaluate};
-pub use external_values::Pin;
+pub use external_values::{ExternalValue, Pin};
 pub use form::{CorrelationTable, FitQuality, Report};
 pub use glidepolar_inference::gram::Gram;
 pub use inertia::{inertia, usual_step_s};

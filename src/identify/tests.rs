@@ -305,7 +305,7 @@ fn the_balance_of_moments_returns_d_and_the_height_of_the_centre_of_gravity() {
     assert!((p.ballast_forward_m - 0.5).abs() < 1e-5, "arm {}", p.ballast_forward_m);
     let expected = truth.hull_mass_kg * 0.006 / truth.mass_kg();
     assert!((found.cg_below_cb_m().0 - expected).abs() < 1e-7, "{:?} against {expected}", found.cg_below_cb_m());
-    assert!(found.pitch_rms_rad < 1e-6 && found.told);
+    assert!(found.pitch_rms_rad < 1e-6 && found.is_identified);
     assert!(found.pitch_rms_without_d_rad.is_none_or(|rms| rms > 1e-4));
 }
 
@@ -331,7 +331,7 @@ fn battery_and_ballast_that_move_together_are_not_told_apart() {
     }
     let found = pitch_balance(&vehicle, &truth, &by_dive(&all), &[]).unwrap().expect("a battery that moves");
     assert!(found.pinned.contains_key("ballast_forward_m"), "{:?}", found.pinned);
-    assert!(!found.told);
+    assert!(!found.is_identified);
 }
 
 #[test]

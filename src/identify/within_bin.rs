@@ -13,7 +13,7 @@
 use std::ops::Range;
 
 use super::bins::{Bin, mean};
-use super::inertia::inertia;
+use super::inertia::{gap_s, inertia_between_gaps};
 use super::model::{Inertia, Prediction, predict};
 use crate::Number;
 use crate::dynamics::Parameters;
@@ -63,11 +63,18 @@ impl Inside {
     }
 }
 
+/// How far before a stretch of steady glide its speed is followed \[s\]: what it was behind then has decayed to a thousandth
+/// with the 10 to 30 s in which a glider's speed follows.
+const RUN_IN_S: f64 = 180.0;
+
 /// Bins in shorter parts.
 #[derive(Debug, Clone, Default)]
 pub struct Parts {
+    /// In the order of time, between those of the bins the samples in which no bin is, as far as the speed remembers them.
     means: Vec<Observation>,
     of_bin: Vec<Range<usize>>,
+    /// A step between parts that is longer is a gap \[s\].
+    gap_s: f64,
     /// Where a speed was measured, of the bins in which not every sample has one.
     at_speeds: Vec<AtSpeeds>,
     at_speeds_of_bin: Vec<Range<usize>>,
@@ -86,11 +93,15 @@ struct AtSpeeds {
 }
 
 impl Parts {
-    /// The parts of bins that were made of these samples.
-    pub fn new(bins: &[Bin], samples: &[Observation]) -> Parts {
-        let mut parts = Parts::default();
+    /// The parts of bins that were made of these samples, which were chosen among those of the `log`.
+    pub fn new(bins: &[Bin], samples: &[Observation], log: &[Observation]) -> Parts {
+        let mut parts = Parts { gap_s: gap_s(bins.iter().map(|bin| &bin.mean)), ..Parts::default() };
+        let mut binned_s = f64::NEG_INFINITY;
         for bin in bins {
-            let (begun, of_bin) = (parts.means.len(), &samples[bin.first..bin.first + bin.samples]);
+            let of_bin = &samples[bin.first..bin.first + bin.samples];
+            parts.run_in(log, binned_s, &of_bin[0]);
+            binned_s = of_bin[of_bin.len() - 1].time_s;
+            let begun = parts.means.len();
             let is_even = range(of_bin.iter().map(felt_density_kg_m3)) < EVEN_KG_M3
                 && range(of_bin.iter().map(|o| o.ballast_m3)) < EVEN_M3;
             let short_s = PART_S.max(lasts_s(of_bin) / MOST_PARTS);
@@ -110,6 +121,25 @@ impl Parts {
             parts.at_speeds_of_bin.push(with_speed..parts.at_speeds.len());
         }
         parts
+    }
+
+    /// Takes the samples of the leg since the last bin, whose speed the next one begins with.
+    fn run_in(&mut self, log: &[Observation], since_s: f64, next: &Observation) {
+        let since_s = since_s.max(next.time_s - RUN_IN_S);
+        let begin = log.partition_point(|o| o.time_s <= since_s);
+        let end = log.partition_point(|o| o.time_s < next.time_s);
+        let is_usable = |o: &&Observation| {
+            o.leg == next.leg
+                && [o.pitch_rad, o.ballast_m3, o.density_kg_m3, o.pressure_dbar].iter().all(|value| value.is_finite())
+        };
+        let before: Vec<Observation> = log[begin.min(end)..end].iter().filter(is_usable).copied().collect();
+        let mut start = 0;
+        for end in 1..=before.len() {
+            if end == before.len() || before[end].time_s - before[start].time_s >= PART_S {
+                self.means.push(mean(&before[start..end]));
+                start = end;
+            }
+        }
     }
 
     /// Takes the glide around the speeds of a bin whose parts begin at this one, those within `short_s` together.
@@ -146,7 +176,7 @@ impl Parts {
     pub fn inside(&self, parameters: &Parameters<f64>, bins: &[Bin]) -> Vec<Inside> {
         let of_parts = match self.quasi_steady {
             true => vec![Inertia::NONE; self.means.len()],
-            false => inertia(parameters, &self.means),
+            false => inertia_between_gaps(parameters, self.gap_s, &self.means),
         };
         let glider = Glider::new(*parameters);
         let mut guess = None;

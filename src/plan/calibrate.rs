@@ -5,9 +5,10 @@
 //! - Dive: `Q = q0 + E_pump / U + I T` by least squares over the dives, `E_pump` by the fit of the strokes (not the
 //!   strokes that the glider measured: a plan has only the fit), `q0` what each dive takes whatever its length.
 //!
-//! How well a dive that was not seen is foretold is found by leaving each out in turn, of both fits. Knows no files.
+//! How well a held-out dive is predicted is found by leaving each out in turn, of both fits. Knows no files.
 
-use nalgebra::{SMatrix, SVector};
+use glidepolar_inference::linear::Linear;
+use nalgebra::{DMatrix, DVector};
 
 use crate::estimate::Estimate;
 
@@ -63,7 +64,7 @@ pub struct DiveFit {
     pub pump_factor: Estimate,
     /// Power of everything that runs all the time \[W\].
     pub hotel_W: Estimate,
-    /// Error of a dive's charge foretold by the other dives, root mean square relative to the dive's own.
+    /// Error of a dive's charge as the other dives predict it, root mean square relative to the dive's own.
     pub charge_error_left_out: f64,
     /// The same for its energy.
     pub energy_error_left_out: f64,
@@ -101,15 +102,13 @@ pub enum CalibrationError {
 pub fn fit_pump(strokes: &[Stroke]) -> Result<PumpFit, CalibrationError> {
     need("strokes of the pump", strokes.len(), 4)?;
     let fit = pump_fit(strokes)?;
-    let n = strokes.len() as f64;
-    let mean = strokes.iter().map(|stroke| stroke.energy_J).sum::<f64>() / n;
-    let [k1, k2] = fit.coefficients;
+    let mean = strokes.iter().map(|stroke| stroke.energy_J).sum::<f64>() / strokes.len() as f64;
     Ok(PumpFit {
         strokes: strokes.len(),
-        pump_J_per_dbar_cc: Estimate::normal(k1, fit.standard_errors[0], "J/(dbar.cm3)"),
-        pump_J_per_cc: Estimate::normal(k2, fit.standard_errors[1], "J/cm3"),
-        efficiency: IDEAL_J_PER_DBAR_CC / k1,
-        relative_rms: (fit.square_sum / n).sqrt() / mean,
+        pump_J_per_dbar_cc: estimate(&fit, 0, "J/(dbar.cm3)"),
+        pump_J_per_cc: estimate(&fit, 1, "J/cm3"),
+        efficiency: IDEAL_J_PER_DBAR_CC / fit.values[0],
+        relative_rms: fit.rms() / mean,
     })
 }
 
@@ -122,34 +121,29 @@ const IDEAL_J_PER_DBAR_CC: f64 = 0.01;
 /// With fewer than six dives, or dives that are all alike.
 pub fn fit_dives(strokes: &[Stroke], dives: &[DiveCount]) -> Result<DiveFit, CalibrationError> {
     need("dives", dives.len(), 6)?;
-    let [k1, k2] = pump_fit(strokes)?.coefficients;
-    let rows: Vec<[f64; 3]> = dives.iter().map(|dive| row(strokes, dive, k1, k2)).collect();
-    let energy = least_squares(&rows, &dives.iter().map(|dive| dive.energy_J).collect::<Vec<_>>())
-        .ok_or(CalibrationError::TooAlike { what: "dives" })?;
-    let estimate = |i: usize, unit: &str| Estimate::normal(energy.coefficients[i], energy.standard_errors[i], unit);
+    let pump = pump_fit(strokes)?;
+    let energy = dive_fit(strokes, dives, &pump, |dive| dive.energy_J)?;
     Ok(DiveFit {
         dives: dives.len(),
-        surfacing_J: estimate(0, "J"),
-        pump_factor: estimate(1, "1"),
-        hotel_W: estimate(2, "W"),
+        surfacing_J: estimate(&energy, 0, "J"),
+        pump_factor: estimate(&energy, 1, "1"),
+        hotel_W: estimate(&energy, 2, "W"),
         charge_error_left_out: left_out(strokes, dives, |dive| dive.charge_Ah)?,
         energy_error_left_out: left_out(strokes, dives, |dive| dive.energy_J)?,
         charge_error_of_the_mean: of_the_mean(dives),
     })
 }
 
-/// Each dive foretold by fits, of pump and dives, that have not seen it.
+/// Relative error, root mean square, of each dive as fits of pump and dives predict it from the others.
 fn left_out(strokes: &[Stroke], dives: &[DiveCount], of: impl Fn(&DiveCount) -> f64) -> Result<f64, CalibrationError> {
     let mut sum = 0.0;
     for left in dives {
-        let others: Vec<Stroke> = strokes.iter().filter(|stroke| stroke.dive != left.dive).copied().collect();
-        let [k1, k2] = pump_fit(&others)?.coefficients;
-        let seen: Vec<&DiveCount> = dives.iter().filter(|dive| dive.dive != left.dive).collect();
-        let rows: Vec<[f64; 3]> = seen.iter().map(|dive| row(strokes, dive, k1, k2)).collect();
-        let values: Vec<f64> = seen.iter().map(|dive| of(dive)).collect();
-        let fit = least_squares(&rows, &values).ok_or(CalibrationError::TooAlike { what: "dives" })?;
-        let foretold: f64 = fit.coefficients.iter().zip(row(strokes, left, k1, k2)).map(|(c, x)| c * x).sum();
-        sum += ((foretold - of(left)) / of(left)).powi(2);
+        let strokes_kept: Vec<Stroke> = strokes.iter().filter(|stroke| stroke.dive != left.dive).copied().collect();
+        let dives_kept: Vec<DiveCount> = dives.iter().filter(|dive| dive.dive != left.dive).copied().collect();
+        let pump = pump_fit(&strokes_kept)?;
+        let fit = dive_fit(strokes, &dives_kept, &pump, &of)?;
+        let predicted = fit.values.dot(&DVector::from(row(strokes, left, &pump).to_vec()));
+        sum += ((predicted - of(left)) / of(left)).powi(2);
     }
     Ok((sum / dives.len() as f64).sqrt())
 }
@@ -162,52 +156,40 @@ fn of_the_mean(dives: &[DiveCount]) -> f64 {
 }
 
 /// `1, E_pump, T` of a dive: pressures and volumes as flown, energy by the constants.
-fn row(strokes: &[Stroke], dive: &DiveCount, k1: f64, k2: f64) -> [f64; 3] {
+fn row(strokes: &[Stroke], dive: &DiveCount, pump: &Linear) -> [f64; 3] {
     let of_dive = strokes.iter().filter(|stroke| stroke.dive == dive.dive);
-    let pump: f64 = of_dive.map(|stroke| (k1 * stroke.pressure_dbar + k2) * stroke.volume_cc).sum();
-    [1.0, pump, dive.duration_s]
+    let (k1, k2) = (pump.values[0], pump.values[1]);
+    let energy_J: f64 = of_dive.map(|stroke| (k1 * stroke.pressure_dbar + k2) * stroke.volume_cc).sum();
+    [1.0, energy_J, dive.duration_s]
 }
 
-fn pump_fit(strokes: &[Stroke]) -> Result<Fit<2>, CalibrationError> {
-    let rows: Vec<[f64; 2]> =
-        strokes.iter().map(|stroke| [stroke.pressure_dbar * stroke.volume_cc, stroke.volume_cc]).collect();
-    let energies: Vec<f64> = strokes.iter().map(|stroke| stroke.energy_J).collect();
-    least_squares(&rows, &energies).ok_or(CalibrationError::TooAlike { what: "strokes of the pump" })
+fn pump_fit(strokes: &[Stroke]) -> Result<Linear, CalibrationError> {
+    let rows = strokes.iter().map(|stroke| [stroke.pressure_dbar * stroke.volume_cc, stroke.volume_cc]);
+    fit(rows, strokes.iter().map(|stroke| stroke.energy_J), "strokes of the pump")
 }
 
-struct Fit<const N: usize> {
-    coefficients: [f64; N],
-    standard_errors: [f64; N],
-    square_sum: f64,
+fn dive_fit(
+    strokes: &[Stroke],
+    dives: &[DiveCount],
+    pump: &Linear,
+    of: impl Fn(&DiveCount) -> f64,
+) -> Result<Linear, CalibrationError> {
+    fit(dives.iter().map(|dive| row(strokes, dive, pump)), dives.iter().map(of), "dives")
 }
 
-/// Ordinary least squares; none where the columns are not independent. Columns are scaled to unit length first.
-fn least_squares<const N: usize>(rows: &[[f64; N]], values: &[f64]) -> Option<Fit<N>> {
-    let mut scale = [0.0; N];
-    for row in rows {
-        for (scale, x) in scale.iter_mut().zip(row) {
-            *scale += x * x;
-        }
-    }
-    let scale = scale.map(f64::sqrt);
-    let scaled = |row: &[f64; N]| SVector::<f64, N>::from_fn(|i, _| row[i] / scale[i]);
-    let (mut normal, mut right) = (SMatrix::<f64, N, N>::zeros(), SVector::<f64, N>::zeros());
-    for (row, value) in rows.iter().zip(values) {
-        let x = scaled(row);
-        normal += x * x.transpose();
-        right += x * *value;
-    }
-    let inverse = normal.try_inverse().filter(|inverse| inverse.norm() < 1e10)?;
-    let solution = inverse * right;
-    let square_sum: f64 =
-        rows.iter().zip(values).map(|(row, value)| (value - scaled(row).dot(&solution)).powi(2)).sum();
-    let freedom = rows.len().checked_sub(N).filter(|freedom| *freedom > 0)?;
-    let variance = square_sum / freedom as f64;
-    Some(Fit {
-        coefficients: std::array::from_fn(|i| solution[i] / scale[i]),
-        standard_errors: std::array::from_fn(|i| (variance * inverse[(i, i)]).sqrt() / scale[i]),
-        square_sum,
-    })
+fn fit<const N: usize>(
+    rows: impl Iterator<Item = [f64; N]>,
+    values: impl Iterator<Item = f64>,
+    what: &'static str,
+) -> Result<Linear, CalibrationError> {
+    let rows: Vec<f64> = rows.flatten().collect();
+    let design = DMatrix::from_row_slice(rows.len() / N, N, &rows);
+    let values = DVector::from_iterator(design.nrows(), values);
+    Linear::fit(design, &values).ok_or(CalibrationError::TooAlike { what })
+}
+
+fn estimate(fit: &Linear, i: usize, unit: &str) -> Estimate {
+    Estimate::normal(fit.values[i], fit.covariance()[(i, i)].sqrt(), unit)
 }
 
 fn need(what: &'static str, found: usize, needed: usize) -> Result<(), CalibrationError> {

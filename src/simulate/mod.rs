@@ -5,6 +5,7 @@
 
 pub mod mission;
 pub mod schedule;
+pub mod space;
 
 use crate::dynamics::{Actuation, Ends, Glider, IntegrationError, Integrator, Parameters, State};
 use crate::glide::{Start, start};

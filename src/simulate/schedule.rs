@@ -30,6 +30,7 @@ pub const INPUT_NAMES: [&str; 15] = [
 /// Inputs against time.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Schedule {
+    names: &'static [&'static str],
     times_s: Vec<f64>,
     /// Which input each column is.
     inputs: Vec<usize>,
@@ -43,12 +44,20 @@ impl Schedule {
     /// # Errors
     /// An unknown column, a cell that is no finite number, a time before the one above it; with line and column.
     pub fn parse(text: &str, origin: &Path) -> Result<Schedule, InputError> {
+        Schedule::of_names(&INPUT_NAMES, text, origin)
+    }
+
+    /// The same of inputs with other names.
+    ///
+    /// # Errors
+    /// As [`Schedule::parse`].
+    pub fn of_names(names_of: &'static [&'static str], text: &str, origin: &Path) -> Result<Schedule, InputError> {
         let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
         let Some((header_line, header)) = lines.next() else {
             return Err(InputError::new(Place::file(origin), "the file is empty, expected a header `time,...`"));
         };
         let names: Vec<&str> = header.split(',').map(|name| name.trim().trim_matches('"')).collect();
-        let mut schedule = Schedule::default();
+        let mut schedule = Schedule { names: names_of, ..Schedule::default() };
         let mut time_column = None;
         for (column, name) in names.iter().enumerate() {
             let place = Place::line(origin, header_line + 1).column(column + 1);
@@ -57,16 +66,16 @@ impl Schedule {
                 if time_column.replace(column).is_some() {
                     return twice("time");
                 }
-            } else if let Some(input) = INPUT_NAMES.iter().position(|known| known == name) {
+            } else if let Some(input) = schedule.names.iter().position(|known| known == name) {
                 if schedule.inputs.contains(&input) {
                     return twice(name);
                 }
                 schedule.inputs.push(input);
             } else {
                 let error = InputError::new(place, format!("unknown input `{}`", printable(name)));
-                return Err(match nearest(name, INPUT_NAMES) {
+                return Err(match nearest(name, schedule.names.iter().copied()) {
                     Some(near) => error.help(format!("did you mean `{near}`?")),
-                    None => error.help(format!("the inputs are: {}", INPUT_NAMES.join(", "))),
+                    None => error.help(format!("the inputs are: {}", schedule.names.join(", "))),
                 });
             }
         }
@@ -112,13 +121,45 @@ impl Schedule {
     }
 
     fn inputs(&self, row: usize, otherwise: &Inputs<f64>) -> Inputs<f64> {
-        let mut values = otherwise.as_array();
+        Inputs::from_array(self.values(row, otherwise.as_array()))
+    }
+
+    /// The inputs from a time on, how they change until the next row, when they held first and when their course changes
+    /// next; none where the table is empty.
+    pub fn from<const N: usize>(&self, time_s: f64, otherwise: [f64; N]) -> Option<Course<N>> {
+        let next = self.times_s.partition_point(|row| *row <= time_s);
+        let last = next.saturating_sub(1);
+        let from_s = *self.times_s.get(last)?;
+        let values = self.values(last, otherwise);
+        let until_s = self.times_s.get(next).copied();
+        let rates = until_s.filter(|_| next > 0).map(|until_s| {
+            let ahead = self.values(next, otherwise);
+            std::array::from_fn(|i| (ahead[i] - values[i]) / (until_s - from_s))
+        });
+        Some(Course { values, rates, from_s, until_s })
+    }
+
+    fn values<const N: usize>(&self, row: usize, otherwise: [f64; N]) -> [f64; N] {
+        let mut values = otherwise;
         let width = self.inputs.len();
         for (input, value) in self.inputs.iter().zip(&self.values[row * width..(row + 1) * width]) {
             values[*input] = *value;
         }
-        Inputs::from_array(values)
+        values
     }
+}
+
+/// Inputs that change linearly.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Course<const N: usize> {
+    /// Their values at `from_s`.
+    pub values: [f64; N],
+    /// Their rates; none where they stand still.
+    pub rates: Option<[f64; N]>,
+    /// When they had these values \[s\].
+    pub from_s: f64,
+    /// When their course changes next \[s\].
+    pub until_s: Option<f64>,
 }
 
 /// Where a flight stands in its [`Schedule`].

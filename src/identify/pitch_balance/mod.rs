@@ -20,12 +20,12 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::blocks::Blocks;
-use super::consider_parameters::carry;
-use super::considered::Doubt;
+use super::consider_parameters::propagate;
+use super::considered::Considered;
 use super::data::Dive;
 use super::evaluate::{Scatter, Weights};
 use super::external_values::{Pin, from_outside};
-use super::identifiability::thinned;
+use super::identifiability::subsampled;
 use super::joint::{Fit, IdentifyError, Question, refine};
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
 use crate::log::Observation;
@@ -38,7 +38,7 @@ use samples::PitchSamples;
 
 pub use samples::predicted_pitch_rad;
 
-/// What is fitted, in this order: what cannot be told is held from the end.
+/// What is fitted, in this order: what the data cannot identify is held from the end.
 pub const ROWS: [&str; 4] = ["offset_mass_forward_m", "offset_mass_below_m", "d_per_rad", "ballast_forward_m"];
 
 /// Most samples that are used; pitch says the same for many seconds.
@@ -66,7 +66,7 @@ pub struct PitchBalance {
     pub mass_kg: f64,
     /// Whether the fitted values are the glider's own: they are not where the arm of the ballast had to be held at a
     /// value that nobody measured.
-    pub told: bool,
+    pub is_identified: bool,
 }
 
 /// What the report says of it besides the parameters.
@@ -99,11 +99,11 @@ pub fn pitch_balance(
     vehicle: &Vehicle,
     polar: &Parameters<f64>,
     dives: &[Dive],
-    doubts: &[Doubt],
+    considered: &[Considered],
 ) -> Result<Option<PitchBalance>, IdentifyError> {
     let usable = |_: usize, o: &Observation| o.battery_forward_m.is_finite();
     let dives: Vec<Dive> = dives.iter().filter_map(|dive| dive.part(usable)).collect();
-    let dives = thinned(&dives, MOST_SAMPLES);
+    let dives = subsampled(&dives, MOST_SAMPLES);
     let samples: usize = dives.iter().map(|dive| dive.observations.len()).sum();
     if samples < LEAST_SAMPLES {
         return Ok(None);
@@ -154,14 +154,15 @@ pub fn pitch_balance(
         flat.baseline.d_per_rad = 0.0;
         refine(&flat, &mut samples).ok().map(|found| found.tally.sink.rms())
     };
-    carry(&mut fit, &mut samples, doubts);
+    propagate(&mut fit, &mut samples, considered);
     Ok(Some(PitchBalance {
         pitch_rms_rad: fit.tally.sink.rms(),
         pitch_rms_without_d_rad: without_d,
         pitch_rms_holdout_rad: held_out(&question, &fit.parameters, &dives)?,
         n: fit.tally.sink.n,
         mass_kg: fit.parameters.mass_kg(),
-        told: !pinned.contains_key("ballast_forward_m") || vehicle.get("ballast.forward_m").is_some_and(|x| x != 0.0),
+        is_identified: !pinned.contains_key("ballast_forward_m")
+            || vehicle.get("ballast.forward_m").is_some_and(|x| x != 0.0),
         pinned,
         fit,
     }))

@@ -14,15 +14,19 @@ mod flight;
 mod keys;
 mod profile;
 mod read;
+mod route;
 
 use std::path::Path;
 
+use super::space::Origin;
 use crate::input::InputError;
+use crate::spatial::Steering;
 
 pub use account::{Ending, Flight, Leg, LegKind, MISSION_COLUMNS, MissionError, Moment, Turn};
 pub use flight::fly_mission;
 pub use keys::{KEYS, Key};
 pub use profile::Profile;
+pub use route::{Account, RouteError, RouteMoment, fly_route};
 
 /// What a glider is told to do, and what it will meet.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,6 +63,29 @@ pub struct Mission {
     pub current: Profile,
     /// The tide that comes on top of it, alike at all depths.
     pub tide: Tide,
+    /// The way in space, and how the heading is held.
+    pub route: Route,
+}
+
+/// A way over the earth, for a glider in six degrees of freedom.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Route {
+    /// Where it begins.
+    pub origin: Origin,
+    /// Places to go to one after the other, north and east of the start \[m\].
+    pub waypoints_m: Vec<[f64; 2]>,
+    /// Distance within which a waypoint counts as reached \[m\].
+    pub reached_m: f64,
+    /// What steers, where the file says so.
+    pub steering: Option<Steering>,
+    /// Time between two looks at the heading \[s\].
+    pub period_s: f64,
+    /// Error of the heading up to which nothing moves \[rad\].
+    pub deadband_rad: f64,
+    /// Current to the north \[m/s\] against depth \[m\].
+    pub current_north: Profile,
+    /// Current to the east.
+    pub current_east: Profile,
 }
 
 /// A tidal current along the course, `along cos(2 pi (t - most_at) / period)`.

@@ -6,7 +6,7 @@ use std::path::Path;
 use toml_edit::TableLike;
 
 use super::keys::{KEYS, Key};
-use super::{LegOrder, Mission, PitchControl, Profile, Surfacing, Tide};
+use super::{LegOrder, Mission, Origin, PitchControl, Profile, Route, Steering, Surfacing, Tide};
 use crate::input::toml::{Bounds, TomlText};
 use crate::input::{InputError, Place, nearest, printable};
 
@@ -131,9 +131,55 @@ impl Reader<'_> {
                 period_s: self.number("current.tide_period_h") * 3600.0,
                 most_at_s: self.number("current.tide_most_at_h") * 3600.0,
             },
+            route: self.route()?,
         };
         self.complain_of_contradictions(&mission)?;
         Ok(mission)
+    }
+
+    fn route(&self) -> Result<Route, InputError> {
+        let origin = Origin {
+            latitude_deg: self.number("route.start_latitude_deg"),
+            longitude_deg: self.number("route.start_longitude_deg"),
+        };
+        let by_way = self.pairs("route.north_km", "route.east_km")?;
+        let by_place = self.pairs("route.latitude_deg", "route.longitude_deg")?;
+        if !by_way.is_empty() && !by_place.is_empty() {
+            let place = self.places["route.latitude_deg"].clone();
+            let problem = "waypoints by `route.latitude_deg` beside waypoints by `route.north_km`";
+            return Err(InputError::new(place, problem).help("state them in one of the two ways"));
+        }
+        let current = |values: &'static str| {
+            Ok::<_, InputError>(self.profile("current.depth_m", 1.0, values)?.unwrap_or(Profile::constant(0.0)))
+        };
+        Ok(Route {
+            waypoints_m: by_way
+                .into_iter()
+                .map(|way| way.map(|km| km * 1e3))
+                .chain(by_place.into_iter().map(|[latitude, longitude]| origin.way_m(latitude, longitude)))
+                .collect(),
+            origin,
+            reached_m: self.number("route.reached_m"),
+            steering: self
+                .given("steering.actuator")
+                .map(|number| if number < 1.5 { Steering::HeadingByRudder } else { Steering::HeadingByRollMass }),
+            period_s: self.number("steering.period_s"),
+            deadband_rad: self.number("steering.deadband_deg").to_radians(),
+            current_north: current("current.north_m_s")?,
+            current_east: current("current.east_m_s")?,
+        })
+    }
+
+    /// Two lists of equal length, pair by pair.
+    fn pairs(&self, first: &'static str, second: &'static str) -> Result<Vec<[f64; 2]>, InputError> {
+        let of = |path: &str| self.values.get(path).map(Vec::as_slice).unwrap_or_default();
+        let (a, b) = (of(first), of(second));
+        if a.len() != b.len() {
+            let path = if self.places.contains_key(first) { first } else { second };
+            let problem = format!("`{first}` has {} values, `{second}` {}", a.len(), b.len());
+            return Err(InputError::new(self.places[path].clone(), problem).help("give each waypoint both"));
+        }
+        Ok(a.iter().zip(b).map(|(a, b)| [*a, *b]).collect())
     }
 
     fn complain_of_contradictions(&self, mission: &Mission) -> Result<(), InputError> {

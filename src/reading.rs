@@ -1,0 +1,316 @@
+//! From the files of a log to the samples of a fit: cleaned, prepared, shortened where memory asks for it, and held against
+//! itself. Commands, tests and benchmarks take this one way, so that all refuse the same logs in the same words.
+//!
+//! Knows no command and no fit.
+
+use std::path::{Path, PathBuf};
+
+use crate::diagnose::sea::SeaError;
+use crate::diagnose::sea::consistency::{self, DensityError};
+use crate::diagnose::{Check, Checked};
+use crate::input::{InputError, Place};
+use crate::log::{
+    CHANNELS, Calibration, Channel, Columns, Condenser, FlightLog, LogFiles, MOST_OBSERVATIONS, Observation, Piece,
+    Preparation, Settings, Shorten, take_out_lost_speeds,
+};
+use crate::vehicle::Vehicle;
+
+/// Why a log gives no samples.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadingError {
+    /// Files that cannot be read, or in which nothing is left to use.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// A log that contradicts itself. What was taken out in the reading may be what is wrong, so the notes stand with it.
+    #[error("{}{}", SeaError::Inconsistent(.checks.clone()), noted(.notes))]
+    Inconsistent {
+        /// The checks that the log does not pass.
+        checks: Vec<Check>,
+        /// What was found in the reading.
+        notes: Vec<String>,
+    },
+}
+
+/// Notes of the reading as the end of an error.
+pub fn noted(notes: &[String]) -> String {
+    if notes.is_empty() { String::new() } else { format!("; the reading noted: {}", notes.join("; ")) }
+}
+
+/// How a log is read.
+#[derive(Debug, Default)]
+pub struct Request {
+    /// Which columns hold the channels.
+    pub columns: Columns,
+    /// Half window of the filter for vertical velocity \[s\]; none: that of [`Settings`].
+    pub half_window_s: Option<f64>,
+    /// In-situ density where the log gives none \[kg/m3\].
+    pub density_kg_m3: Option<f64>,
+    /// How a log that is too long for the memory is shortened.
+    pub shorten: Shorten,
+}
+
+/// Reads the files of a log into samples, for a glider like this vehicle.
+///
+/// # Errors
+/// What cannot be read, where nothing is left to use, and where a column is in another unit than it says.
+pub fn read(logs: &[PathBuf], vehicle: &Vehicle, request: &Request) -> Result<PreparedLog, ReadingError> {
+    let mut settings = settings(vehicle, request.density_kg_m3);
+    settings.half_window_s = request.half_window_s.unwrap_or(settings.half_window_s);
+    let mut gathering = Gathering::new(settings, request.shorten);
+    gathering.gravity_is_known = states_gravity(vehicle);
+    let mut files = LogFiles::open(logs, &request.columns)?;
+    while let Some(piece) = files.next_piece(PIECE_ROWS)? {
+        match piece {
+            Piece::Series(piece) => gathering.push(*piece),
+            Piece::Glides(glides) => gathering.push_glides(with_density(glides, request.density_kg_m3, &logs[0])?),
+        }
+    }
+    let nothing_left = gathering.nothing_left(&logs[0], request.density_kg_m3.is_some());
+    let mut log = gathering.finish()?;
+    if log.observations.is_empty() {
+        return Err(nothing_left.into());
+    }
+    log.notes.splice(0..0, files.notes().iter().cloned());
+    log.of_files = files.warnings().to_vec();
+    log.calibration = files.calibration().cloned();
+    Ok(log)
+}
+
+/// Samples of a CSV file that are read at once.
+const PIECE_ROWS: usize = 50_000;
+
+/// What a log is prepared by that is flown with this vehicle.
+pub fn settings(vehicle: &Vehicle, density_kg_m3: Option<f64>) -> Settings {
+    Settings { density_kg_m3, gravity_m_s2: vehicle.glide_parameters().gravity_m_s2, ..Settings::default() }
+}
+
+/// A table of glides, each with a density.
+fn with_density(
+    mut glides: Vec<Observation>,
+    density_kg_m3: Option<f64>,
+    log: &Path,
+) -> Result<Vec<Observation>, InputError> {
+    if let Some(density) = density_kg_m3 {
+        glides.iter_mut().filter(|g| !g.density_kg_m3.is_finite()).for_each(|g| g.density_kg_m3 = density);
+    }
+    if glides.iter().any(|glide| !glide.density_kg_m3.is_finite()) {
+        let error = InputError::new(Place::file(log), "no density: expected a column `density_kg_m3`");
+        return Err(error.help("give it with --density"));
+    }
+    Ok(glides)
+}
+
+/// Samples of a log, and how they were come by.
+#[derive(Debug)]
+pub struct PreparedLog {
+    /// Samples in the order of time.
+    pub observations: Vec<Observation>,
+    /// How the vertical velocity was measured.
+    pub w_filter: String,
+    /// What was found in the log and done about it.
+    pub notes: Vec<String>,
+    /// Files that were left out.
+    pub of_files: Vec<String>,
+    /// What the files say of the vehicle; Seaglider only.
+    pub calibration: Option<Calibration>,
+    /// Steady samples and all samples on legs, before a long log was shortened.
+    pub steady: [usize; 2],
+    /// Acceleration of gravity where the log was recorded; nothing without a position \[m/s2\].
+    pub gravity_m_s2: Option<f64>,
+}
+
+impl PreparedLog {
+    /// The vehicle where the log was recorded: with the acceleration of gravity there, unless its file states one.
+    pub fn located(&mut self, vehicle: Vehicle) -> Result<Vehicle, InputError> {
+        let mut here = vehicle;
+        if states_gravity(&here) {
+            return Ok(here);
+        }
+        match self.gravity_m_s2 {
+            Some(gravity_m_s2) => {
+                here.set("mass.gravity_m_s2", (gravity_m_s2 * 1e5).round() / 1e5)?;
+                self.notes.push(format!("g = {gravity_m_s2:.4} m/s2 by the latitude of the log"));
+            }
+            None => self.notes.push("g = 9.81 m/s2: the log has no position".to_owned()),
+        }
+        Ok(here)
+    }
+
+    /// The share of the samples on legs that are steady, in a sentence.
+    pub fn steady_share(&self) -> String {
+        let [steady, all] = self.steady;
+        format!("{steady} of {all} samples on legs are steady ({:.0} %)", 100.0 * steady as f64 / all.max(1) as f64)
+    }
+
+    /// Corrects a density whose error the log's own temperature, salinity and pressure show, as `diagnose` does; what was
+    /// done comes back as warnings.
+    ///
+    /// # Errors
+    /// Where the log contradicts itself so that nothing follows from it, in the words of `diagnose`.
+    pub fn corrected(&mut self, vehicle: &Vehicle) -> Result<Vec<String>, ReadingError> {
+        let (warnings, error) = self.checked(vehicle)?;
+        if let Some(error) = error {
+            let carried_kg_m3 = vehicle.glide_parameters().density_bias_kg_m3;
+            self.observations = consistency::corrected(&self.observations, error, carried_kg_m3);
+        }
+        Ok(warnings)
+    }
+
+    /// Holds the log against itself: what is wrong and can be corrected comes back as warnings, and the error of the density.
+    ///
+    /// # Errors
+    /// Where the log contradicts itself so that nothing follows from it, in the words of `diagnose`.
+    pub fn checked(&self, vehicle: &Vehicle) -> Result<(Vec<String>, Option<DensityError>), ReadingError> {
+        let bias_kg_m3 = vehicle.glide_parameters().density_bias_kg_m3;
+        let (checks, error) = consistency::checks(&self.observations, bias_kg_m3);
+        if checks.iter().any(|check| check.outcome == Checked::Wrong) {
+            return Err(ReadingError::Inconsistent { checks, notes: self.notes.clone() });
+        }
+        let found = checks.iter().filter(|check| check.outcome == Checked::Mended);
+        let warning = |check: &Check| format!("{}: {}; corrected before anything else", check.check, check.says);
+        Ok((self.of_files.iter().cloned().chain(found.map(warning)).collect(), error))
+    }
+}
+
+/// Whether the vehicle's file states its acceleration of gravity.
+fn states_gravity(vehicle: &Vehicle) -> bool {
+    vehicle.sections.mass.gravity_m_s2.is_some()
+}
+
+/// Acceleration of gravity at the surface of the sea \[m/s2\], by the normal gravity of GRS 80 (Moritz 2000, as TEOS-10 has it).
+pub fn gravity_m_s2(latitude_deg: f64) -> f64 {
+    let sin2 = latitude_deg.to_radians().sin().powi(2);
+    9.780_327 * (1.0 + (5.279_041_4e-3 + (2.327_18e-5 + (1.262e-7 + 7e-10 * sin2) * sin2) * sin2) * sin2)
+}
+
+/// A log of column names only.
+pub fn no_rows(log: &Path) -> InputError {
+    InputError::new(Place::file(log), "no row of data below the names of the columns").help("is the file whole?")
+}
+
+/// Pieces of a log on their way to samples, in bounded memory.
+pub struct Gathering {
+    preparation: Preparation,
+    condenser: Condenser,
+    batch: Vec<Observation>,
+    has_tables: bool,
+    /// Channels that had a value anywhere.
+    recorded: Vec<Channel>,
+    rows: usize,
+    steady: [usize; 2],
+    gravity_is_known: bool,
+    gravity_m_s2: Option<f64>,
+}
+
+impl Gathering {
+    /// Begins with nothing.
+    pub fn new(settings: Settings, how: Shorten) -> Self {
+        Gathering {
+            preparation: Preparation::new(settings),
+            condenser: Condenser::new(how, MOST_OBSERVATIONS),
+            batch: Vec::new(),
+            has_tables: false,
+            recorded: Vec::new(),
+            rows: 0,
+            steady: [0; 2],
+            gravity_is_known: false,
+            gravity_m_s2: None,
+        }
+    }
+
+    fn condense(&mut self) {
+        self.steady[0] += self.batch.iter().filter(|o| o.steady).count();
+        self.steady[1] += self.batch.len();
+        self.condenser.take(&mut self.batch);
+    }
+
+    /// Gravity where the log begins, for all of it: over a hundred kilometres it changes by a ten-thousandth.
+    fn locate(&mut self, piece: &FlightLog) {
+        if self.gravity_is_known || self.gravity_m_s2.is_some() {
+            return;
+        }
+        let latitude = piece.column(Channel::Latitude).iter().find(|latitude| latitude.abs() <= 90.0);
+        if let Some(gravity) = latitude.copied().map(gravity_m_s2) {
+            self.gravity_m_s2 = Some(gravity);
+            self.preparation.set_gravity(gravity);
+        }
+    }
+
+    /// Takes the next piece of a time series.
+    pub fn push(&mut self, piece: FlightLog) {
+        self.rows += piece.len();
+        self.locate(&piece);
+        for info in CHANNELS.iter().filter(|info| piece.has(info.channel)) {
+            if !self.recorded.contains(&info.channel) {
+                self.recorded.push(info.channel);
+            }
+        }
+        self.preparation.push(piece, &mut self.batch);
+        self.condense();
+    }
+
+    /// Takes a table of glides.
+    pub fn push_glides(&mut self, mut glides: Vec<Observation>) {
+        self.has_tables = true;
+        self.steady[0] += glides.iter().filter(|o| o.steady).count();
+        self.steady[1] += glides.len();
+        self.condenser.take(&mut glides);
+    }
+
+    /// Why no sample came of a log.
+    fn nothing_left(&self, log: &Path, has_density: bool) -> InputError {
+        let has = |channel: Channel| self.recorded.contains(&channel);
+        let of_sea_water = has(Channel::Temperature) && (has(Channel::Salinity) || has(Channel::Conductivity));
+        let error = |problem: String| InputError::new(Place::file(log), problem);
+        if self.rows == 0 {
+            return no_rows(log);
+        }
+        for channel in [Channel::Pitch, Channel::Ballast] {
+            if !has(channel) {
+                let name = CHANNELS[channel as usize].name;
+                return error(format!("not a single value of `{name}`"))
+                    .help(format!("choose another column by --column {name}=COLUMN"));
+            }
+        }
+        if !(has_density || has(Channel::Density) || of_sea_water) {
+            return error("no density, nor temperature with salinity or conductivity".to_owned())
+                .help("give it with --density");
+        }
+        let leg_dbar = Settings::default().least_leg_dbar;
+        error(format!("no descent or ascent of more than {leg_dbar} dbar with pitch, ballast volume and density on it"))
+            .help("is it the log of a dive, with pressure in decibar, or depth in metres?")
+    }
+
+    /// The samples.
+    ///
+    /// # Errors
+    /// Where a column is in another unit than it says, so that its values were taken out.
+    pub fn finish(mut self) -> Result<PreparedLog, ReadingError> {
+        self.preparation.finish(&mut self.batch);
+        self.condense();
+        let (mut observations, shortened) = self.condenser.finish();
+        let lost = take_out_lost_speeds(&mut observations);
+        let w_filter =
+            if self.has_tables { "the column w_m_s of the table".to_owned() } else { self.preparation.filter() };
+        let w_filter = match &shortened {
+            Some(said) => format!("{w_filter}; {said}"),
+            None => w_filter,
+        };
+        let notes: Vec<String> =
+            self.preparation.notes().sentences().into_iter().chain(lost).chain(shortened).collect();
+        let wrong = consistency::taken_out(&self.preparation);
+        if wrong.is_empty() {
+            Ok(PreparedLog {
+                observations,
+                w_filter,
+                notes,
+                of_files: Vec::new(),
+                calibration: None,
+                steady: self.steady,
+                gravity_m_s2: self.gravity_m_s2,
+            })
+        } else {
+            Err(ReadingError::Inconsistent { checks: wrong, notes })
+        }
+    }
+}
