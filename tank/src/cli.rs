@@ -10,6 +10,8 @@ use glidepolar_report::InputFile;
 use glidepolar_terminal::{CliError, Output, shell, warn};
 
 use crate::demo_cli;
+use glidepolar_inference::relevance::Relevance;
+use glidepolar_tank::sweep::NAMES;
 use glidepolar_tank::virtual_tank::Error;
 use glidepolar_tank::{Options, Progress, output, reduce_campaign, reduce_points};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -52,6 +54,10 @@ struct Reduce {
     /// Say what the steady runs depart from, why, by how much it helps to know
     #[arg(long)]
     diagnose: bool,
+    /// Misfit above which a coefficient (CL, CD, CM) is called wrong; else a hundredth of its largest value and a tenth of its
+    /// scatter
+    #[arg(long, value_name = "QUANTITY=VALUE", requires = "diagnose")]
+    relevant: Vec<String>,
     /// Take one unusable run for an error instead of leaving it out
     #[arg(long)]
     strict: bool,
@@ -90,6 +96,8 @@ impl Reduce {
                 self.range_deg
             )));
         }
+        let relevance = Relevance::parse(&self.relevant, &NAMES, "CL=0.005")
+            .map_err(|error| CliError::Usage(format!("--relevant: {error}")))?;
         let mut results = match &self.hull {
             Some(hull) => reduce_points(input, hull, self.range_deg)?,
             None if input.is_file() => {
@@ -99,7 +107,7 @@ impl Reduce {
             None => self.reduce_campaign(input)?,
         };
         if self.diagnose {
-            results.diagnose();
+            results.diagnose(&relevance);
             if let Some(diagnoses) = &mut results.diagnoses {
                 diagnoses.extended_in(&self.out.join("fits.json").display().to_string());
             }

@@ -2,6 +2,7 @@
 
 use glidepolar_hull::hull_tests::{ReducedHull, Reduction, SCHEMA, Trend};
 use glidepolar_inference::Diagnosis;
+use glidepolar_inference::relevance::Relevance;
 
 use crate::campaign::{Kind, Rejected, Run};
 use crate::diagnose::{self, Diagnoses};
@@ -84,9 +85,9 @@ impl Results {
         self.hulls.iter().any(|hull| hull.fit.is_ok() || hull.dynamic.is_some())
     }
 
-    /// Asks what the steady runs depart from, and keeps the answer.
-    pub fn diagnose(&mut self) {
-        let diagnoses = Diagnoses::of(&self.steady, &self.hulls);
+    /// Asks what the steady runs depart from by more than is relevant, and keeps the answer.
+    pub fn diagnose(&mut self, relevance: &Relevance) {
+        let diagnoses = Diagnoses::of(&self.steady, &self.hulls, relevance);
         self.warnings.extend(diagnoses.warnings.iter().cloned());
         self.diagnoses = Some(diagnoses);
     }

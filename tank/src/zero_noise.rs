@@ -25,8 +25,11 @@ pub type Stretch = Vec<(f64, f64)>;
 const FEWEST: usize = 2;
 /// Contrasts that are taken together; a longer stretch is cut.
 const TOGETHER: usize = 40;
-/// Variances that are tried, in units of the record's own; even in the logarithm.
-const VARIANCES: [f64; 11] = [0.0, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0];
+/// Variances that are tried, in units of the record's own: none, and from the least to a thousand, even in the logarithm. Steps
+/// of a half decade are wider than what a day's zeros know: what the nearest one lacks would go to the other component.
+const LEAST_VARIANCE: f64 = 0.03;
+const STEPS: i32 = 18;
+const STEPS_PER_DECADE: f64 = 4.0;
 
 /// Time constants of a settling zero that are tried, in units of time.
 const SETTLING: [f64; 3] = [0.4 * 3600.0, 0.7 * 3600.0, 1.5 * 3600.0];
@@ -76,9 +79,12 @@ pub fn components(stretches: &[Stretch], within: f64) -> Components {
     let mut gaps: Vec<f64> = stretches.iter().flat_map(|s| s.windows(2).map(|pair| pair[1].0 - pair[0].0)).collect();
     gaps.sort_by(f64::total_cmp);
     let gap = gaps[gaps.len() / 2].max(f64::MIN_POSITIVE);
+    let variances: Vec<f64> = std::iter::once(0.0)
+        .chain((0..=STEPS).map(|step| LEAST_VARIANCE * 10f64.powf(f64::from(step) / STEPS_PER_DECADE)))
+        .collect();
     let mut found = Vec::new();
-    for repeat in VARIANCES {
-        for walk in VARIANCES {
+    for &repeat in &variances {
+        for &walk in &variances {
             let likelihood: f64 = cut
                 .iter()
                 .map(|contrasts| contrasts.log_likelihood(within, repeat * within, walk * within / gap))
@@ -98,9 +104,12 @@ pub fn components(stretches: &[Stretch], within: f64) -> Components {
     Components { repeat: variance(repeat_sd), walk: variance(walk_sd) / gap }
 }
 
-/// Half-Cauchy in the standard deviation, per step of the logarithm; what lies below the first step counts for none.
+/// Half-Cauchy in the standard deviation, per step of the logarithm; none has all that lies below the first step.
 fn prior(variance: f64) -> f64 {
-    let variance = variance.max(0.03);
+    if variance == 0.0 {
+        let step = 0.5 * std::f64::consts::LN_10 / STEPS_PER_DECADE;
+        return (LEAST_VARIANCE.sqrt() * (-0.5 * step).exp()).atan() / step;
+    }
     variance.sqrt() / (1.0 + variance)
 }
 
@@ -163,16 +172,47 @@ mod tests {
         assert_eq!(components(&[zeros(3, 1.0, 0.0, 0.0, 1)], 1.0), Components::default());
     }
 
+    fn mean(stretches: u64, repeat: f64, walk: f64) -> (f64, f64) {
+        let campaign = |seed: u64| -> Vec<Stretch> {
+            (0..stretches).map(|stretch| zeros(30, 1.0, repeat, walk, 1000 * stretch + seed)).collect()
+        };
+        (0..40)
+            .map(|seed| components(&campaign(seed), 1.0))
+            .fold((0.0, 0.0), |sum, c| (sum.0 + c.repeat / 40.0, sum.1 + c.walk / 40.0))
+    }
+
+    /// Standard deviations that no unbiased estimate goes below: the inverse of Fisher's information of the contrasts.
+    fn least_sd(stretches: f64, repeat: f64, walk: f64) -> (f64, f64) {
+        let contrasts = Contrasts::of(&zeros(30, 1.0, repeat, walk, 0)).unwrap();
+        let white = &contrasts.weights * contrasts.weights.transpose();
+        let inverse = (&white * (1.0 + repeat) + &contrasts.walk * walk).try_inverse().unwrap();
+        let (by_repeat, by_walk) = (&inverse * &white, &inverse * &contrasts.walk);
+        let information = |a: &DMatrix<f64>, b: &DMatrix<f64>| 0.5 * stretches * (a * b).trace();
+        let (rr, ww) = (information(&by_repeat, &by_repeat), information(&by_walk, &by_walk));
+        let rw = information(&by_repeat, &by_walk);
+        let determinant = rr * ww - rw * rw;
+        ((ww / determinant).sqrt(), (rr / determinant).sqrt())
+    }
+
     #[test]
     fn repeats_and_walks_are_found_apart() {
         for (repeat, walk) in [(9.0, 0.0), (0.0, 4.0)] {
-            let mean = (0..40)
-                .map(|seed| components(&[zeros(30, 1.0, repeat, walk, seed)], 1.0))
-                .fold((0.0, 0.0), |sum, c| (sum.0 + c.repeat / 40.0, sum.1 + c.walk / 40.0));
-            // A variance is never negative: of one that is absent the mean estimate is that of a normal error cut off at zero, 0.4
-            // times its standard deviation, which is about half of the other component with 30 zeros.
-            let is_near = |found: f64, truth: f64| (found - truth).abs() < 0.4 * truth + 0.2 * (repeat + walk);
-            assert!(is_near(mean.0, repeat) && is_near(mean.1, walk), "{repeat} {walk}: {mean:?}");
+            let found = mean(4, repeat, walk);
+            let is_near = |found: f64, truth: f64| (found - truth).abs() < 0.4 * truth + 0.1 * (repeat + walk);
+            assert!(is_near(found.0, repeat) && is_near(found.1, walk), "{repeat} {walk}: {found:?}");
+        }
+    }
+
+    /// A variance is never negative: of a component that is absent even the best estimate has the mean of a normal error that
+    /// is cut off at zero, 0.4 times its least standard deviation. One stretch of zeros does not do worse by more than half.
+    #[test]
+    fn of_an_absent_component_one_stretch_finds_what_its_information_allows() {
+        for (repeat, walk) in [(4.0, 0.0), (9.0, 0.0), (0.0, 2.0), (0.0, 4.0)] {
+            let (found, least) = (mean(1, repeat, walk), least_sd(1.0, repeat, walk));
+            let (found, least) = if repeat == 0.0 { (found.0, least.0) } else { (found.1, least.1) };
+            // The prior reaches as far as the record's own error, whatever the other component.
+            let allowed = 1.5 * 0.4 * least.hypot(1.0);
+            assert!(found < allowed, "{repeat} {walk}: {found} where {allowed} is allowed");
         }
     }
 }

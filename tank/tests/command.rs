@@ -68,8 +68,10 @@ fn a_campaign_needs_one_command() {
     }
     let runs = std::fs::read_to_string(folder.path().join("tank_out/runs-LDR8.5.html")).unwrap();
     assert!(page.contains("href=\"runs-LDR8.5.html\"") && runs.contains("effective samples"));
-    // The names of XML's vocabularies are no addresses that a browser asks.
-    let asked = |page: &str| page.replace("http://www.w3.org/", "").contains("://");
+    // The names of XML's vocabularies and the notice of the plotting library are no addresses that a browser asks.
+    let asked = |page: &str| {
+        page.replace("http://www.w3.org/", "").replace("/*! https://github.com/leeoniya/uPlot", "").contains("://")
+    };
     assert!(!asked(&page) && !asked(&runs), "the page asks nothing of anybody");
     assert!(page.len() < 1_000_000, "{} bytes", page.len());
     let steps = std::fs::read_to_string(folder.path().join("tank_out/steps.csv")).unwrap();
@@ -139,4 +141,26 @@ fn a_full_standard_output_ends_with_a_message() {
     let message = text(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{message}");
     assert!(message.contains("standard output cannot be written") && !message.contains("panicked"), "{message}");
+}
+
+#[test]
+fn what_is_relevant_is_the_users_to_say() {
+    let folder = tempfile::tempdir().unwrap();
+    let (points, hull) = (data("suboff_roddy1990.csv"), data("suboff.toml"));
+    let told = |relevant: &[&str]| {
+        let given = relevant.iter().flat_map(|text| ["--relevant", text]);
+        let arguments: Vec<&str> =
+            [points.as_str(), "--hull", &hull, "--diagnose", "--json", "-"].into_iter().chain(given).collect();
+        tank_reduce(folder.path(), &arguments)
+    };
+    let verdict = |output: &Output| {
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        json["hulls"][0]["diagnosis"]["verdict"].as_str().unwrap().to_owned()
+    };
+    // SUBOFF's lift departs from a straight line by a fifth of a coefficient at most.
+    assert_ne!(verdict(&told(&["CL=0.01"])), "none");
+    assert_eq!(verdict(&told(&["CL=1", "CD=1", "CM=1"])), "none");
+    let wrong = told(&["lift=1"]);
+    assert_eq!(wrong.status.code(), Some(2));
+    assert!(text(&wrong.stderr).contains("--relevant") && text(&wrong.stderr).contains("CL=0.005"));
 }

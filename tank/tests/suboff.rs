@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use glidepolar_hull::hull_tests::HullFit;
+use glidepolar_inference::Relevance;
 use glidepolar_tank::{Results, reduce_points};
 
 fn data(name: &str) -> PathBuf {
@@ -152,7 +153,7 @@ fn derivatives_at_zero_drift_are_those_of_the_report() {
 #[test]
 fn the_diagnosis_names_crossflow_and_predicts_lift_tenfold_better() {
     let mut results = suboff(10.0);
-    results.diagnose();
+    results.diagnose(&Relevance::default());
     let reduced = results.reduction();
     let diagnosis = reduced.hulls[0].diagnosis.as_ref().expect("a diagnosis");
     let causes = diagnosis["causes"].as_array().unwrap();

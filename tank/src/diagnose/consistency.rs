@@ -68,6 +68,7 @@ pub fn signs(hulls: &[HullResults]) -> Option<Diagnosis> {
         alternatives: Vec::new(),
         left: Vec::new(),
         trim: None,
+        empirical: None,
         rejected: Vec::new(),
         unexplained: None,
         gain: nothing.clone(),

@@ -74,6 +74,8 @@ pub struct SteadyData {
     pub start_s: Option<f64>,
     /// Interaction matrix.
     pub interaction: Matrix3<f64>,
+    /// Force of the strut that was taken off, about the moment centre: AF, SF, YM; zero where none was.
+    pub strut: Vector3<f64>,
     /// Its zero.
     pub zeros: ZeroTimes,
     /// For each channel, what a change of force in every tare run does to the force of this one.
@@ -104,6 +106,7 @@ impl Data {
             time_s: 600.0 * point.order as f64,
             start_s: None,
             interaction: Matrix3::identity(),
+            strut: Vector3::zeros(),
             zeros: ZeroTimes::default(),
             tare_weights: [0, 1, 2].map(|_| DVector::zeros(0)),
             rig_errors: DMatrix::zeros(3, 0),
@@ -137,6 +140,7 @@ impl Data {
                 time_s: run.run.start_time_s.map_or(600.0 * run.run.order as f64, |t| t + run.steady.middle_s),
                 start_s: run.run.start_time_s,
                 interaction: common.balance.interaction,
+                strut: run.steps.tare,
                 zeros: zero_times(common, run),
                 tare_weights,
                 rig_errors: beside(errors.collect()),

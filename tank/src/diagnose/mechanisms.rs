@@ -234,7 +234,9 @@ pub const IN_TANK: &[Mechanism] = &[
             term: Term::DragExponent,
             neutral: 0.0,
             usual: Usual::Is(0.2),
-            bounds: (-0.5, 0.5),
+            // Laminar friction has -1/4 (Blasius), turbulent friction less, form drag none: what grows with the Reynolds number is
+            // a transition or a wave.
+            bounds: (-0.3, 0.05),
         }],
         told_as: &[],
         reach: Reach::Hull,

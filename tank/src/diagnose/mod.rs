@@ -19,6 +19,7 @@ mod reduced;
 mod zero_runs;
 
 use glidepolar_hull::hull_tests::ExtendedFit;
+use glidepolar_inference::relevance::Relevance;
 use glidepolar_inference::{Diagnosis, Outcome, diagnose_in_full};
 
 use crate::hull_results::HullResults;
@@ -77,7 +78,7 @@ pub struct RunLeft {
 
 impl Diagnoses {
     /// Asks. `hulls` are the reduced hulls of these data.
-    pub fn of(data: &Data, hulls: &[HullResults]) -> Diagnoses {
+    pub fn of(data: &Data, hulls: &[HullResults], relevance: &Relevance) -> Diagnoses {
         if data.runs.len() < LEAST_RUNS {
             let warning =
                 format!("no diagnosis: {} steady drift runs, at least {LEAST_RUNS} are needed", data.runs.len());
@@ -88,7 +89,7 @@ impl Diagnoses {
         }
         let mut data = data.clone();
         let wrong_temperature = consistency::temperatures(&mut data);
-        let problem = TankProblem::new(&data, hulls);
+        let problem = TankProblem::new(&data, hulls, relevance);
         let outcome = diagnose_in_full(&problem);
         let mut diagnoses = findings::write(&data, &problem, &outcome, hulls);
         if let Some(cause) = wrong_temperature {

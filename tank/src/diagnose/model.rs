@@ -59,7 +59,7 @@ pub enum Term {
     StrutAxial,
     /// Side force of the strut over dynamic pressure and sine of the angle \[m2\].
     StrutSide,
-    /// Relative rise of the dynamic pressure per sine of the angle, whichever side.
+    /// Relative rise of the dynamic pressure per sine of the angle, whichever side, for a hull of the median length.
     BlockageLinear,
     /// The same per its square.
     BlockageSquare,
@@ -145,6 +145,8 @@ pub struct Setting {
     pub area_m2: f64,
     /// Overall length \[m\].
     pub length_m: f64,
+    /// The same over the median of the hulls.
+    pub length_ratio: f64,
     /// Moment centre and centre of buoyancy aft of the nose \[m\].
     pub mc_m: f64,
     /// Centre of buoyancy aft of the nose \[m\].
@@ -183,7 +185,9 @@ fn coefficients<T: Number>(setting: &Setting, p: &[T; TERMS]) -> [T; 3] {
 
     // The rig. A temperature entered too high makes the water too light on paper.
     let pressure = (at(Term::Temperature) * (-setting.density_per_K) + 1.0) * setting.pressure_Pa;
-    let blockage = (at(Term::BlockageSquare) * sine.abs() + at(Term::BlockageLinear)) * sine.abs() + 1.0;
+    // A longer hull takes up more of the tank's section, in proportion.
+    let taken = sine.abs() * setting.length_ratio;
+    let blockage = (at(Term::BlockageSquare) * taken + at(Term::BlockageLinear)) * taken + 1.0;
     let scale = pressure * blockage * setting.area_m2;
     let side_N = scale * normal + pressure * at(Term::StrutSide) * sine;
     let axial_N = scale * axial + pressure * at(Term::StrutAxial) * cosine;
@@ -246,6 +250,7 @@ mod tests {
             viscosity_per_K: -0.025,
             area_m2: 0.0324,
             length_m: 1.724,
+            length_ratio: 1.0,
             mc_m: 0.736,
             cb_m: 0.815,
             interaction: Matrix3::identity(),

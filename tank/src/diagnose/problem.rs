@@ -1,7 +1,7 @@
 //! A campaign's steady runs as the engine sees them: rows of CL, CD, CM, a baseline of every hull's own a, b, c, d, and the
 //! mechanisms that these runs could show.
 
-use glidepolar_inference::relevance::SHARE_OF_SCATTER;
+use glidepolar_inference::relevance::Relevance;
 use glidepolar_inference::smooth::Kind;
 use glidepolar_inference::{Candidate, Covariate, Evidence, Headline, Point, Problem, Quantity};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
@@ -28,6 +28,8 @@ const STRUT_BELIEF: [f64; 2] = [0.1, 0.3];
 /// A misfit smaller than this share of the largest CL, CD or CM changes no use of them: tanks state one per cent as what they
 /// can hope for (ITTC 7.5-02-06-02).
 const RELEVANT_SHARE: f64 = 0.01;
+/// Share of what a mechanism explains by which its size may be off somewhere, as at sea.
+const PART_UNEXPLAINED: f64 = 0.1;
 /// A run is not its own predecessor \[s\].
 const SAME_TIME_S: f64 = 1.0;
 /// Fewest different speeds, and fewest different Froude numbers, of which a bump of drag is no mere slope.
@@ -41,6 +43,7 @@ const TIME_CONSTANTS_H: [f64; 4] = [0.35, 0.6, 1.0, 2.0];
 /// Steady runs against the model.
 pub struct TankProblem<'a> {
     data: &'a Data,
+    relevance: &'a Relevance,
     /// Runs in the order of time: indices into the data.
     order: Vec<usize>,
     settings: Vec<Setting>,
@@ -83,7 +86,7 @@ impl Shape {
 
 impl<'a> TankProblem<'a> {
     /// A problem; `hulls` give the fits to start from.
-    pub fn new(data: &'a Data, hulls: &[HullResults]) -> TankProblem<'a> {
+    pub fn new(data: &'a Data, hulls: &[HullResults], relevance: &'a Relevance) -> TankProblem<'a> {
         let mut order: Vec<usize> = (0..data.runs.len()).collect();
         order.sort_by(|a, b| data.runs[*a].time_s.total_cmp(&data.runs[*b].time_s));
         let days = Days::of(data);
@@ -118,6 +121,7 @@ impl<'a> TankProblem<'a> {
         let errors: Vec<RunErrors> = order.iter().map(|run| errors[*run].clone()).collect();
         let mut problem = TankProblem {
             data,
+            relevance,
             order,
             settings,
             days,
@@ -223,13 +227,17 @@ impl<'a> TankProblem<'a> {
             .order
             .iter()
             .map(|run| {
-                let force = self.force(*run);
+                // The balance carried the strut as well.
+                let force = self.force(*run) + self.data.runs[*run].strut;
                 let to_reading = self.data.runs[*run].interaction.try_inverse().unwrap_or_else(Matrix3::identity);
                 (self.data.runs[*run].zeros.time_s, to_reading * force)
             })
             .collect();
         let last = |time_s: f64| {
-            readings.iter().rev().find(|(at, _)| *at < time_s - SAME_TIME_S).map_or(Vector3::zeros(), |(_, load)| *load)
+            // Over night a balance recovers.
+            let day = self.days.day_at(time_s);
+            let loaded = |at: f64| at < time_s - SAME_TIME_S && self.days.day_at(at) == day;
+            readings.iter().rev().find(|(at, _)| loaded(*at)).map_or(Vector3::zeros(), |(_, load)| *load)
         };
         (0..self.data.runs.len())
             .map(|run| {
@@ -332,6 +340,7 @@ impl<'a> TankProblem<'a> {
             usual: parameters.iter().map(|p| usual(p)).collect(),
             bounds: parameters.iter().map(|p| p.bounds).collect(),
             least: f64::NEG_INFINITY,
+            shown: None,
             version: None,
         };
         if let Shape::Drift(_, channel) = shape {
@@ -434,10 +443,23 @@ impl Problem for TankProblem<'_> {
         1e-4
     }
 
+    fn judges_largest(&self) -> bool {
+        true
+    }
+
+    fn has_regimes(&self) -> bool {
+        true
+    }
+
+    /// A law of a real hull is no better than this: SUBOFF's crossflow leaves as much of its drag.
+    fn part_unexplained(&self) -> f64 {
+        PART_UNEXPLAINED
+    }
+
     fn relevance(&self, quantity: &Quantity, scatter: f64) -> f64 {
         let k = NAMES.iter().position(|name| *name == quantity.name).unwrap_or(0);
         let largest = self.data.runs.iter().map(|run| run.point.coefficients[k].abs()).fold(0.0, f64::max);
-        (SHARE_OF_SCATTER * scatter).max(RELEVANT_SHARE * largest)
+        self.relevance.limit(quantity.name, scatter, RELEVANT_SHARE * largest)
     }
 
     fn evidence(&self, point: &Point) -> Evidence {

@@ -41,6 +41,7 @@ pub(super) fn settings(data: &Data) -> Vec<Setting> {
                 viscosity_per_K: change(&|t| water_at(t).map_or(1.0, |w| w.kinematic_viscosity_m2_s)),
                 area_m2: hull.frontal_area_m2(),
                 length_m: hull.geometry.loa_m,
+                length_ratio: hull.geometry.loa_m / mean_length(data),
                 mc_m: hull.mc_m,
                 cb_m: hull.geometry.cb_m,
                 interaction: run.interaction,
