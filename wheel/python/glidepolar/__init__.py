@@ -1,27 +1,46 @@
-"""Where the packed FMUs of the underwater glider are.
+"""An underwater glider from the towing tank to the sea and back.
 
-    import fmpy, glidepolar
-    result = fmpy.simulate_fmu(glidepolar.fmu_path(), stop_time=1000)
+    import glidepolar
 
-Everything else is done by the commands `glidepolar` and `tank-reduce`, which this package installs.
+    found = glidepolar.identify("flight.csv", "slocum-049")     # files of any maker, or a DataFrame
+    found.parameters["b"].value, found.to_dict(), found.report("identified/")
+    glidepolar.diagnose("flight.csv", "my-glider.toml").vehicle.save("better.toml")
+    glidepolar.Vehicle("slocum-049").fmu("Slocum.fmu")
+
+Each function does the work of the command of its name: `glidepolar NAME --help`. Results are those of the commands, to the
+last digit. Names carry the units. Errors are `glidepolar.errors.InputError` and its like, with file, line and hint.
 """
 
-from importlib.metadata import files, version
-from pathlib import Path
+from importlib.metadata import version
 
-__all__ = ["__version__", "fmu_path"]
+from . import tank
+from ._fmu import fmu_path
+from ._functions import compare, diagnose, glide, identify, plan, simulate, track, turn
+from ._log import Log, read
+from ._results import Estimate
+from ._vehicle import Vehicle
+from .errors import GlidepolarError, InputError, NoAnswerError, OutputError
+
+__all__ = [
+    "Estimate",
+    "GlidepolarError",
+    "InputError",
+    "Log",
+    "NoAnswerError",
+    "OutputError",
+    "Vehicle",
+    "__version__",
+    "compare",
+    "diagnose",
+    "fmu_path",
+    "glide",
+    "identify",
+    "plan",
+    "read",
+    "simulate",
+    "tank",
+    "track",
+    "turn",
+]
 
 __version__ = version("glidepolar")
-
-_NAMES = {2: "UnderwaterGlider_fmi2.fmu", 3: "UnderwaterGlider.fmu"}
-
-
-def fmu_path(fmi_version: int = 3) -> str:
-    """The FMU of the default glider for FMI 3 or 2, as a path."""
-    if fmi_version not in _NAMES:
-        raise ValueError(f"there is no FMU for FMI {fmi_version}: choose 2 or 3")
-    name = _NAMES[fmi_version]
-    for file in files("glidepolar") or []:
-        if file.name == name:
-            return str(Path(file.locate()).resolve())
-    raise FileNotFoundError(f"this installation lacks {name}: install the wheel again")
