@@ -1,4 +1,4 @@
-//! `cargo xtask fmu`: builds the shared library so that it loads on old and new machines, and packs both archives.
+//! `cargo xtask fmu`: builds the shared library so that it loads on old and new machines, and packs the archives.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -10,15 +10,17 @@ use anyhow::{Context, Result};
 use crate::check_library::{OLDEST_GLIBC, check_exports, check_portable, portability_faults};
 use crate::cross;
 use crate::licences;
-use crate::pack::{self, Binaries, Standard};
+use crate::pack::{self, Binaries, Model, Standard};
 use crate::platform::{PLATFORMS, Platform, rustc_flags};
 use crate::python::{self, Python};
 use crate::workspace::{Workspace, run as run_command};
 
-/// The two archives, and the library that is in them.
+/// The archives of the glider in the plane and in space, and the library that is in them.
 pub struct Fmus {
     pub fmi3: PathBuf,
     pub fmi2: PathBuf,
+    pub space3: PathBuf,
+    pub space2: PathBuf,
     pub library: PathBuf,
 }
 
@@ -58,17 +60,18 @@ pub fn run(workspace: &Workspace, merge: &[PathBuf], scope: Scope) -> Result<Fmu
 
     let folder = workspace.target("fmu");
     let mut written = Vec::new();
-    for standard in [Standard::Fmi3, Standard::Fmi2] {
-        let path = folder.join(standard.archive_name());
-        let archive = pack::assemble(workspace, standard, &notice, &binaries)?;
+    for of in Model::ALL.into_iter().flat_map(|model| [(model, Standard::Fmi3), (model, Standard::Fmi2)]) {
+        let path = folder.join(of.1.archive_name(of.0));
+        let archive = pack::assemble(workspace, of, &notice, &binaries)?;
         archive.write(&path)?;
         let platforms: Vec<_> = binaries.keys().map(|platform| platform.fmi3).collect();
         let size = fs::metadata(&path)?.len() / 1024;
         eprintln!("packed {} ({size} KiB; {})", workspace.shown(&path), platforms.join(", "));
         written.push(path);
     }
-    let [fmi3, fmi2] = <[PathBuf; 2]>::try_from(written).expect("one archive per standard");
-    Ok(Fmus { fmi3, fmi2, library })
+    let [fmi3, fmi2, space3, space2] =
+        <[PathBuf; 4]>::try_from(written).expect("one archive for each model and standard");
+    Ok(Fmus { fmi3, fmi2, space3, space2, library })
 }
 
 /// Builds the library for this machine's platform and checks it. On Linux it is linked against an old C library; where
@@ -100,7 +103,7 @@ fn build(workspace: &Workspace, host: &Platform) -> Result<PathBuf> {
 
 /// `cargo zigbuild` from the Python environment, for this platform with the old C library; `None`, said aloud, if that
 /// is not to be had here.
-fn portable_cargo(workspace: &Workspace, host: &Platform) -> Option<Command> {
+pub fn portable_cargo(workspace: &Workspace, host: &Platform) -> Option<Command> {
     let warn = |reason: String| {
         eprintln!("WARNING: {reason}.\n         The FMU is built against this machine's C library instead.");
     };

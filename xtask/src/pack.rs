@@ -11,8 +11,35 @@ use crate::check_library::is_built_for;
 use crate::platform::{PLATFORMS, Platform};
 use crate::workspace::Workspace;
 
-/// The name of the library inside the archives, as both model descriptions state it.
-const MODEL_IDENTIFIER: &str = "UnderwaterGlider";
+/// The models in the library; each has archives of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Model {
+    /// In the vertical plane.
+    Plane,
+    /// In six degrees of freedom.
+    Space,
+}
+
+impl Model {
+    pub const ALL: [Model; 2] = [Model::Plane, Model::Space];
+
+    /// The name of the library inside the archives, as the model descriptions state it.
+    fn identifier(self) -> &'static str {
+        match self {
+            Model::Plane => "UnderwaterGlider",
+            Model::Space => "UnderwaterGlider3D",
+        }
+    }
+
+    /// The folder of its generated files.
+    fn folder(self) -> &'static str {
+        match self {
+            Model::Plane => "modelDescription",
+            Model::Space => "modelDescription/space",
+        }
+    }
+}
+
 const DESCRIPTION: &str = "modelDescription.xml";
 
 /// The shared library's bytes for each platform.
@@ -29,10 +56,7 @@ use Standard::{Fmi2, Fmi3};
 
 /// Where the parts of an archive come from (a file or a folder, from the checkout's root), which archives they go into
 /// and under what name; `""` is the archive's root.
-const PARTS: [(&str, &[Standard], &str); 9] = [
-    ("modelDescription/fmi2", &[Fmi2], ""),
-    ("modelDescription/fmi3", &[Fmi3], ""),
-    ("modelDescription/documentation", &[Fmi2, Fmi3], "documentation"),
+const PARTS: [(&str, &[Standard], &str); 6] = [
     ("modelDescription/icon.png", &[Fmi2], "model.png"),
     ("modelDescription/icon.png", &[Fmi3], "terminalsAndIcons/icon.png"),
     ("vehicles/slocum-graver.toml", &[Fmi2, Fmi3], "resources/vehicle.toml"),
@@ -41,26 +65,28 @@ const PARTS: [(&str, &[Standard], &str); 9] = [
     ("LICENSE-APACHE", &[Fmi2, Fmi3], "documentation/licenses/LICENSE-APACHE.txt"),
 ];
 
-/// Files without which there is no archive, beside the [`PARTS`] themselves.
-const REQUIRED: [&str; 3] = [
-    "modelDescription/fmi2/modelDescription.xml",
-    "modelDescription/fmi3/modelDescription.xml",
-    "modelDescription/documentation/index.html",
-];
+/// The same of the files that are generated, below the model's folder.
+const GENERATED: [(&str, &[Standard], &str); 3] =
+    [("fmi2", &[Fmi2], ""), ("fmi3", &[Fmi3], ""), ("documentation", &[Fmi2, Fmi3], "documentation")];
+
+/// Files below a model's folder without which there is no archive.
+const REQUIRED: [&str; 3] = ["fmi2/modelDescription.xml", "fmi3/modelDescription.xml", "documentation/index.html"];
 
 impl Standard {
-    pub fn archive_name(self) -> &'static str {
-        match self {
-            Fmi2 => "UnderwaterGlider_fmi2.fmu",
-            Fmi3 => "UnderwaterGlider.fmu",
-        }
+    pub fn archive_name(self, model: Model) -> String {
+        let suffix = match self {
+            Fmi2 => "_fmi2",
+            Fmi3 => "",
+        };
+        format!("{}{suffix}.fmu", model.identifier())
     }
 
-    fn description(self) -> &'static str {
-        match self {
-            Fmi2 => "modelDescription/fmi2/modelDescription.xml",
-            Fmi3 => "modelDescription/fmi3/modelDescription.xml",
-        }
+    fn description(self, model: Model) -> String {
+        let folder = match self {
+            Fmi2 => "fmi2",
+            Fmi3 => "fmi3",
+        };
+        format!("{}/{folder}/{DESCRIPTION}", model.folder())
     }
 
     fn folder(self, platform: &Platform) -> &'static str {
@@ -73,7 +99,8 @@ impl Standard {
 
 /// Fails, naming every one, if files that belong into the archives are missing from the checkout.
 pub fn check_sources(workspace: &Workspace) -> Result<()> {
-    let mut missing: Vec<&str> = PARTS.iter().map(|(from, ..)| *from).chain(REQUIRED).collect();
+    let generated = Model::ALL.into_iter().flat_map(|model| REQUIRED.map(|file| format!("{}/{file}", model.folder())));
+    let mut missing: Vec<String> = PARTS.iter().map(|(from, ..)| (*from).to_owned()).chain(generated).collect();
     missing.retain(|path| !workspace.path(path).exists());
     missing.dedup();
     if !missing.is_empty() {
@@ -82,21 +109,28 @@ pub fn check_sources(workspace: &Workspace) -> Result<()> {
     Ok(())
 }
 
-/// One standard's archive. `notice` is the licence text of what is linked into the library.
-pub fn assemble(workspace: &Workspace, standard: Standard, notice: &str, binaries: &Binaries) -> Result<Archive> {
+/// One standard's archive of a model. `notice` is the licence text of what is linked into the library.
+pub fn assemble(
+    workspace: &Workspace,
+    (model, standard): (Model, Standard),
+    notice: &str,
+    binaries: &Binaries,
+) -> Result<Archive> {
     let mut archive = Archive::new();
     archive.insert("documentation/licenses/third-party.txt", notice)?;
-    for (from, standards, to) in PARTS {
+    let generated = GENERATED.map(|(from, standards, to)| (format!("{}/{from}", model.folder()), standards, to));
+    let parts = PARTS.map(|(from, standards, to)| (from.to_owned(), standards, to));
+    for (from, standards, to) in generated.into_iter().chain(parts) {
         if standards.contains(&standard) {
             insert_tree(&mut archive, &workspace.path(from), to)?;
         }
     }
     for (platform, library) in binaries {
-        let file = platform.file_name(MODEL_IDENTIFIER);
+        let file = platform.file_name(model.identifier());
         archive.insert(&format!("binaries/{}/{file}", standard.folder(platform)), library.clone())?;
     }
     if standard == Fmi2 {
-        insert_for_old_importers(&mut archive, binaries)?;
+        insert_for_old_importers(&mut archive, model, binaries)?;
     }
     Ok(archive)
 }
@@ -107,15 +141,15 @@ pub fn binaries_of(workspace: &Workspace, path: &Path) -> Result<Binaries> {
     let archive = Archive::read(path, &Limits::default())?;
     let description =
         archive.get(DESCRIPTION).with_context(|| format!("{} has no {DESCRIPTION}: it is no FMU", path.display()))?;
-    let mut standard = None;
-    for candidate in [Fmi2, Fmi3] {
-        if same_text(description, &fs::read(workspace.path(candidate.description()))?) {
-            standard = Some(candidate);
+    let mut found = None;
+    for candidate in Model::ALL.into_iter().flat_map(|model| [(model, Fmi2), (model, Fmi3)]) {
+        if same_text(description, &fs::read(workspace.path(candidate.1.description(candidate.0)))?) {
+            found = Some(candidate);
         }
     }
-    let standard = standard.with_context(|| {
+    let (model, standard) = found.with_context(|| {
         format!(
-            "{} was packed from another state of the project: its {DESCRIPTION} is neither of those in \
+            "{} was packed from another state of the project: its {DESCRIPTION} is none of those in \
              modelDescription/. Pack it again from this commit",
             path.display()
         )
@@ -123,7 +157,7 @@ pub fn binaries_of(workspace: &Workspace, path: &Path) -> Result<Binaries> {
 
     let mut binaries = Binaries::new();
     for platform in &PLATFORMS {
-        let name = format!("binaries/{}/{}", standard.folder(platform), platform.file_name(MODEL_IDENTIFIER));
+        let name = format!("binaries/{}/{}", standard.folder(platform), platform.file_name(model.identifier()));
         match archive.get(&name) {
             // The folder may hold a copy for old importers on another machine.
             Some(library) if is_built_for(library, platform) => {
@@ -140,12 +174,12 @@ pub fn binaries_of(workspace: &Workspace, path: &Path) -> Result<Binaries> {
 }
 
 /// Importers older than FMI 2.0.4 know no folders but those of x86; on other machines they look there.
-fn insert_for_old_importers(archive: &mut Archive, binaries: &Binaries) -> Result<()> {
+fn insert_for_old_importers(archive: &mut Archive, model: Model, binaries: &Binaries) -> Result<()> {
     for (platform, library) in binaries {
         let Some(folder) = platform.fmi2_old else {
             continue;
         };
-        let name = format!("binaries/{folder}/{}", platform.file_name(MODEL_IDENTIFIER));
+        let name = format!("binaries/{folder}/{}", platform.file_name(model.identifier()));
         if archive.get(&name).is_none() {
             archive.insert(&name, library.clone())?;
         }
@@ -192,6 +226,9 @@ mod tests {
             "modelDescription/fmi3/terminalsAndIcons/terminalsAndIcons.xml",
             "modelDescription/documentation/index.html",
             "modelDescription/documentation/figures/polar.svg",
+            "modelDescription/space/fmi2/modelDescription.xml",
+            "modelDescription/space/fmi3/modelDescription.xml",
+            "modelDescription/space/documentation/index.html",
             "modelDescription/icon.png",
             "modelDescription/license.txt",
             "vehicles/slocum-graver.toml",
@@ -222,7 +259,7 @@ mod tests {
         let linux = &PLATFORMS[0];
         let binaries = Binaries::from([(linux, b"ELF".to_vec())]);
 
-        let fmi3 = assemble(&workspace, Fmi3, NOTICE, &binaries).unwrap();
+        let fmi3 = assemble(&workspace, (Model::Plane, Fmi3), NOTICE, &binaries).unwrap();
         assert_eq!(
             names(&fmi3),
             [
@@ -241,22 +278,28 @@ mod tests {
         );
         assert_eq!(fmi3.get("modelDescription.xml"), Some(b"modelDescription/fmi3/modelDescription.xml".as_slice()));
 
-        let fmi2 = assemble(&workspace, Fmi2, NOTICE, &binaries).unwrap();
+        let fmi2 = assemble(&workspace, (Model::Plane, Fmi2), NOTICE, &binaries).unwrap();
         assert_eq!(fmi2.get("modelDescription.xml"), Some(b"modelDescription/fmi2/modelDescription.xml".as_slice()));
         assert_eq!(fmi2.get("binaries/linux64/UnderwaterGlider.so"), Some(b"ELF".as_slice()));
         assert!(fmi2.get("model.png").is_some());
         assert!(!names(&fmi2).iter().any(|name| name.starts_with("terminalsAndIcons")));
+
+        let space = assemble(&workspace, (Model::Space, Fmi3), NOTICE, &binaries).unwrap();
+        assert_eq!(space.get("binaries/x86_64-linux/UnderwaterGlider3D.so"), Some(b"ELF".as_slice()));
+        let own = b"modelDescription/space/fmi3/modelDescription.xml".as_slice();
+        assert_eq!(space.get("modelDescription.xml"), Some(own));
     }
 
     #[test]
     fn old_importers_find_a_binary_only_while_no_other_claims_the_folder() {
         let (_folder, workspace) = checkout();
         let [x86, arm] = [&PLATFORMS[0], &PLATFORMS[1]];
-        let alone = assemble(&workspace, Fmi2, NOTICE, &Binaries::from([(arm, b"arm".to_vec())])).unwrap();
+        let alone =
+            assemble(&workspace, (Model::Plane, Fmi2), NOTICE, &Binaries::from([(arm, b"arm".to_vec())])).unwrap();
         assert_eq!(alone.get("binaries/aarch64-linux/UnderwaterGlider.so"), Some(b"arm".as_slice()));
         assert_eq!(alone.get("binaries/linux64/UnderwaterGlider.so"), Some(b"arm".as_slice()));
         let both = Binaries::from([(arm, b"arm".to_vec()), (x86, b"x86".to_vec())]);
-        let both = assemble(&workspace, Fmi2, NOTICE, &both).unwrap();
+        let both = assemble(&workspace, (Model::Plane, Fmi2), NOTICE, &both).unwrap();
         assert_eq!(both.get("binaries/linux64/UnderwaterGlider.so"), Some(b"x86".as_slice()));
     }
 
@@ -275,9 +318,9 @@ mod tests {
     fn binaries_are_taken_from_an_archive_of_either_standard() {
         let (folder, workspace) = checkout();
         let (host, bytes) = own_binary();
-        for standard in [Fmi2, Fmi3] {
-            let path = folder.path().join(standard.archive_name());
-            let mut archive = assemble(&workspace, standard, NOTICE, &Binaries::from([(host, bytes.clone())])).unwrap();
+        for of in Model::ALL.into_iter().flat_map(|model| [(model, Fmi2), (model, Fmi3)]) {
+            let path = folder.path().join(of.1.archive_name(of.0));
+            let mut archive = assemble(&workspace, of, NOTICE, &Binaries::from([(host, bytes.clone())])).unwrap();
             archive.insert("binaries/vax-vms/UnderwaterGlider.so", "for a machine nobody knows").unwrap();
             archive.insert("resources/extra.txt", "not a binary").unwrap();
             archive.write(&path).unwrap();
@@ -290,7 +333,7 @@ mod tests {
         let (folder, workspace) = checkout();
         let path = folder.path().join("forged.fmu");
         let all = PLATFORMS.iter().map(|platform| (platform, b"not a program".to_vec())).collect();
-        assemble(&workspace, Fmi3, NOTICE, &all).unwrap().write(&path).unwrap();
+        assemble(&workspace, (Model::Plane, Fmi3), NOTICE, &all).unwrap().write(&path).unwrap();
         let error = binaries_of(&workspace, &path).unwrap_err().to_string();
         assert!(error.contains("no binary"), "{error}");
     }
@@ -300,7 +343,7 @@ mod tests {
         let (folder, workspace) = checkout();
         let (host, bytes) = own_binary();
         let path = folder.path().join("other.fmu");
-        let mut archive = assemble(&workspace, Fmi3, NOTICE, &Binaries::from([(host, bytes)])).unwrap();
+        let mut archive = assemble(&workspace, (Model::Plane, Fmi3), NOTICE, &Binaries::from([(host, bytes)])).unwrap();
         archive.insert("modelDescription.xml", "another token").unwrap();
         archive.write(&path).unwrap();
         let error = binaries_of(&workspace, &path).unwrap_err().to_string();

@@ -1,5 +1,9 @@
 //! `cargo xtask test`: everything that is tested, in one go. The tests find the built programs, the FMUs and the Python
 //! environment in environment variables, and say in one file what they skipped.
+//!
+//! What is tested is built in two lanes, in folders that cargo locks apart: the programs and the tests in Rust; the library
+//! of the FMU with its one slow link, and the importers. The tests in Python then run in two processes, on copies of what
+//! was built: pages of the documentation build some of it again.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -36,11 +40,13 @@ pub fn run(workspace: &Workspace, only: Option<Part>) -> Result<()> {
         stages.time("examples in the documentation", || run_command(tested.announce(&mut command)))?;
     }
     if wanted(Part::Rust) {
-        stages.time("Rust's tests", || run_command(tested.announce(&mut rust_tests(workspace))))?;
+        stages.time("Rust's tests", || run_command(tested.announce(rust_tests(workspace).arg("--no-fail-fast"))))?;
     }
     if wanted(Part::Python) {
         let mut command = workspace.command(tested.python.interpreter());
         command.args(["-m", "pytest", "tests/python", "-rs", "--timeout=300", "-p", "no:cacheprovider"]);
+        // Tests of one group, those that run cargo, stay in one process and in their order.
+        command.args(["--numprocesses=2", "--dist=loadgroup", "--durations=25"]);
         stages.time("tests in Python", || run_command(tested.announce(&mut command)))?;
     }
     stages.print();
@@ -51,12 +57,16 @@ pub fn run(workspace: &Workspace, only: Option<Part>) -> Result<()> {
 /// nextest where it is installed, since it keeps a test that crashes from taking others along; else cargo's own test command.
 fn rust_tests(workspace: &Workspace) -> Command {
     let mut command = workspace.cargo();
-    if capture(workspace.cargo().args(["nextest", "--version"])).is_ok() {
-        command.args(["nextest", "run", "--workspace", "--no-fail-fast"]);
+    if has_nextest(workspace) {
+        command.args(["nextest", "run", "--workspace"]);
     } else {
-        command.args(["test", "--workspace", "--all-targets", "--no-fail-fast"]);
+        command.args(["test", "--workspace", "--all-targets"]);
     }
     command
+}
+
+fn has_nextest(workspace: &Workspace) -> bool {
+    capture(workspace.cargo().args(["nextest", "--version"])).is_ok()
 }
 
 /// What is tested, by where it lies.
@@ -71,38 +81,42 @@ struct Tested {
 
 impl Tested {
     fn build(workspace: &Workspace) -> Result<Self> {
-        let python = python::ensure(workspace)?;
-        run_command(workspace.cargo().args([
-            "build",
-            "--package",
-            "glidepolar",
-            "--package",
-            "glidepolar-tank",
-            "--package",
-            "glidepolar-virtual-sea",
-            "--bins",
-            "--example",
-            "report",
-        ]))?;
-        let program = |name: &str| workspace.target("debug").join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
-        let fmus = fmu::run(workspace, &[], fmu::Scope::Host)?;
-        let wheel = wheel::build(workspace, wheel::Kind::Tests, &python, &fmus)?;
         let skipped = workspace.target("skipped-tests.txt");
+        fs::create_dir_all(workspace.target(""))?;
         fs::write(&skipped, "").with_context(|| format!("cannot write {}", skipped.display()))?;
-        let importers = importers::build(workspace, &skipped)?;
-        Ok(Self {
-            programs: vec![
-                ("GLIDEPOLAR_COMMAND", program("glidepolar")),
-                ("GLIDEPOLAR_TANK_REDUCE", program("tank-reduce")),
-                ("GLIDEPOLAR_REPORT_EXAMPLE", program("examples/report")),
-                ("GLIDEPOLAR_VIRTUAL_SEA", program("virtual-sea")),
-            ],
-            fmus,
-            wheel,
-            python,
-            importers,
-            skipped,
-        })
+
+        let (programs, others) = std::thread::scope(|lanes| {
+            let programs = lanes.spawn(|| build_programs_and_tests(workspace));
+            let others = build_fmus_and_importers(workspace, &skipped);
+            (programs.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)), others)
+        });
+        programs?;
+        let (python, fmus, importers) = others?;
+
+        let folder = workspace.target("tested");
+        if folder.exists() {
+            fs::remove_dir_all(&folder).with_context(|| format!("cannot empty {}", folder.display()))?;
+        }
+        fs::create_dir_all(&folder)?;
+        let program = |name: &str| {
+            copy(&folder, &workspace.target("debug").join(format!("{name}{}", std::env::consts::EXE_SUFFIX)))
+        };
+        let programs = vec![
+            ("GLIDEPOLAR_COMMAND", program("glidepolar")?),
+            ("GLIDEPOLAR_TANK_REDUCE", program("tank-reduce")?),
+            ("GLIDEPOLAR_REPORT_EXAMPLE", program("examples/report")?),
+            ("GLIDEPOLAR_VIRTUAL_SEA", program("virtual-sea")?),
+            ("GLIDEPOLAR_LOG_VALUES", program("examples/log_values")?),
+        ];
+        let wheel = copy(&folder, &wheel::build(workspace, wheel::Kind::Tests, &python, &fmus)?)?;
+        let fmus = Fmus {
+            fmi3: copy(&folder, &fmus.fmi3)?,
+            fmi2: copy(&folder, &fmus.fmi2)?,
+            space3: copy(&folder, &fmus.space3)?,
+            space2: copy(&folder, &fmus.space2)?,
+            library: copy(&folder, &fmus.library)?,
+        };
+        Ok(Self { programs, fmus, wheel, python, importers, skipped })
     }
 
     /// Tells a command where everything is.
@@ -111,12 +125,38 @@ impl Tested {
             .envs(self.programs.iter().map(|(name, path)| (name, path)))
             .env("GLIDEPOLAR_FMU3", &self.fmus.fmi3)
             .env("GLIDEPOLAR_FMU2", &self.fmus.fmi2)
+            .env("GLIDEPOLAR_SPACE_FMU3", &self.fmus.space3)
+            .env("GLIDEPOLAR_SPACE_FMU2", &self.fmus.space2)
             .env("GLIDEPOLAR_FMU_LIBRARY", &self.fmus.library)
             .env("GLIDEPOLAR_WHEEL", &self.wheel)
             .env("GLIDEPOLAR_PYTHON", self.python.interpreter())
             .env("GLIDEPOLAR_IMPORTERS", &self.importers)
             .env("GLIDEPOLAR_SKIPPED", &self.skipped)
     }
+}
+
+/// The programs that tests run, and the tests in Rust.
+fn build_programs_and_tests(workspace: &Workspace) -> Result<()> {
+    let programs = ["glidepolar", "glidepolar-tank", "glidepolar-virtual-sea", "glidepolar-flightlog"];
+    let packages = programs.iter().flat_map(|package| ["--package", package]);
+    let examples = ["--bins", "--example", "report", "--example", "log_values"];
+    run_command(workspace.cargo().arg("build").args(packages).args(examples))?;
+    run_command(rust_tests(workspace).arg("--no-run"))
+}
+
+/// What lies in folders of its own: the Python environment, the FMUs, the importers.
+fn build_fmus_and_importers(workspace: &Workspace, skipped: &Path) -> Result<(Python, Fmus, PathBuf)> {
+    let python = python::ensure(workspace)?;
+    let fmus = fmu::run(workspace, &[], fmu::Scope::Host)?;
+    let importers = importers::build(workspace, skipped)?;
+    Ok((python, fmus, importers))
+}
+
+/// Copies a file into a folder and returns where it is then.
+fn copy(folder: &Path, file: &Path) -> Result<PathBuf> {
+    let copied = folder.join(file.file_name().context("a file has a name")?);
+    fs::copy(file, &copied).with_context(|| format!("cannot copy {}", file.display()))?;
+    Ok(copied)
 }
 
 fn print_skipped(file: &Path) {

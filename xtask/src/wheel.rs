@@ -1,4 +1,5 @@
-//! `cargo xtask wheel`: both commands, both FMUs, manual pages and completions as a package for `pip install`; and
+//! `cargo xtask wheel`: the extension module, both commands, both FMUs, manual pages and completions as a package for
+//! `pip install`; and
 //! `cargo xtask man`, the manual pages alone. maturin builds the wheel in a copy of the folder wheel/, with what was
 //! built added to it.
 
@@ -8,7 +9,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 
-use crate::check_library::OLDEST_GLIBC;
+use crate::check_library::{OLDEST_GLIBC, check_portable};
 use crate::fmu::{self, Fmus};
 use crate::licences;
 use crate::platform::{Platform, rustc_flags};
@@ -50,7 +51,7 @@ pub fn build(workspace: &Workspace, kind: Kind, python: &Python, fmus: &Fmus) ->
         Kind::Tests => ("tests", workspace.target("wheel/for-tests")),
     };
     let project = workspace.target("wheel").join(name);
-    gather(workspace, &project, fmus)?;
+    gather(workspace, &project, kind, fmus)?;
 
     let mut maturin = workspace.command(python.tool("maturin"));
     maturin.current_dir(&project).arg("build").arg("--out").arg(&out);
@@ -66,8 +67,7 @@ pub fn build(workspace: &Workspace, kind: Kind, python: &Python, fmus: &Fmus) ->
             maturin.args(["--zig", "--auditwheel", "check", "--compatibility", &tag]);
         }
     }
-    // In the same target folder, where everything but the last link is there already. The programs end up in the place of
-    // those that cargo built from the same sources. zig is the package's, wherever another may be installed.
+    // In the same target folder, where much is there already. zig is the package's, wherever another may be installed.
     maturin.env("CARGO_ZIGBUILD_PYTHON_PATH", python.interpreter()).env("CARGO_TARGET_DIR", workspace.target(""));
     if out.exists() {
         fs::remove_dir_all(&out).with_context(|| format!("cannot empty {}", out.display()))?;
@@ -93,7 +93,7 @@ pub fn man(workspace: &Workspace) -> Result<()> {
 }
 
 /// Puts together what maturin packs.
-fn gather(workspace: &Workspace, project: &Path, fmus: &Fmus) -> Result<()> {
+fn gather(workspace: &Workspace, project: &Path, kind: Kind, fmus: &Fmus) -> Result<()> {
     if project.exists() {
         fs::remove_dir_all(project).with_context(|| format!("cannot empty {}", project.display()))?;
     }
@@ -102,13 +102,18 @@ fn gather(workspace: &Workspace, project: &Path, fmus: &Fmus) -> Result<()> {
         fs::copy(&from, &to).with_context(|| format!("cannot copy {}", from.display()))?;
         Ok(())
     };
-    for file in ["README.md", "python/glidepolar/__init__.py"] {
-        copy(workspace.path("wheel").join(file), project.join(file))?;
+    copy(workspace.path("wheel/README.md"), project.join("README.md"))?;
+    let sources = workspace.path("wheel/python/glidepolar");
+    for file in fs::read_dir(&sources)? {
+        let file = file?;
+        if file.file_type()?.is_file() {
+            copy(file.path(), project.join("python/glidepolar").join(file.file_name()))?;
+        }
     }
     for file in ["LICENSE-MIT", "LICENSE-APACHE"] {
         copy(workspace.path(file), project.join(file))?;
     }
-    let programs = "The programs in this package are";
+    let programs = "The programs and the extension module in this package are";
     fs::write(project.join("LICENSES.txt"), licences::notice(workspace, "glidepolar-wheel", programs)?)?;
     // The sources stay where they are; only their description moves.
     let manifest = format!("manifest-path = {:?}", workspace.path("wheel/Cargo.toml").display().to_string());
@@ -117,10 +122,13 @@ fn gather(workspace: &Workspace, project: &Path, fmus: &Fmus) -> Result<()> {
     fs::write(project.join("pyproject.toml"), description)?;
 
     let share = project.join("data/data/share");
-    for fmu in [&fmus.fmi3, &fmus.fmi2] {
+    for fmu in [&fmus.fmi3, &fmus.fmi2, &fmus.space3, &fmus.space2] {
         copy(fmu.clone(), share.join("glidepolar").join(fmu.file_name().unwrap_or_default()))?;
     }
     build_programs(workspace)?;
+    for program in programs_of(workspace, kind)? {
+        copy(program.clone(), project.join("data/scripts").join(program.file_name().unwrap_or_default()))?;
+    }
     for (name, completions, man) in PROGRAMS {
         capture(program(workspace, name).arg(man).arg(share.join("man/man1")))?;
         for (shell, place) in SHELLS {
@@ -130,6 +138,33 @@ fn gather(workspace: &Workspace, project: &Path, fmus: &Fmus) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Both programs as they are packed: for others optimised, without symbols and against an old C library.
+fn programs_of(workspace: &Workspace, kind: Kind) -> Result<Vec<PathBuf>> {
+    let file = |name: &str| format!("{name}{}", std::env::consts::EXE_SUFFIX);
+    if kind == Kind::Tests {
+        return Ok(PROGRAMS.iter().map(|(name, ..)| workspace.target("debug").join(file(name))).collect());
+    }
+    let host = Platform::host()?;
+    let portable = if host.is_linux() { fmu::portable_cargo(workspace, host) } else { None };
+    let is_portable = portable.is_some();
+    let mut command = portable.unwrap_or_else(|| {
+        let mut command = workspace.cargo();
+        command.args(["build", "--target", host.triple]);
+        command
+    });
+    command.args(["--release", "--package=glidepolar", "--package=glidepolar-tank", "--bins"]);
+    command.env("CARGO_PROFILE_RELEASE_STRIP", "symbols");
+    command.env("CARGO_ENCODED_RUSTFLAGS", rustc_flags(workspace, host).join("\x1f"));
+    run_command(&mut command)?;
+    let folder = workspace.target(host.triple).join("release");
+    let programs: Vec<PathBuf> = PROGRAMS.iter().map(|(name, ..)| folder.join(file(name))).collect();
+    for program in programs.iter().filter(|_| is_portable) {
+        let bytes = fs::read(program).with_context(|| format!("cargo did not leave {}", workspace.shown(program)))?;
+        check_portable(&workspace.shown(program).to_string(), &bytes)?;
+    }
+    Ok(programs)
 }
 
 /// Builds both programs as the tests have them.
