@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Context as _, Result};
 use glidepolar::dynamics::Parameters;
 use glidepolar::identify::Trim;
-use glidepolar::log::{Channel, Columns, Observation, Opened, Preparation, Settings, open};
+use glidepolar::log::{Channel, Columns, Observation};
+use glidepolar::reading;
 use glidepolar::vehicle::Vehicle;
 
 /// A log, and the vehicle that it is read against.
@@ -60,20 +61,8 @@ impl Log {
         if let Some(name) = self.speed {
             columns.choose(Channel::Speed, name);
         }
-        let gravity_m_s2 = self.vehicle()?.glide_parameters().gravity_m_s2;
-        let mut preparation = Preparation::new(Settings { gravity_m_s2, ..Settings::default() });
-        let mut observations = Vec::new();
-        match open(&self.path(root)?, &columns)? {
-            Opened::Series(mut series) => {
-                while let Some(piece) = series.next_piece(200_000)? {
-                    preparation.push(piece, &mut observations);
-                }
-            }
-            Opened::Glides(glides) => observations.extend(glides),
-        }
-        preparation.finish(&mut observations);
-        ensure!(!observations.is_empty(), "no sample in {}", self.file);
-        Ok(observations)
+        let request = reading::Request { columns, ..reading::Request::default() };
+        Ok(reading::read(&[self.path(root)?], &self.vehicle()?, &request)?.observations)
     }
 
     /// What the fit begins with: neutral at ballast zero, since the vehicle is no description of this very glider.

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import sysconfig
 from pathlib import Path
 
 import flights
@@ -44,6 +45,12 @@ def glidepolar() -> Path:
 
 
 @pytest.fixture(scope="session")
+def log_values() -> Path:
+    """The program that writes a log as it was read."""
+    return path_from("GLIDEPOLAR_LOG_VALUES")
+
+
+@pytest.fixture(scope="session")
 def wheel() -> Path:
     """The package for pip."""
     return path_from("GLIDEPOLAR_WHEEL")
@@ -57,6 +64,18 @@ def empty_environment(folder: Path) -> tuple[Path, list[str]]:
 
 
 @pytest.fixture(scope="session")
+def programs(wheel, tmp_path_factory) -> Path:
+    """The programs of an environment with the wheel, beside which the tests' own packages can be imported."""
+    programs, pip = empty_environment(tmp_path_factory.mktemp("package") / "environment")
+    subprocess.run([*pip, "install", "--quiet", "--no-index", wheel], check=True)
+    site = subprocess.check_output(
+        [programs / "python", "-c", "import sysconfig; print(sysconfig.get_paths()['purelib'])"], text=True
+    )
+    (Path(site.strip()) / "tests.pth").write_text(sysconfig.get_paths()["purelib"] + "\n")
+    return programs
+
+
+@pytest.fixture(scope="session")
 def virtual_sea() -> Path:
     """The generator of flight logs with a hidden effect."""
     return path_from("GLIDEPOLAR_VIRTUAL_SEA")
@@ -65,7 +84,8 @@ def virtual_sea() -> Path:
 def pytest_runtest_logreport(report):
     """A skip goes into the list that `cargo xtask test` shows at its end."""
     file = os.environ.get("GLIDEPOLAR_SKIPPED")
-    if report.skipped and file and not hasattr(report, "wasxfail"):
+    is_worker = "PYTEST_XDIST_WORKER" in os.environ
+    if report.skipped and file and not is_worker and not hasattr(report, "wasxfail"):
         *_, reason = report.longrepr
         with open(file, "a", encoding="utf-8") as skipped:
             skipped.write(f"{report.nodeid}: {reason.removeprefix('Skipped: ')}\n")

@@ -206,9 +206,22 @@ def kept_files() -> dict[Path, bytes]:
     return {file: file.read_bytes() for folder in ("docs", "modelDescription") for file in (ROOT / folder).rglob("*.*")}
 
 
+def in_groups(pages: list[Path]) -> list:
+    """The pages as parameters: those that run cargo one after the other, since it builds in one folder, and first."""
+
+    def runs_cargo(page: Path) -> bool:
+        return any(program_of(command) == "cargo" for block in blocks_of(page) for command in block.commands)
+
+    def parameter(page: Path):
+        marks = [pytest.mark.xdist_group("cargo")] if runs_cargo(page) else []
+        return pytest.param(page, id=str(page.relative_to(ROOT)), marks=marks)
+
+    return [parameter(page) for page in sorted(pages, key=runs_cargo, reverse=True)]
+
+
 @pytest.mark.timeout(2 * PATIENCE_OF_CARGO_S)
 @pytest.mark.skipif(shutil.which("bash") is None, reason="the commands are those of a shell: no bash")
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+@pytest.mark.parametrize("page", in_groups(PAGES))
 def test_every_command_of_a_page_runs(page, programs, given, fmu3, fmu2, wheel, tmp_path, subtests):
     folder = tmp_path / "reader"
     if CLEAN_START in page.read_text(encoding="utf-8"):

@@ -12,7 +12,7 @@ from fmpy import simulate_fmu
 from test_fmu_export import export
 
 # The diagnosis sees the first hours, the FMU flies the rest.
-SEEN_H, LOG_H = 6, 9
+SEEN_H, LOG_H = 9, 12
 # A glide is compared from here on, as the diagnosis does.
 SETTLED_S, STRETCH_S = 90, 60
 GRAVITY_M_S2 = 9.81

@@ -1,6 +1,6 @@
-"""Report pages in a real browser: they ask nothing of anyone, run nothing, fit a phone, and can be read in the dark.
+"""Report pages in a real browser: they ask nothing of anyone, fit a phone, can be read in the dark, and answer the mouse.
 
-A page forbids scripts, so it is measured from outside: a wrapper holds it in a frame and writes what it finds into its
+A page forbids scripts but its own, so it is measured from outside: a wrapper holds it in a frame and writes what it finds into its
 own document, which the browser then prints.
 """
 
@@ -161,6 +161,8 @@ const frame = document.querySelector("iframe");
 frame.addEventListener("load", () => {
   const page = frame.contentDocument, look = frame.contentWindow.getComputedStyle;
   page.querySelectorAll("details").forEach(folded => folded.open = true);
+  // The drawings, as they are printed and shown without scripts.
+  page.querySelectorAll(".live").forEach(figure => figure.classList.remove("live"));
   const rgb = text => text.match(/[\\d.]+/g).map(Number);
   const light = colour => {
     const [r, g, b] = rgb(colour).map(v => v / 255).map(v => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
@@ -222,7 +224,7 @@ def test_the_browser_reports_what_a_bad_page_does(tmp_path):
 
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("width", WIDTHS)
-def test_a_page_asks_nothing_and_runs_nothing(page, tmp_path, width, scheme):
+def test_a_page_asks_nothing_and_reports_no_error(page, tmp_path, width, scheme):
     picture = tmp_path / f"{page.parent.name}-{width}-{scheme}.png"
     seen = browse(page, tmp_path, f"--screenshot={picture}", width=WIDTHS[width], scheme=scheme)
     assert seen.requests == []
@@ -265,6 +267,60 @@ def test_cut_and_covered_text_is_noticed(tmp_path):
     )
     (figure,) = measure(bad, tmp_path, 390, "light")["figures"]
     assert list(cut_or_covered(figure)) == ["two on one", "cut off is cut"]
+
+
+POINT = """<!doctype html><meta charset="utf-8">
+<style>body { margin: 0 } iframe { border: 0; width: %(width)dpx; height: 3000px }</style>
+<iframe src="%(page)s"></iframe><pre id="found"></pre>
+<script>
+const frame = document.querySelector("iframe");
+frame.addEventListener("load", () => setTimeout(() => {
+  const page = frame.contentDocument, plots = [...page.querySelectorAll(".plot")].map(holder => holder.plot);
+  const hand = plot => {
+    const over = plot.over, { left, top, width, height } = over.getBoundingClientRect();
+    return (type, x, more) => over.dispatchEvent(new frame.contentWindow.MouseEvent(type,
+      { bubbles: true, clientX: left + x * width, clientY: top + height / 2, button: 0, ...more }));
+  };
+  const found = plots.map(plot => {
+    const mouse = hand(plot);
+    mouse("mouseenter", 0.5); mouse("mousemove", 0.5);
+    const index = plot.cursor.idx;
+    return {
+      values: [...plot.root.querySelectorAll(".u-legend .u-value")].map(cell => cell.textContent),
+      data: plot.data.map(column => index == null ? null : column[index]), width: plot.root.offsetWidth,
+    };
+  });
+  const range = () => plots.slice(0, 1).map(plot => plot.scales.x.max - plot.scales.x.min);
+  const before = range();
+  plots.slice(0, 1).map(hand).forEach(mouse => {
+    mouse("mousedown", 0.4); mouse("mousemove", 0.6, { movementX: 100, movementY: 0 }); mouse("mouseup", 0.6);
+  });
+  setTimeout(() => document.getElementById("found").textContent = JSON.stringify({
+    found, before, after: range(),
+    drawings: [...page.querySelectorAll(".live > svg")].map(svg => svg.getBoundingClientRect().width),
+  }), 300);
+}, 300));
+</script>"""
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_a_figure_answers_the_mouse(page, tmp_path, width):
+    """Pointing at a figure shows the numbers there, dragging zooms; the drawing makes room for it on the screen."""
+    text = page.read_text(encoding="utf-8")
+    wrapper = tmp_path / "wrapper.html"
+    wrapper.write_text(POINT % {"width": WIDTHS[width], "page": page.as_uri()}, encoding="utf-8")
+    seen = browse(wrapper, tmp_path, "--dump-dom", "--virtual-time-budget=20000", width=max(WIDTHS[width], 600))
+    read = json.loads(re.search(r'<pre id="found">(.*?)</pre>', seen.output, re.DOTALL)[1])
+    if 'id="figures"' not in text:
+        assert read["found"] == []
+        return
+    assert read["found"] and set(read["drawings"]) == {0}, "drawings are hidden where plots stand"
+    for plot in read["found"]:
+        assert plot["width"] <= WIDTHS[width]
+        shown = [float(value) for value in plot["values"] if value not in ("–", "--", "")]
+        data = [value for value in plot["data"] if value is not None]
+        assert shown == pytest.approx(data, rel=1e-3, abs=1e-9) and shown, plot
+    assert read["after"] == pytest.approx([0.2 * read["before"][0]], rel=0.1), "dragging over a fifth zooms to it"
 
 
 def cut_or_covered(figure: dict):

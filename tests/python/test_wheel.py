@@ -1,4 +1,5 @@
-"""The wheel in a clean environment: both commands, both FMUs, manual pages, and the way that a new user goes.
+"""The wheel in a clean environment: both commands, both FMUs, manual pages, and the way that a new user goes. What the
+package does in Python is in test_python_package.py.
 
 `cargo xtask test` makes the wheel from the programs that it has built. The one for others, `cargo xtask wheel`, is tried
 by the same tests:
@@ -41,11 +42,11 @@ def ok(*arguments, cwd: Path, **environment) -> str:
 
 def test_the_wheel_is_what_its_name_and_its_record_say(wheel):
     name, version, python, abi, platform = wheel.stem.split("-")
-    assert (name, python, abi) == ("glidepolar", "py3", "none")
+    assert (name, python, abi) == ("glidepolar", "cp39", "abi3")
     with zipfile.ZipFile(wheel) as archive:
         assert archive.testzip() is None
         tags = archive.read(f"{name}-{version}.dist-info/WHEEL").decode().splitlines()
-        assert f"Tag: py3-none-{platform}" in tags and "Root-Is-Purelib: false" in tags
+        assert f"Tag: cp39-abi3-{platform}" in tags and "Root-Is-Purelib: false" in tags
         record = {row[0]: row[1:] for row in csv.reader(archive.read(f"{name}-{version}.dist-info/RECORD").decode().splitlines())}
         assert set(record) == {entry for entry in archive.namelist() if not entry.endswith("/")}
         for entry, (digest, size) in record.items():
@@ -56,7 +57,7 @@ def test_the_wheel_is_what_its_name_and_its_record_say(wheel):
         licences = [entry for entry in archive.namelist() if "/licenses/" in entry]
         assert {entry.rsplit("/", 1)[1] for entry in licences} == {"LICENSE-MIT", "LICENSE-APACHE", "LICENSES.txt"}
         text = archive.read(next(entry for entry in licences if entry.endswith("LICENSES.txt"))).decode()
-        assert "clap 4" in text and "nalgebra 0" in text
+        assert "clap 4" in text and "nalgebra 0" in text and "pyo3 0" in text
 
 
 def test_a_tank_engineers_first_commands(clean, tmp_path):

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use glidepolar::diagnose::Diagnosis;
 use glidepolar::diagnose::sea::{Request, diagnose_vehicle};
-use glidepolar::log::{Columns, Opened, Preparation, open};
+use glidepolar::reading;
 use glidepolar::vehicle::Vehicle;
 use glidepolar_virtual_sea::worlds::generate;
 
@@ -29,15 +29,9 @@ fn blind(seed: u64) -> (Option<Diagnosis>, String) {
 
 fn ask(log: &Path, vehicle: &Path) -> Option<Diagnosis> {
     let vehicle = Vehicle::load(&vehicle.to_string_lossy()).expect("a vehicle");
-    let Opened::Series(mut series) = open(log, &Columns::default()).expect("a log") else { panic!("a time series") };
-    let mut observations = Vec::new();
-    let mut preparation = Preparation::new(glidepolar::log::Settings::default());
-    while let Some(piece) = series.next_piece(100_000).expect("a piece") {
-        preparation.push(piece, &mut observations);
-    }
-    preparation.finish(&mut observations);
-    let found = diagnose_vehicle(&vehicle, &observations, &Request::default());
-    found.ok().map(|(_, found)| found.told.diagnosis)
+    let log = reading::read(&[log.to_owned()], &vehicle, &reading::Request::default()).ok()?;
+    let found = diagnose_vehicle(&vehicle, &log.observations, &Request::default());
+    found.ok().map(|(_, found)| found.outcome.diagnosis)
 }
 
 /// The first name, or the verdict where there is none.

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use glidepolar::identify::{IdentifyError, Request, Trim, identify};
-use glidepolar::log::{Columns, Opened, Preparation, Settings, open};
+use glidepolar::reading;
 use glidepolar::vehicle::Vehicle;
 use glidepolar_virtual_sea::{Options, generate};
 
@@ -57,16 +57,10 @@ fn judge(seed: u64, speed: bool, owner: Owner) -> Result<Trial, IdentifyError> {
             vehicle.set("uncertainty.hydro.a_per_rad", share * truth.a_per_rad).expect("a key");
         }
     }
-    let Opened::Series(mut series) = open(&log, &Columns::default()).expect("a log") else { panic!("a time series") };
-    let mut preparation = Preparation::new(Settings::default());
-    let mut observations = Vec::new();
-    while let Some(piece) = series.next_piece(20_000).expect("a piece") {
-        preparation.push(piece, &mut observations);
-    }
-    preparation.finish(&mut observations);
+    let log = reading::read(&[log], &vehicle, &reading::Request::default()).expect("a log");
     let request = Request { trim: Trim::Vehicle, free: Vec::new(), pin: Vec::new(), unsteady: None };
-    let found = identify(&vehicle, &observations, &request)?;
-    let report = found.report(&vehicle, preparation.filter(), Vec::new());
+    let found = identify(&vehicle, &log.observations, &request)?;
+    let report = found.report(&vehicle, log.w_filter, log.notes);
     let doubts = report.warnings.iter().any(|warning| warning.contains("how the data are weighed"));
     let judged = [("a", truth.a_per_rad), ("b", truth.b), ("c", truth.c_per_rad2), ("d", truth.d_per_rad)]
         .into_iter()

@@ -5,7 +5,8 @@
 use glidepolar::diagnose::sea::{Settings as DiagnosisSettings, diagnose_log};
 use glidepolar::dynamics::Parameters;
 use glidepolar::identify::{Identification, Request, Trim, identify};
-use glidepolar::log::{Columns, Observation, Opened, Preparation, Settings, open};
+use glidepolar::log::Observation;
+use glidepolar::reading;
 use glidepolar::vehicle::Vehicle;
 use glidepolar_virtual_sea::{Options, Sea, generate};
 
@@ -36,14 +37,8 @@ fn read(sea: &Sea, csv: &str) -> (Vehicle, Vec<Observation>) {
     std::fs::write(&log, csv).expect("the log");
     std::fs::write(&toml, &sea.vehicle_toml).expect("the vehicle");
     let vehicle = Vehicle::load(&toml.to_string_lossy()).expect("a vehicle");
-    let Opened::Series(mut series) = open(&log, &Columns::default()).expect("a log") else { panic!("a time series") };
-    let mut preparation = Preparation::new(Settings::default());
-    let mut observations = Vec::new();
-    while let Some(piece) = series.next_piece(20_000).expect("a piece") {
-        preparation.push(piece, &mut observations);
-    }
-    preparation.finish(&mut observations);
-    (vehicle, observations)
+    let log = reading::read(&[log], &vehicle, &reading::Request::default()).expect("a log");
+    (vehicle, log.observations)
 }
 
 /// The identification, a's interval and whether it was fitted.

@@ -8,7 +8,7 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, ensure};
 use glidepolar::dynamics::Parameters;
 use glidepolar::dynamics::parameters::DRAG_REFERENCE_SPEED_M_S;
-use glidepolar::identify::{Dive, Fit, Inside, Parts, Question, by_dive, fit};
+use glidepolar::identify::{Dive, Fit, Inside, Question, by_dive, fit};
 use glidepolar::log::{DBAR_PA, Observation};
 use serde_json::{Value, json};
 
@@ -111,7 +111,7 @@ fn write_bins(file: &Path, question: &Question, dives: &[Dive], found: &Fit) -> 
     let bins: Vec<(&Observation, Inside, f64)> = dives
         .iter()
         .flat_map(|dive| {
-            let inside = Parts::new(&dive.bins, &dive.observations).inside(&found.parameters, &dive.bins);
+            let inside = dive.inside(&found.parameters);
             let weighed = dive.bins.iter().zip(inside).zip(&dive.bin_root_weights);
             weighed.map(|((bin, inside), root)| (&bin.mean, inside, *root))
         })

@@ -9,7 +9,7 @@ use glidepolar_fmu::instance::log::Log;
 use glidepolar_fmu::instance::phase::Phase;
 use glidepolar_fmu::instance::refusal::Outcome;
 use glidepolar_fmu::instance::{Abilities, Instance, Interface, resources};
-use glidepolar_fmu::model::{Kind, variables};
+use glidepolar_fmu::model::{Kind, Model, variables};
 
 use crate::Target;
 use crate::files::{Folder, joined, parts};
@@ -57,7 +57,7 @@ fn resources(data: &[u8]) {
     if let Some(uri) = parts(data).nth(2).and_then(|uri| std::str::from_utf8(uri).ok()) {
         let _ = resources::folder_of_uri(uri);
     }
-    let Ok(vehicle) = resources::vehicle(Some(folder.root()), true) else { return };
+    let Ok(vehicle) = resources::vehicle(Model::Plane, Some(folder.root()), true) else { return };
     let silent = Log::new(Some(Box::new(|_, _: &CStr, _: &CStr| ())), true);
     let mut instance = Instance::new(Interface::CoSimulation, Abilities::default(), &vehicle, silent);
     let _ = fly(&mut instance);
