@@ -1,5 +1,5 @@
-//! documentation/index.html: what a stranger needs to use the FMU, from the archive alone. The prose stands in
-//! `page.html`, everything that could differ from the code is filled in here.
+//! documentation/index.html: what a stranger needs to use the FMU, from the archive alone. The prose of both models stands
+//! in `page.html`, everything that could differ from the code is filled in here.
 
 use glidepolar_dynamics::glide::{Start, start};
 use glidepolar_dynamics::integrate::{DEFAULT_TOLERANCE, IMPLICIT_FROM};
@@ -11,12 +11,23 @@ use crate::model::values::head;
 use crate::model::vehicle::Vehicle;
 use crate::model::{Causality, Model, Slot, Variability, Variable};
 
-/// The prose of a model's page.
-fn template(model: Model) -> &'static str {
-    match model {
-        Model::Plane => include_str!("page.html"),
-        Model::Space => include_str!("page_space.html"),
+/// The prose of a model's page: the lines of the template after `<!-- both -->`, and those after the mark of this model.
+fn template(model: Model) -> String {
+    let (own, other) = match model {
+        Model::Plane => ("<!-- plane -->", "<!-- space -->"),
+        Model::Space => ("<!-- space -->", "<!-- plane -->"),
+    };
+    let mut page = String::new();
+    let mut counts = true;
+    for line in include_str!("page.html").lines() {
+        match line {
+            "<!-- both -->" => counts = true,
+            mark if mark == own || mark == other => counts = mark == own,
+            line if counts => page.extend([line, "\n"]),
+            _ => (),
+        }
     }
+    page
 }
 
 /// The start in the plane, which the straight glide of every model is.
@@ -47,8 +58,9 @@ pub fn documentation(vehicle: &Vehicle) -> String {
         ("tables", tables(vehicle)),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
         ("token", model.table().token.to_owned()),
+        ("model", model.name().to_owned()),
     ]);
-    let page = fill.fold(template(model).to_owned(), |page, (key, value)| {
+    let page = fill.fold(template(model), |page, (key, value)| {
         let place = format!("{{{{{key}}}}}");
         assert!(page.contains(&place), "the page has no place for {key}");
         page.replace(&place, &value)
