@@ -67,8 +67,8 @@ def identify(
         pin: fixed parameters, a value or (value, standard error): `{"a": (21.0, 3.0)}`.
         unsteady: fly the dives through time, with added mass.
     """
+    options = _options(locals(), "density", "half_window_s", "method")
     taken = as_log(log, Reading(columns, units, cache, speed_column))
-    options = [*_log_options(density, half_window_s), "--method", method]
     options += [f"--free={name}" for name in free]
     options += [f"--pin={name}={_external(value)}" for name, value in (pin or {}).items()]
     options += ["--unsteady"] if unsteady else []
@@ -96,8 +96,8 @@ def diagnose(
         pin_lift: fix the lift slope: at the vehicle's value (True), or at a value [1/rad] with its standard error.
         relevant: size above which a misfit is worth acting on: `{"vertical_velocity": 0.002}` [m/s].
     """
+    options = _options(locals(), "density", "half_window_s")
     taken = as_log(log, Reading(columns, units, cache, speed_column))
-    options = _log_options(density, half_window_s)
     options += [f"--relevant={name}={value!r}" for name, value in (relevant or {}).items()]
     if pin_lift is True:
         options.append("--pin-lift")
@@ -125,15 +125,8 @@ def track(
 
     `to_pandas()` is the track. `fixes` is a table with time_s, lat_deg, lon_deg; by default those in the files.
     """
+    options = _options_but(locals(), "log", "vehicle", "fixes", "columns", "units", "cache")
     taken, made = as_log(log, Reading(columns, units, cache)), as_vehicle(vehicle)
-    options = _options(
-        declination_deg=declination_deg,
-        heading_error_deg=heading_error_deg,
-        speed_error_percent=speed_error_percent,
-        fixes_at=fixes_at,
-        fix_error_m=fix_error_m,
-        density=density,
-    )
 
     def again(further: list[str]) -> Output:
         with ExitStack() as stack:
@@ -169,15 +162,7 @@ def glide(
         density: in-situ density [kg/m3]; by default the vehicle's reference.
         depth_m: depth, for compressible hulls [m].
     """
-    options = _options(
-        net_mass_kg=net_mass_kg,
-        pitch_deg=pitch_deg,
-        glide_angle_deg=glide_angle_deg,
-        speed_m_s=speed_m_s,
-        density=density,
-        depth_m=depth_m,
-    )
-    output, again = _of_vehicle("glide", vehicle, options)
+    output, again = _of_vehicle("glide", vehicle, _options_but(locals(), "vehicle"))
     made = Glide(output, again, {})
     values = made.to_dict()
     rows = (values.get("polar") or {}).get("glides") or [values["glide"]]
@@ -201,17 +186,7 @@ def turn(
 
     `sweep` varies one of the first five: `"roll-mass-deg=-60..60:11"`. Angles in degrees, net mass in kg.
     """
-    options = _options(
-        rudder_deg=rudder_deg,
-        roll_mass_deg=roll_mass_deg,
-        net_mass_kg=net_mass_kg,
-        moving_mass_m=moving_mass_m,
-        pitch_deg=pitch_deg,
-        sweep=sweep,
-        density=density,
-        depth_m=depth_m,
-    )
-    return Turn(*_of_vehicle("turn", vehicle, options))
+    return Turn(*_of_vehicle("turn", vehicle, _options_but(locals(), "vehicle")))
 
 
 def plan(
@@ -240,23 +215,7 @@ def plan(
 
     Units stand in the names: m, Wh, Ah, V, d, deg, cm3, min, W. `moves` and `dives` are tables of battery counters.
     """
-    options = _options(
-        depth_m=depth_m,
-        days=days,
-        pitch_deg=pitch_deg,
-        ballast_down_cc=ballast_down_cc,
-        ballast_up_cc=ballast_up_cc,
-        surface_ballast_cc=surface_ballast_cc,
-        dives_per_surfacing=dives_per_surfacing,
-        stay_min=stay_min,
-        pitch_moves=pitch_moves,
-        density=density,
-        model_error_percent=model_error_percent,
-        sensor_drag_m2=sensor_drag_m2,
-    )
-    for name, value in (("Wh", battery_Wh), ("Ah", battery_Ah), ("V", battery_V)):
-        options += [] if value is None else [f"--battery-{name}={float(value)!r}"]
-    options += [] if sensor_W is None else [f"--sensor-W={float(sensor_W)!r}"]
+    options = _options_but(locals(), "vehicle", "moves", "dives")
     return Plan(*_of_vehicle("plan", vehicle, options, moves=moves, dives=dives))
 
 
@@ -272,7 +231,7 @@ def compare(
 
     Each is a Vehicle, a name, a file, a Log or a DataFrame; logs are identified with `vehicle`.
     """
-    options = _options(net_mass_kg=net_mass_kg, depth_m=depth_m, density=density, speed_column=speed_column)
+    options = _options_but(locals(), "things", "vehicle")
     made = [thing if isinstance(thing, (Vehicle, str, os.PathLike)) else as_log(thing, Reading()) for thing in things]
 
     def again(further: list[str]) -> Output:
@@ -312,7 +271,8 @@ def simulate(
         tolerance: relative tolerance of the integration.
         actuation: who moves ballast and moving mass; servos by default.
     """
-    options = _options(stop=stop_s, interval=interval_s, tolerance=tolerance, actuation=actuation)
+    stop, interval = stop_s, interval_s
+    options = _options(locals(), "stop", "interval", "tolerance", "actuation")
     options += [] if mission is None else ["--mission", os.fspath(mission)]
     with TemporaryDirectory(prefix="glidepolar-") as folder:
         file, log = Path(folder) / "history.csv", Path(folder) / "log.csv"
@@ -355,14 +315,15 @@ def _of_vehicle(
     return again(["--json", "-", *first]), again
 
 
-def _options(**values: Union[float, str, None]) -> list[str]:
-    """Returns options with values; numbers to the last digit."""
-    stated = ((name.replace("_", "-"), value) for name, value in values.items() if value is not None)
+def _options(given: Mapping[str, Any], *names: str) -> list[str]:
+    """Returns the arguments of these names as a command's options, as far as they were given; numbers to the last digit."""
+    stated = ((name.replace("_", "-"), given[name]) for name in names if given[name] is not None)
     return [f"--{name}={value if isinstance(value, str) else repr(float(value))}" for name, value in stated]
 
 
-def _log_options(density: Optional[float], half_window_s: Optional[float]) -> list[str]:
-    return _options(density=density, half_window_s=half_window_s)
+def _options_but(given: Mapping[str, Any], *names: str) -> list[str]:
+    """Returns all arguments but these as options."""
+    return _options(given, *(name for name in given if name not in names))
 
 
 def _external(value: External) -> str:
