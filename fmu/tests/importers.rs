@@ -8,7 +8,7 @@ use std::ffi::c_int;
 use glidepolar_fmu::description::files;
 use glidepolar_fmu::fmi2::*;
 use glidepolar_fmu::fmi3::*;
-use glidepolar_fmu::model::{Initial, Slot, variables};
+use glidepolar_fmu::model::{Initial, Model, Slot, variables};
 use support::*;
 
 /// The value of an attribute of an element.
@@ -137,6 +137,56 @@ fn derivatives_that_are_not_finite_are_discarded() {
         assert!(messages.iter().all(|(_, text)| text.contains("out of range")), "{messages:?}");
         for (status, value) in ask(0.0) {
             assert_eq!((status, value), (OK, 0.0));
+        }
+    }
+}
+
+/// The rate with which a servo follows in proportion, 1/s: its band is its largest rate over this.
+const SERVO_RATE_1_S: f64 = 1.0;
+
+/// An importer's root finder ends on either side of a zero. Scipy's `solve_ivp` restarts just before it, and would find the
+/// same zero for ever if nothing changed there.
+#[test]
+fn after_an_event_no_indicator_is_near_zero_whatever_side_it_was_found_from() {
+    for model in Model::ALL {
+        let glider = Glider3::model_exchange_of(model);
+        glider.set(&[("seabed_depth_m", 60.0)]);
+        glider.begin(None);
+        let mut states = vec![0.0; model.n_states()];
+        let mut z = vec![0.0; model.n_events()];
+        let (n_states, n_events) = (states.len(), z.len());
+        // SAFETY: a live instance, places of its own and room for all.
+        unsafe {
+            let (mut a, mut b, mut c, mut d, mut e, mut t) = (0, 0, 0, 0, 0, 0.0);
+            let mut handle =
+                || fmi3UpdateDiscreteStates(glider.instance, &mut a, &mut b, &mut c, &mut d, &mut e, &mut t);
+            glider.ok(handle());
+            glider.ok(fmi3EnterContinuousTimeMode(glider.instance));
+            glider.ok(fmi3GetContinuousStates(glider.instance, states.as_mut_ptr(), n_states));
+            for (i, place, there) in [(1, 60.0 + 1e-9, true), (1, 60.0 - 1e-9, false), (0, -1e-9, true)] {
+                for side in [-1e-14, 0.0, 1e-14] {
+                    states[model.depth()] = place + side;
+                    glider.ok(fmi3SetContinuousStates(glider.instance, states.as_ptr(), n_states));
+                    glider.ok(fmi3EnterEventMode(glider.instance));
+                    glider.ok(handle());
+                    glider.ok(fmi3EnterContinuousTimeMode(glider.instance));
+                    glider.ok(fmi3GetEventIndicators(glider.instance, z.as_mut_ptr(), n_events));
+                    assert!(z[i].abs() > 5e-10, "{model:?}: indicator {i} is {} at {place} m", z[i]);
+                    assert_eq!(z[i] < 0.0, there, "{model:?}: indicator {i} at {place} m");
+                }
+            }
+            // The corner of a servo: there the set-point is as far away as the servo's band is wide.
+            let corner = glider.get("ballast_rate_m3_s") / SERVO_RATE_1_S;
+            let ballast = ["ballast_command_m3"].map(|name| glider.get(name))[0];
+            for side in [-1e-15, 0.0, 1e-15] {
+                glider.set(&[("ballast_command_m3", ballast + corner * (1.0 + 1e-9 + side))]);
+                glider.ok(fmi3EnterEventMode(glider.instance));
+                glider.ok(handle());
+                glider.ok(fmi3EnterContinuousTimeMode(glider.instance));
+                glider.ok(fmi3GetEventIndicators(glider.instance, z.as_mut_ptr(), n_events));
+                let nearest = z[2..].iter().fold(f64::INFINITY, |least, z| least.min(z.abs()));
+                assert!(nearest > 5e-10, "{model:?}: {z:?}");
+            }
         }
     }
 }

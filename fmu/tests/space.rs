@@ -118,6 +118,22 @@ fn a_saved_run_goes_on_bit_for_bit_here_and_in_another_instance() {
 }
 
 #[test]
+fn the_counts_of_states_and_indicators_are_those_of_the_model() {
+    for model in Model::ALL {
+        let glider = Glider3::model_exchange_of(model);
+        let (mut states, mut indicators) = (0, 0);
+        // SAFETY: a live instance and places of its own.
+        unsafe {
+            glider.ok(fmi3GetNumberOfContinuousStates(glider.instance, &mut states));
+            glider.ok(fmi3GetNumberOfEventIndicators(glider.instance, &mut indicators));
+        }
+        let count = |is: fn(Slot) -> bool| model.table().rows.iter().filter(|row| is(row.slot)).count();
+        assert_eq!(states, count(|slot| matches!(slot, Slot::State(_))), "{model:?}");
+        assert_eq!(indicators, count(|slot| matches!(slot, Slot::Indicator(_))), "{model:?}");
+    }
+}
+
+#[test]
 fn a_heading_is_reached_and_held_by_the_rudder() {
     for command in [0.8, -2.5] {
         let glider = Glider3::of(SPACE, Options::default());

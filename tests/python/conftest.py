@@ -92,12 +92,14 @@ def pytest_runtest_logreport(report):
 
 
 @pytest.fixture(scope="session")
-def sawtooth(glidepolar, tmp_path_factory) -> dict:
-    """The sawtooth as the command line flies it, every 8 s."""
-    output = tmp_path_factory.mktemp("reference") / "sawtooth.csv"
-    return flights.simulate(
-        glidepolar, output, "--inputs", flights.SAWTOOTH, "--stop", str(flights.STOP), "--interval", "8"
-    )
+def flown(glidepolar, tmp_path_factory) -> dict[str, dict]:
+    """The missions of `flights` as the command line flies them, every 8 s."""
+    folder = tmp_path_factory.mktemp("reference")
+    runs = {}
+    for name, flight in flights.FLIGHTS.items():
+        options = ["--inputs", str(flight.inputs), "--stop", str(flights.STOP), "--interval", str(flights.STEP)]
+        runs[name] = flights.simulate(glidepolar, folder / f"{name}.csv", *options, *flight.options)
+    return runs
 
 
 def counters() -> tuple[str, str]:

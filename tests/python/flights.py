@@ -2,21 +2,39 @@
 
 import csv
 import subprocess
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 MISSIONS = Path(__file__).parent.parent / "missions"
-SAWTOOTH = MISSIONS / "sawtooth.csv"
-# When the sawtooth turns and ends, s.
+# When the missions turn and end, s.
 TURN, STOP = 1104.0, 2208.0
+# Between two rows, and in Co-Simulation the communication step, s.
+STEP = 8.0
 
-# Every output that moves on the sawtooth.
-OUTPUTS = [
+
+@dataclass(frozen=True)
+class Flight:
+    """A mission of one model: a dive and a climb."""
+
+    # Its inputs against time.
+    inputs: Path
+    # What the command line needs to be told beside them.
+    options: list[str]
+    # Every output that moves on it.
+    outputs: list[str]
+
+    def commands(self, row: int) -> dict[str, float]:
+        """The set-points in a row of the mission: 0 on the way down, 2 on the way up."""
+        with self.inputs.open() as file:
+            values = list(csv.DictReader(file))[row]
+        return {name: float(value) for name, value in values.items() if name != "time"}
+
+
+ALIKE = [
     "depth_m",
-    "x_m",
     "pitch_rad",
-    "pitch_rate_rad_s",
     "glide_angle_rad",
     "angle_of_attack_rad",
     "speed_m_s",
@@ -26,17 +44,34 @@ OUTPUTS = [
     "net_mass_kg",
     "ballast_mass_kg",
     "moving_mass_position_m",
-    "lift_N",
-    "drag_N",
-    "pitching_moment_N_m",
 ]
-
-
-def commands(row: int) -> dict[str, float]:
-    """The set-points in a row of the sawtooth: 0 on the way down, 2 on the way up."""
-    with SAWTOOTH.open() as file:
-        values = list(csv.DictReader(file))[row]
-    return {name: float(value) for name, value in values.items() if name != "time"}
+FLIGHTS = {
+    # A sawtooth in the plane.
+    "plane": Flight(
+        MISSIONS / "sawtooth.csv",
+        [],
+        [*ALIKE, "x_m", "pitch_rate_rad_s", "lift_N", "drag_N", "pitching_moment_N_m"],
+    ),
+    # Spirals: down with the rudder to starboard, up with it to port.
+    "space": Flight(
+        MISSIONS / "turning.csv",
+        ["--3d"],
+        [
+            *ALIKE,
+            "north_m",
+            "east_m",
+            "heading_rad",
+            "roll_rad",
+            "v2_m_s",
+            "p_rad_s",
+            "q_rad_s",
+            "r_rad_s",
+            "sideslip_rad",
+            "turn_rate_rad_s",
+            "rudder_rad",
+        ],
+    ),
+}
 
 
 def read(path: Path) -> dict[str, np.ndarray]:
@@ -75,7 +110,7 @@ def deviation(found: dict[str, np.ndarray], reference: dict[str, np.ndarray], na
     return worst / scale
 
 
-def assert_same(found, reference, tolerance: float = 1e-6, names=OUTPUTS) -> None:
+def assert_same(found, reference, names, tolerance: float = 1e-6) -> None:
     deviations = {name: deviation(found, reference, name) for name in names}
     worst = {name: f"{value:.1e}" for name, value in deviations.items() if not value <= tolerance}
     assert not worst, f"differs by more than {tolerance:g}: {worst}"

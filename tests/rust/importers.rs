@@ -7,10 +7,11 @@ use glidepolar_archive::{Archive, Limits};
 use glidepolar_tests::{Built, Trajectory, skip};
 
 const STOP_S: &str = "2208";
-/// Every output that moves on this mission. The energy is that of the buoyancy engine, spent in the one turn.
-const OUTPUTS: [&str; 10] = [
+const ALL: [Built; 4] = [Built::Fmu2, Built::Fmu3, Built::SpaceFmu2, Built::SpaceFmu3];
+const FMI3: [Built; 2] = [Built::Fmu3, Built::SpaceFmu3];
+/// Outputs that move on the missions of both models.
+const OUTPUTS: [&str; 8] = [
     "depth_m",
-    "x_m",
     "pitch_rad",
     "glide_angle_rad",
     "speed_m_s",
@@ -18,12 +19,24 @@ const OUTPUTS: [&str; 10] = [
     "v1_m_s",
     "net_mass_kg",
     "moving_mass_position_m",
-    "lift_N",
 ];
+
+fn is_space(fmu: Built) -> bool {
+    matches!(fmu, Built::SpaceFmu2 | Built::SpaceFmu3)
+}
+
+/// Every output that moves on the mission of this archive: a sawtooth in the plane, spirals in space.
+fn outputs(fmu: Built) -> Vec<&'static str> {
+    let own: &[&str] = match is_space(fmu) {
+        false => &["x_m", "lift_N"],
+        true => &["north_m", "east_m", "heading_rad", "roll_rad", "v2_m_s", "sideslip_rad", "turn_rate_rad_s"],
+    };
+    [&OUTPUTS, own].concat()
+}
 
 #[test]
 fn fmi_rs_flies_co_simulation() {
-    for fmu in [Built::Fmu2, Built::Fmu3] {
+    for fmu in ALL {
         fly_and_compare(fmu, "fly-with-fmi-rs", &["--interface=cs", "--output-interval=8"], 1e-6);
     }
 }
@@ -31,19 +44,21 @@ fn fmi_rs_flies_co_simulation() {
 #[test]
 fn fmi_rs_flies_co_simulation_with_events_and_early_returns() {
     let options = ["--interface=cs", "--output-interval=8", "--event-mode", "--early-return"];
-    fly_and_compare(Built::Fmu3, "fly-with-fmi-rs", &options, 1e-6);
+    for fmu in FMI3 {
+        fly_and_compare(fmu, "fly-with-fmi-rs", &options, 1e-6);
+    }
 }
 
 #[test]
 fn fmi_rs_flies_model_exchange() {
-    for fmu in [Built::Fmu2, Built::Fmu3] {
+    for fmu in ALL {
         fly_and_compare(fmu, "fly-with-fmi-rs", &["--interface=me", "--output-interval=8"], 1e-6);
     }
 }
 
 #[test]
 fn the_fmi_crate_flies_co_simulation() {
-    for fmu in [Built::Fmu2, Built::Fmu3] {
+    for fmu in ALL {
         fly_and_compare(fmu, "fly-with-fmi-sim", &["--interface=cs", "--output-interval=8"], 1e-6);
     }
 }
@@ -51,7 +66,7 @@ fn the_fmi_crate_flies_co_simulation() {
 /// Its own solver is the forward Euler method: the trajectory is followed, not met.
 #[test]
 fn the_fmi_crate_flies_model_exchange_coarsely() {
-    for fmu in [Built::Fmu2, Built::Fmu3] {
+    for fmu in ALL {
         fly_and_compare(fmu, "fly-with-fmi-sim", &["--interface=me", "--output-interval=0.0625"], 1e-2);
     }
 }
@@ -59,7 +74,7 @@ fn the_fmi_crate_flies_model_exchange_coarsely() {
 /// A state that one process saves is loaded by another, which flies on as if nothing had happened.
 #[test]
 fn fmi_rs_saves_the_state_and_flies_on_in_another_process() {
-    for fmu in [Built::Fmu2, Built::Fmu3] {
+    for fmu in ALL {
         let Some(flight) = Flight::prepare(fmu, "fly-with-fmi-rs") else { return };
         let state = flight.file("state.bin");
         let state = state.to_str().unwrap();
@@ -68,7 +83,7 @@ fn fmi_rs_saves_the_state_and_flies_on_in_another_process() {
         let second = ["--output-interval=8", "--start-time=800", "--stop-time=1600", "--load-state", state];
         let second = flight.fly("second.csv", &second);
         let split = whole.time_s.iter().position(|time| *time == 800.0).expect("a row at 800 s");
-        for name in OUTPUTS {
+        for name in outputs(fmu) {
             // Bit for bit, not merely close.
             assert_eq!(second.column(name), &whole.column(name)[split..], "{fmu:?}, {name}");
         }
@@ -81,7 +96,7 @@ fn fly_and_compare(fmu: Built, importer: &str, options: &[&str], tolerance: f64)
     options.extend(["--stop-time", STOP_S]);
     let flown = flight.fly("flown.csv", &options);
     let reference = flight.reference();
-    for name in OUTPUTS {
+    for name in outputs(fmu) {
         let deviation = flown.deviation(&reference, name);
         assert!(deviation <= tolerance, "{importer}, {fmu:?}, {options:?}: {name} deviates by {deviation:e}");
     }
@@ -89,6 +104,7 @@ fn fly_and_compare(fmu: Built, importer: &str, options: &[&str], tolerance: f64)
 
 /// A folder for the files of one flight.
 struct Flight {
+    is_space: bool,
     fmu: PathBuf,
     importer: PathBuf,
     mission: PathBuf,
@@ -104,18 +120,25 @@ impl Flight {
             return None;
         }
         let folder = tempfile::tempdir().unwrap();
-        let (mut archive, mut mission) = (fmu.path()?, missions().join("sawtooth.csv"));
+        let (mut archive, mut mission) = (fmu.path()?, missions().join(mission_of(is_space(fmu))));
         if importer == "fly-with-fmi-sim" {
             (archive, mission) = for_the_fmi_crate(folder.path(), &archive, &mission);
         }
-        Some(Self { fmu: archive, importer: program, mission, glidepolar: Built::Glidepolar.path()?, folder })
+        Some(Self {
+            is_space: is_space(fmu),
+            fmu: archive,
+            importer: program,
+            mission,
+            glidepolar: Built::Glidepolar.path()?,
+            folder,
+        })
     }
 
     fn file(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
-    /// Flies the sawtooth with the importer.
+    /// Flies the mission with the importer.
     fn fly(&self, output: &str, options: &[&str]) -> Trajectory {
         let output = self.file(output);
         let mut command = Command::new(&self.importer);
@@ -129,7 +152,9 @@ impl Flight {
         let output = self.file("reference.csv");
         let mut command = Command::new(&self.glidepolar);
         command.args(["simulate", "slocum-graver", "--stop", STOP_S, "--interval", "8", "--tolerance", "1e-12"]);
-        run(command.args(["--quiet", "--inputs"]).arg(missions().join("sawtooth.csv")).arg("--csv").arg(&output));
+        command.args(self.is_space.then_some("--3d"));
+        let mission = missions().join(mission_of(self.is_space));
+        run(command.args(["--quiet", "--inputs"]).arg(mission).arg("--csv").arg(&output));
         Trajectory::read(&output)
     }
 }
@@ -167,6 +192,10 @@ fn without(xml: &str, attribute: &str) -> String {
         kept.push_str(part.split_once('"').expect("the attribute's value ends").1);
     }
     kept
+}
+
+fn mission_of(is_space: bool) -> &'static str {
+    if is_space { "turning.csv" } else { "sawtooth.csv" }
 }
 
 fn missions() -> PathBuf {

@@ -22,6 +22,10 @@ pub enum Built {
     Fmu3,
     /// The FMI 2.0 archive.
     Fmu2,
+    /// The FMI 3.0 archive of the glider in space.
+    SpaceFmu3,
+    /// The FMI 2.0 archive of the glider in space.
+    SpaceFmu2,
     /// The shared library in both.
     FmuLibrary,
     /// The interpreter of the Python environment.
@@ -38,6 +42,8 @@ impl Built {
             Built::TankReduce => "GLIDEPOLAR_TANK_REDUCE",
             Built::Fmu3 => "GLIDEPOLAR_FMU3",
             Built::Fmu2 => "GLIDEPOLAR_FMU2",
+            Built::SpaceFmu3 => "GLIDEPOLAR_SPACE_FMU3",
+            Built::SpaceFmu2 => "GLIDEPOLAR_SPACE_FMU2",
             Built::FmuLibrary => "GLIDEPOLAR_FMU_LIBRARY",
             Built::Python => "GLIDEPOLAR_PYTHON",
             Built::Importers => "GLIDEPOLAR_IMPORTERS",

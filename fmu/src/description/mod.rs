@@ -1,6 +1,7 @@
 //! What an importer and a person read before a simulation runs: the model descriptions of both standards and the
 //! documentation in the archive, all written from the table of variables.
 
+mod document;
 mod fmi2;
 mod fmi3;
 mod page;
@@ -47,8 +48,8 @@ pub fn files() -> Vec<(PathBuf, String)> {
             Model::Space => PathBuf::from("space"),
         };
         [
-            ("fmi2/modelDescription.xml", fmi2::model_description(&vehicle)),
-            ("fmi3/modelDescription.xml", fmi3::model_description(&vehicle)),
+            ("fmi2/modelDescription.xml", document::model_description::<fmi2::Fmi2>(&vehicle)),
+            ("fmi3/modelDescription.xml", document::model_description::<fmi3::Fmi3>(&vehicle)),
             ("fmi3/terminalsAndIcons/terminalsAndIcons.xml", terminals::terminals_and_icons(model)),
             ("documentation/index.html", page::documentation(&vehicle)),
         ]

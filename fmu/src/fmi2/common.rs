@@ -3,6 +3,7 @@
 use std::ffi::{c_char, c_int};
 
 use super::types::*;
+use crate::adapter::Version;
 use crate::instance::boundary::{call, elements, room};
 use crate::model::Kind;
 
@@ -20,7 +21,7 @@ macro_rules! get {
             unsafe {
                 call::<Fmi2>(component, stringify!($function), |c| {
                     let $instance = &c.instance;
-                    $instance.allow(NOT_BROKEN)?;
+                    $instance.allow(Fmi2::NOT_BROKEN)?;
                     let $references = elements(value_references, n, "vr")?;
                     let $values = room(values, n, "value")?;
                     $body
@@ -44,7 +45,7 @@ macro_rules! set {
             unsafe {
                 call::<Fmi2>(component, stringify!($function), |c| {
                     let $instance = &mut c.instance;
-                    $instance.allow(NOT_BROKEN)?;
+                    $instance.allow(Fmi2::NOT_BROKEN)?;
                     let $references = elements(value_references, n, "vr")?;
                     let $values = elements(values, n, "value")?;
                     $body
@@ -82,7 +83,7 @@ pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
     // SAFETY: see the module.
     unsafe {
         call::<Fmi2>(component, "fmi2GetDirectionalDerivative", |c| {
-            c.instance.allow(RUNNING)?;
+            c.instance.allow(Fmi2::RUNNING)?;
             c.instance.directional_derivative(
                 elements(unknowns, n_unknowns, "vUnknown_ref")?,
                 elements(knowns, n_knowns, "vKnown_ref")?,

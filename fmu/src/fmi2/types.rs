@@ -2,6 +2,7 @@
 
 use std::ffi::{c_char, c_int, c_void};
 
+use crate::adapter::Version;
 use crate::instance::boundary::Standard;
 use crate::instance::phase::{Phase, Phases};
 use crate::instance::refusal::Status;
@@ -67,14 +68,23 @@ impl Standard for Fmi2 {
     const MARK: u64 = u64::from_le_bytes(*b"glider-2");
 }
 
+impl Version for Fmi2 {
+    type Boolean = Boolean;
+
+    const NOT_BROKEN: Phases = Phases::of(&[
+        Phase::Instantiated,
+        Phase::Initialization,
+        Phase::Event,
+        Phase::ContinuousTime,
+        Phase::Step,
+        Phase::Terminated,
+    ]);
+    const RUNNING: Phases =
+        Phases::of(&[Phase::Initialization, Phase::Event, Phase::ContinuousTime, Phase::Step, Phase::Terminated]);
+
+    fn reset(&mut self) {
+        self.last_step = Status::Ok;
+    }
+}
+
 pub(super) const ANY: Phases = Phases::of(&Phase::ALL);
-pub(super) const NOT_BROKEN: Phases = Phases::of(&[
-    Phase::Instantiated,
-    Phase::Initialization,
-    Phase::Event,
-    Phase::ContinuousTime,
-    Phase::Step,
-    Phase::Terminated,
-]);
-pub(super) const RUNNING: Phases =
-    Phases::of(&[Phase::Initialization, Phase::Event, Phase::ContinuousTime, Phase::Step, Phase::Terminated]);

@@ -3,6 +3,7 @@
 use std::ffi::c_char;
 
 use super::types::*;
+use crate::adapter::Version;
 use crate::instance::Instance;
 use crate::instance::boundary::{call, elements, room, same_length};
 use crate::instance::refusal::{Outcome, Refusal};
@@ -23,7 +24,7 @@ macro_rules! get {
             unsafe {
                 call::<Fmi3>(instance, stringify!($function), |c| {
                     let $instance = &c.instance;
-                    $instance.allow(NOT_BROKEN)?;
+                    $instance.allow(Fmi3::NOT_BROKEN)?;
                     same_length(n_value_references, n_values)?;
                     let $references = elements(value_references, n_value_references, "valueReferences")?;
                     let $values = room(values, n_values, "values")?;
@@ -49,7 +50,7 @@ macro_rules! set {
             unsafe {
                 call::<Fmi3>(instance, stringify!($function), |c| {
                     let $instance = &mut c.instance;
-                    $instance.allow(NOT_BROKEN)?;
+                    $instance.allow(Fmi3::NOT_BROKEN)?;
                     same_length(n_value_references, n_values)?;
                     let $references = elements(value_references, n_value_references, "valueReferences")?;
                     let $values = elements(values, n_values, "values")?;
@@ -149,7 +150,7 @@ pub(super) unsafe fn none_of_this_type(
     // SAFETY: see the module.
     unsafe {
         call::<Fmi3>(instance, function, |c| {
-            c.instance.allow(NOT_BROKEN)?;
+            c.instance.allow(Fmi3::NOT_BROKEN)?;
             wrong_type(&c.instance, elements(value_references, n_value_references, "valueReferences")?, function)
         })
     }
@@ -212,7 +213,7 @@ macro_rules! derivative {
             // SAFETY: see the module.
             unsafe {
                 call::<Fmi3>(instance, stringify!($function), |c| {
-                    c.instance.allow(RUNNING)?;
+                    c.instance.allow(Fmi3::RUNNING)?;
                     same_length($seeded, n_seed)?;
                     same_length($sensitive, n_sensitivity)?;
                     c.instance.$method(

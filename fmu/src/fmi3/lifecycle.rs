@@ -4,12 +4,56 @@ use std::ffi::{c_char, c_void};
 use std::path::Path;
 
 use super::types::*;
-use crate::instance::boundary::{Component, call, caught, elements, text};
+use crate::adapter::exported;
+use crate::adapter::lifecycle::{self, Texts, Wanted};
+use crate::instance::boundary::{Component, caught, elements};
 use crate::instance::log::{Log, Sink};
-use crate::instance::phase::{Phase, Phases};
 use crate::instance::refusal::{Outcome, Refusal, Status};
-use crate::instance::{Abilities, Instance, Interface, resources};
+use crate::instance::{Abilities, Interface};
 use crate::model::vehicle::Vehicle;
+
+exported! { Fmi3;
+    fmi3SetDebugLogging(
+        logging_on: Boolean,
+        n_categories: usize,
+        categories: *const *const c_char
+    ) = lifecycle::set_debug_logging;
+    fmi3EnterInitializationMode(
+        tolerance_defined: Boolean,
+        tolerance: f64,
+        start_time: f64,
+        stop_time_defined: Boolean,
+        stop_time: f64
+    ) = enter_initialization;
+    fmi3ExitInitializationMode() = lifecycle::exit_initialization;
+    fmi3Terminate() = lifecycle::terminate;
+    fmi3Reset() = lifecycle::reset;
+    fmi3EnterConfigurationMode() = no_structural_parameters;
+    fmi3ExitConfigurationMode() = no_structural_parameters;
+}
+
+fn enter_initialization(
+    c: &mut Component<Fmi3>,
+    tolerance_defined: Boolean,
+    tolerance: f64,
+    start_time_s: f64,
+    stop_time_defined: Boolean,
+    stop_time_s: f64,
+) -> Outcome {
+    lifecycle::set_up(c, tolerance_defined, tolerance, start_time_s, stop_time_defined, stop_time_s)?;
+    lifecycle::enter_initialization(c)
+}
+
+fn no_structural_parameters(_: &mut Component<Fmi3>) -> Outcome {
+    Err(Refusal::error("there are no structural parameters to configure"))
+}
+
+/// `fmi3FreeInstance`
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3FreeInstance(instance: Pointer) {
+    // SAFETY: see the module.
+    unsafe { lifecycle::free::<Fmi3>(instance, "fmi3FreeInstance") }
+}
 
 /// `fmi3GetVersion`
 #[unsafe(no_mangle)]
@@ -96,42 +140,29 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
     std::ptr::null_mut()
 }
 
-struct Wanted {
-    interface: Interface,
-    abilities: Abilities,
-}
-
 /// Makes an instance from name, token and resource path.
 ///
 /// # Safety
 /// See the module.
 unsafe fn make(
-    texts: [*const c_char; 3],
+    [name, token, resources]: [*const c_char; 3],
     wanted: Wanted,
     log: impl FnOnce() -> Log,
     standard: Fmi3,
     check: impl FnOnce(&Vehicle) -> Outcome,
 ) -> Pointer {
-    let made = caught(|| {
-        let log = log();
-        // SAFETY: see the module.
-        let [name, token, folder] = texts.map(|pointer| unsafe { text(pointer) });
-        let folder = folder.filter(|folder| !folder.is_empty());
-        let (name, token) = (name.unwrap_or_default(), token.unwrap_or_default());
-        let vehicle = resources::chosen(&name, &token, folder.as_deref().map(Path::new), &log)
-            .and_then(|vehicle| check(&vehicle).map(|()| vehicle));
-        match vehicle {
-            Ok(vehicle) => {
-                let instance = Instance::new(wanted.interface, wanted.abilities, &vehicle, log);
-                Some(Component::into_pointer(instance, standard))
-            }
-            Err(refusal) => {
-                log.problem(refusal.status, &format!("fmi3Instantiate: {}", refusal.message));
-                None
-            }
-        }
-    });
-    made.ok().flatten().unwrap_or(std::ptr::null_mut())
+    lifecycle::made(
+        "fmi3Instantiate",
+        || Some(log()),
+        standard,
+        |log| {
+            // SAFETY: texts or null, see the module.
+            let texts = unsafe { Texts::read(name, token, resources) };
+            let vehicle = texts.vehicle(texts.resources.as_deref().map(Path::new), log)?;
+            check(&vehicle)?;
+            Ok((wanted, vehicle))
+        },
+    )
 }
 
 /// A way out for messages through the importer's callback.
@@ -151,124 +182,4 @@ fn sink(log_message: Option<LogMessage>, environment: *mut c_void) -> Option<Sin
             (importer.log_message)(importer.environment, status as FmiStatus, category.as_ptr(), message.as_ptr());
         }
     }))
-}
-
-/// `fmi3FreeInstance`
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3FreeInstance(instance: Pointer) {
-    // SAFETY: see the module.
-    unsafe {
-        let Some(component) = Component::<Fmi3>::from_pointer(instance) else { return };
-        // The step that waits for its importer's callback still needs the instance.
-        if (*component).instance.phase() == Phase::Intermediate {
-            let refused = "fmi3FreeInstance: not allowed in Intermediate Update Mode; let the step end first";
-            let _ = caught(|| (*component).instance.log.problem(Status::Error, refused));
-            return;
-        }
-        Component::<Fmi3>::free(instance);
-    }
-}
-
-/// `fmi3SetDebugLogging`
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SetDebugLogging(
-    instance: Pointer,
-    logging_on: Boolean,
-    n_categories: usize,
-    categories: *const *const c_char,
-) -> FmiStatus {
-    // SAFETY: see the module.
-    unsafe {
-        call::<Fmi3>(instance, "fmi3SetDebugLogging", |c| {
-            let names: Vec<String> = elements(categories, n_categories, "categories")?
-                .iter()
-                .map(|name| text(*name).unwrap_or_default())
-                .collect();
-            let names: Vec<&str> = names.iter().map(String::as_str).collect();
-            c.instance.log.switch(logging_on != 0, &names).map_err(|unknown| {
-                Refusal::error(format!("there is no log category \"{unknown}\"; see modelDescription.xml"))
-            })
-        })
-    }
-}
-
-/// `fmi3EnterInitializationMode`
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3EnterInitializationMode(
-    instance: Pointer,
-    tolerance_defined: Boolean,
-    tolerance: f64,
-    start_time: f64,
-    stop_time_defined: Boolean,
-    stop_time: f64,
-) -> FmiStatus {
-    // SAFETY: see the module.
-    unsafe {
-        call::<Fmi3>(instance, "fmi3EnterInitializationMode", |c| {
-            c.instance.allow(Phases::of(&[Phase::Instantiated]))?;
-            let tolerance = (tolerance_defined != 0).then_some(tolerance);
-            c.instance.set_up(tolerance, start_time, (stop_time_defined != 0).then_some(stop_time))?;
-            c.instance.enter_initialization()
-        })
-    }
-}
-
-/// `fmi3ExitInitializationMode`
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3ExitInitializationMode(instance: Pointer) -> FmiStatus {
-    // SAFETY: see the module.
-    unsafe {
-        call::<Fmi3>(instance, "fmi3ExitInitializationMode", |c| {
-            c.instance.allow(Phases::of(&[Phase::Initialization]))?;
-            let in_events = c.instance.interface() == Interface::ModelExchange || c.instance.abilities().event_mode;
-            c.instance.exit_initialization(if in_events { Phase::Event } else { Phase::Step })
-        })
-    }
-}
-
-/// `fmi3Terminate`
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3Terminate(instance: Pointer) -> FmiStatus {
-    // SAFETY: see the module.
-    unsafe {
-        call::<Fmi3>(instance, "fmi3Terminate", |c| {
-            c.instance.allow(Phases::of(&[Phase::Event, Phase::ContinuousTime, Phase::Step]))?;
-            c.instance.enter(Phase::Terminated);
-            Ok(())
-        })
-    }
-}
-
-/// `fmi3Reset`
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3Reset(instance: Pointer) -> FmiStatus {
-    // SAFETY: see the module.
-    unsafe {
-        call::<Fmi3>(instance, "fmi3Reset", |c| {
-            // During a callback from inside a step the step itself is still to be finished.
-            if c.instance.phase() == Phase::Intermediate {
-                return Err(Refusal::error("not allowed in Intermediate Update Mode; let the step end first"));
-            }
-            c.instance.reset();
-            Ok(())
-        })
-    }
-}
-
-/// `fmi3EnterConfigurationMode`
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3EnterConfigurationMode(instance: Pointer) -> FmiStatus {
-    // SAFETY: see the module.
-    unsafe { call::<Fmi3>(instance, "fmi3EnterConfigurationMode", |_| no_structural_parameters()) }
-}
-
-/// `fmi3ExitConfigurationMode`
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3ExitConfigurationMode(instance: Pointer) -> FmiStatus {
-    // SAFETY: see the module.
-    unsafe { call::<Fmi3>(instance, "fmi3ExitConfigurationMode", |_| no_structural_parameters()) }
-}
-
-fn no_structural_parameters() -> Outcome {
-    Err(Refusal::error("there are no structural parameters to configure"))
 }

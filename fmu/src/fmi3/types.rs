@@ -2,6 +2,7 @@
 
 use std::ffi::{c_char, c_int, c_void};
 
+use crate::adapter::Version;
 use crate::instance::boundary::Standard;
 use crate::instance::phase::{Phase, Phases};
 
@@ -34,20 +35,24 @@ impl Standard for Fmi3 {
     const MARK: u64 = u64::from_le_bytes(*b"glider-3");
 }
 
-pub(super) const NOT_BROKEN: Phases = Phases::of(&[
-    Phase::Instantiated,
-    Phase::Initialization,
-    Phase::Event,
-    Phase::ContinuousTime,
-    Phase::Step,
-    Phase::Intermediate,
-    Phase::Terminated,
-]);
-pub(super) const RUNNING: Phases = Phases::of(&[
-    Phase::Initialization,
-    Phase::Event,
-    Phase::ContinuousTime,
-    Phase::Step,
-    Phase::Intermediate,
-    Phase::Terminated,
-]);
+impl Version for Fmi3 {
+    type Boolean = Boolean;
+
+    const NOT_BROKEN: Phases = Phases::of(&[
+        Phase::Instantiated,
+        Phase::Initialization,
+        Phase::Event,
+        Phase::ContinuousTime,
+        Phase::Step,
+        Phase::Intermediate,
+        Phase::Terminated,
+    ]);
+    const RUNNING: Phases = Phases::of(&[
+        Phase::Initialization,
+        Phase::Event,
+        Phase::ContinuousTime,
+        Phase::Step,
+        Phase::Intermediate,
+        Phase::Terminated,
+    ]);
+}

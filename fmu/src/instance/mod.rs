@@ -23,7 +23,7 @@ use glidepolar_dynamics::limits::reversed;
 
 use crate::model::flight::Integrator;
 use crate::model::vehicle::Vehicle;
-use crate::model::{Glider, Table};
+use crate::model::{Glider, Model, Table};
 use log::Log;
 use phase::{Phase, Phases};
 use refusal::{Outcome, Refusal};
@@ -115,9 +115,14 @@ impl Instance {
         }
     }
 
+    /// Which model it simulates.
+    pub fn model(&self) -> Model {
+        self.core.glider.model
+    }
+
     /// Its variables.
     pub fn table(&self) -> Table {
-        self.core.glider.model.table()
+        self.model().table()
     }
 
     /// Where it stands.

@@ -15,7 +15,7 @@ use crate::model::flight::Integrator;
 use crate::model::glider::stop_number;
 
 const MARK: &[u8; 8] = b"glidepol";
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 const RESOURCES_BYTES: usize = 8;
 const CHECKSUM_BYTES: usize = 4;
 
@@ -148,6 +148,7 @@ fn fields(core: &mut Core, codec: &mut impl Codec) -> Option<()> {
     ] {
         *flag = codec.byte(u8::from(*flag))? != 0;
     }
+    glider.corners.0 = codec.byte(glider.corners.0)?;
     for order in &mut core.slopes.derivatives {
         *order = codec.reals(*order)?;
     }

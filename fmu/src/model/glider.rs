@@ -4,8 +4,8 @@ use glidepolar_dynamics::{Actuation, Stop};
 use glidepolar_number::Number;
 use glidepolar_spatial::Steering;
 
-use super::rules::PAST_BOUNDARY_M;
 pub use super::rules::{DiscreteState, Glider, Rules};
+use super::rules::{PAST_BOUNDARY_M, is_beyond};
 use super::table::{Discrete, Slot};
 use super::values::{MOST_EVENTS, MOST_OUTPUTS, MOST_STATES, Values};
 use super::which::Model;
@@ -51,8 +51,13 @@ impl Glider {
             Model::Space => space::seabed_depth_m(self),
         };
         let depth_m = self.depth_m();
-        self.discrete.at_surface = is_beyond(-depth_m, self.discrete.at_surface);
-        self.discrete.on_seabed = is_beyond(depth_m - seabed_depth_m, self.discrete.on_seabed);
+        self.discrete.at_surface = is_beyond(-depth_m, self.discrete.at_surface, PAST_BOUNDARY_M);
+        let below_m = depth_m - seabed_depth_m;
+        self.discrete.on_seabed = is_beyond(below_m, self.discrete.on_seabed, PAST_BOUNDARY_M);
+        self.corners = match self.model {
+            Model::Plane => self.corners.brought_to(&plane::corners(&self.rules(), &self.values)),
+            Model::Space => self.corners.brought_to(&space::corners(&self.rules(), &self.values)),
+        };
         self.values.state != before
     }
 
@@ -169,11 +174,6 @@ pub fn stop_number(stop: Stop) -> i32 {
         Stop::Free => 0,
         Stop::AtMax => 1,
     }
-}
-
-/// Whether the glider is beyond a boundary, exactly where the indicator has that sign.
-fn is_beyond(excess_m: f64, was_beyond: bool) -> bool {
-    if was_beyond { excess_m > -PAST_BOUNDARY_M } else { excess_m >= PAST_BOUNDARY_M }
 }
 
 /// Computes each group of calculated variables at most once.

@@ -111,8 +111,15 @@ pub(super) fn published_indicators<T: Number>(rules: &Rules<'_>, values: &Values
     let mut z = rules.indicators_in_plane(&active, values.time_s, &state, &inputs);
     if rules.actuation == Actuation::Servo {
         z[2..].copy_from_slice(&servo_corners(&active, &state, &inputs));
+        rules.corners.shift(&mut z[2..]);
     }
     row(z)
+}
+
+/// The corners of both servos.
+pub(super) fn corners(rules: &Rules<'_>, values: &Values<f64>) -> [f64; 4] {
+    let Parts { active, state, inputs } = parts(rules, values);
+    servo_corners(&active, &state, &inputs)
 }
 
 /// The outputs, in the order of the table.

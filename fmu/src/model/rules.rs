@@ -15,6 +15,39 @@ use super::which::Model;
 /// no indicator is zero, and each has the sign of its side.
 pub(super) const PAST_BOUNDARY_M: f64 = 1e-9;
 
+/// The same of a corner of a servo, in units of its band.
+const PAST_CORNER: f64 = 1e-9;
+
+/// Whether a boundary or corner is passed, `excess` beyond it; `past` is the shift of the indicators. An importer finds the
+/// zero of an indicator from either side: half of the shift counts as passed.
+pub(super) fn is_beyond(excess: f64, was_beyond: bool, past: f64) -> bool {
+    if was_beyond { excess > -0.5 * past } else { excess >= 0.5 * past }
+}
+
+/// Beyond which corners of the servos the set-points lie, a bit for each: their indicators are shifted by it, so that none is
+/// zero right after an event.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Corners(pub u8);
+
+impl Corners {
+    /// The sides of these corners, where nearer than the shift as before.
+    pub(super) fn brought_to(self, corners: &[f64]) -> Self {
+        let bit = |(i, corner): (usize, &f64)| u8::from(is_beyond(-corner, self.has(i), PAST_CORNER)) << i;
+        Corners(corners.iter().enumerate().map(bit).sum())
+    }
+
+    /// Moves the corners away from zero, each on its side.
+    pub(super) fn shift<T: Number>(self, corners: &mut [T]) {
+        for (i, corner) in corners.iter_mut().enumerate() {
+            *corner += if self.has(i) { -PAST_CORNER } else { PAST_CORNER };
+        }
+    }
+
+    fn has(self, i: usize) -> bool {
+        self.0 >> i & 1 != 0
+    }
+}
+
 /// Everything that the glider is at one time: cloned to save and restored to go back, without allocation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Glider {
@@ -30,6 +63,8 @@ pub struct Glider {
     pub rate_law: RateLaw,
     /// What changes at events only.
     pub discrete: DiscreteState,
+    /// On which side of the servos' corners the set-points lie. Nothing but the indicators goes by it.
+    pub corners: Corners,
     /// The water that travels with the glider's archive, if any does.
     pub column: Option<Arc<WaterColumn>>,
     /// Whether density and temperature come from that column and not from the inputs.
@@ -55,8 +90,8 @@ impl Glider {
     /// What the equations go by until the next event.
     pub fn rules(&self) -> Rules<'_> {
         let column = self.column.as_deref().filter(|_| self.uses_column);
-        let Glider { model, actuation, steering, rate_law, discrete, .. } = *self;
-        Rules { model, actuation, steering, rate_law, discrete, column }
+        let Glider { model, actuation, steering, rate_law, discrete, corners, .. } = *self;
+        Rules { model, actuation, steering, rate_law, discrete, corners, column }
     }
 
     /// Those of its parameters that every model has.
@@ -79,6 +114,7 @@ pub struct Rules<'a> {
     pub(super) steering: Steering,
     pub(super) rate_law: RateLaw,
     pub(super) discrete: DiscreteState,
+    pub(super) corners: Corners,
     column: Option<&'a WaterColumn>,
 }
 

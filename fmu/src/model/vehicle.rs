@@ -11,6 +11,7 @@ use glidepolar_spatial::{Body, RateLaw, Steering};
 use glidepolar_vehicle::builtin;
 
 use super::glider::{DiscreteState, Glider};
+use super::rules::Corners;
 use super::values::Values;
 use super::which::Model;
 use super::{plane, space};
@@ -73,6 +74,7 @@ impl Vehicle {
             steering: Steering::Direct,
             rate_law,
             discrete: DiscreteState::default(),
+            corners: Corners::default(),
             column: None,
             uses_column: false,
             starts_in_trim: false,

@@ -8,7 +8,7 @@ use std::ffi::{CString, c_char, c_int, c_void};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glidepolar_fmu::fmi2::CallbackFunctions;
-use glidepolar_fmu::model::{Kind, Model, Table};
+use glidepolar_fmu::model::{Kind, Model};
 
 pub const OK: c_int = 0;
 /// What was done, but perhaps not as meant.
@@ -166,8 +166,8 @@ const MOST: usize = 64;
 
 /// Memory that arguments point to. Every array has room for far more elements than any count says.
 pub struct Memory {
-    /// The variables of the model that is called.
-    pub table: Table,
+    /// The model that is called.
+    pub model: Model,
     references: Vec<u32>,
     numbers: Vec<f64>,
     integers: Vec<i32>,
@@ -183,7 +183,7 @@ impl Memory {
         let owned: Vec<CString> =
             ["logAll", "logEvents", "", "\u{fc}"].iter().map(|text| CString::new(*text).unwrap()).collect();
         Memory {
-            table: Model::Plane.table(),
+            model: Model::Plane,
             references: vec![0; MOST],
             numbers: vec![0.0; ROOM],
             integers: vec![0; ROOM],
@@ -196,7 +196,7 @@ impl Memory {
     }
 
     pub fn fill(&mut self, random: &mut Random, time: f64, polite: bool, function: &str) {
-        let variables = self.table.rows;
+        let variables = self.model.table().rows;
         let n = variables.len();
         let kind = [("Real", Kind::Real), ("Float64", Kind::Real), ("Derivative", Kind::Real)]
             .into_iter()
@@ -241,6 +241,33 @@ impl Memory {
     }
 }
 
+impl Memory {
+    /// A number that the function wrote and that is none.
+    fn not_finite(&self, function: &Function) -> Option<f64> {
+        /// Functions whose room is for numbers of double precision; the room was filled with zeros before.
+        const NUMBERS: [&str; 14] = [
+            "GetReal",
+            "GetFloat64",
+            "GetDerivatives",
+            "GetContinuousStateDerivatives",
+            "GetEventIndicators",
+            "GetContinuousStates",
+            "GetNominalsOfContinuousStates",
+            "GetDirectionalDerivative",
+            "GetAdjointDerivative",
+            "GetRealOutputDerivatives",
+            "GetOutputDerivatives",
+            "GetRealStatus",
+            "GetIntervalDecimal",
+            "GetShiftDecimal",
+        ];
+        if !NUMBERS.contains(&&function.name["fmi2".len()..]) {
+            return None;
+        }
+        self.rooms[0][..MOST].iter().map(|bits| f64::from_bits(*bits)).find(|number| !number.is_finite())
+    }
+}
+
 /// One instance under abuse.
 pub struct Victim<'a> {
     pub functions: &'a [Function],
@@ -257,6 +284,8 @@ impl Victim<'_> {
         whole[0] = pointer;
         let (mut at, mut number, mut room) = (1, 0, 0);
         let usual = random.below(16);
+        let n_states = memory.model.n_states() as u64;
+        memory.rooms.iter_mut().for_each(|room| room[..MOST].fill(0));
         let misaligned = u64::from(!polite && random.one_in(30));
         memory.state = match random.below(4) {
             0 => 0,
@@ -283,9 +312,9 @@ impl Victim<'_> {
                 'b' | 'i' => random.below(5) as u64,
                 'u' => random.next() & 0xffff_ffff,
                 'n' if polite => match function.name.as_str() {
-                    name if name.ends_with("GetEventIndicators") => 6,
-                    name if name.contains("ContinuousStates") || name.contains("StateDerivatives") => 12,
-                    name if name.ends_with("GetDerivatives") => 12,
+                    name if name.ends_with("GetEventIndicators") => memory.model.n_events() as u64,
+                    name if name.contains("ContinuousStates") || name.contains("StateDerivatives") => n_states,
+                    name if name.ends_with("GetDerivatives") => n_states,
                     _ => usual as u64,
                 },
                 'n' => match random.below(20) {
@@ -293,8 +322,8 @@ impl Victim<'_> {
                     1 => 1 << 40,
                     2 => random.below(MOST) as u64,
                     3 => 0,
-                    4 => 12,
-                    5 => 6,
+                    4 => n_states,
+                    5 => memory.model.n_events() as u64,
                     _ => usual as u64,
                 },
                 's' => array(memory.texts.as_ptr() as u64, random),
@@ -321,6 +350,7 @@ impl Victim<'_> {
             if name.contains("GetFMU") || name.contains("erializeFMU") && name.contains("De") {
                 self.states.push(memory.state);
             }
+            assert_eq!(memory.not_finite(function), None, "{name} ended OK");
         }
         status
     }
@@ -329,7 +359,7 @@ impl Victim<'_> {
         let get =
             self.functions.iter().find(|f| f.name.ends_with("GetReal") || f.name.ends_with("GetFloat64")).unwrap();
         memory.fill(random, 0.0, true, "GetReal");
-        memory.references[0] = memory.table.rows[0].reference;
+        memory.references[0] = memory.model.table().rows[0].reference;
         let (references, room) = (memory.references.as_ptr() as u64, memory.rooms[0].as_mut_ptr() as u64);
         // SAFETY: one reference, room for one number.
         let status = unsafe { (get.call)(self.pointer, references, 1, room, 1, 0, 0, 0, 0, 0, 0, 0, 0.0, 0.0, 0.0) };

@@ -77,7 +77,7 @@ fn random_calls_in_random_order_never_hurt() {
         let counter = Counter::default();
         // Every third is the glider in space.
         let model = if sequence % 3 == 2 { Model::Space } else { Model::Plane };
-        memory.table = model.table();
+        memory.model = model;
         let pointer = instantiate_of(&loaded, model, standard, exchange, random.below(4), &counter);
         assert_ne!(pointer, 0);
         let foreign = instantiate(&loaded, 5 - standard, exchange, 0, &counter);

@@ -66,14 +66,20 @@ pub(super) fn derivative<T: Number>(rules: &Rules<'_>, values: &Values<T>) -> [T
 /// The indicators that an importer's integrator watches: beside surface and seabed the corners of the servos, where the
 /// rates of change have a kink.
 pub(super) fn published_indicators<T: Number>(rules: &Rules<'_>, values: &Values<T>) -> [T; MOST_EVENTS] {
-    let Parts { body, state, inputs } = parts(rules, values);
-    let ([surface, seabed], corners) =
-        (rules.boundaries(&state, &inputs), servo_corners(&body, &state, &rules.in_space(&body, &state, &inputs)));
+    let Parts { state, inputs, .. } = parts(rules, values);
+    let ([surface, seabed], mut corners) = (rules.boundaries(&state, &inputs), corners(rules, values));
+    rules.corners.shift(&mut corners);
     std::array::from_fn(|i| match i {
         0 => surface,
         1 => seabed,
         i => corners[i - 2],
     })
+}
+
+/// The corners of the four servos.
+pub(super) fn corners<T: Number>(rules: &Rules<'_>, values: &Values<T>) -> [T; 8] {
+    let Parts { body, state, inputs } = parts(rules, values);
+    servo_corners(&body, &state, &rules.in_space(&body, &state, &inputs))
 }
 
 /// The outputs, in the order of the table.

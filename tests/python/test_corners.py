@@ -1,0 +1,74 @@
+"""Model Exchange under CVODE, LSODA, BDF, Radau and Euler's method: a selection of the corners that `corners.py` flies."""
+
+import corners
+import numpy as np
+import pytest
+from conftest import path_from
+from fmpy import extract, read_model_description, simulate_fmu
+
+ARCHIVES = ["GLIDEPOLAR_FMU3", "GLIDEPOLAR_FMU2", "GLIDEPOLAR_SPACE_FMU3", "GLIDEPOLAR_SPACE_FMU2"]
+# Method, tolerance and output interval, s. FMPy gives CVODE 500 internal steps to an output, whatever the tolerance.
+SELECTION = [
+    ("CVODE", 1e-4, 1.0),
+    ("CVODE", 1e-4, 600.0),
+    ("CVODE", 1e-7, 60.0),
+    ("CVODE", 1e-8, 60.0),
+    ("CVODE", 1e-10, 1.0),
+    ("LSODA", 1e-4, 600.0),
+    ("LSODA", 1e-10, 1.0),
+    ("BDF", 1e-4, 600.0),
+    ("BDF", 1e-8, 1.0),
+    ("Radau", 1e-4, 1.0),
+    ("Radau", 1e-6, 600.0),
+]
+
+
+@pytest.fixture(params=ARCHIVES, ids=["plane-fmi3", "plane-fmi2", "space-fmi3", "space-fmi2"], scope="module")
+def folder(request, tmp_path_factory):
+    """The unpacked archive."""
+    return extract(str(path_from(request.param)), unzipdir=str(tmp_path_factory.mktemp("archive")))
+
+
+@pytest.fixture(scope="module")
+def own(folder) -> dict[str, np.ndarray]:
+    """Where the library's own integrator ends."""
+    description = read_model_description(folder)
+    names = [state.name for state in corners.states_of(description)]
+    ends = {}
+    for name, mission in corners.missions(description).items():
+        rows = simulate_fmu(
+            folder,
+            stop_time=mission.stop,
+            output_interval=1.0,
+            relative_tolerance=1e-10,
+            start_values=mission.start | mission.at(0.0) | mission.choices,
+            input=mission.signals(),
+            output=names,
+        )
+        ends[name] = np.array([rows[-1][state] for state in names])
+    return ends
+
+
+@pytest.mark.parametrize(("method", "tolerance", "interval"), SELECTION)
+def test_surface_seabed_and_limits_are_flown(folder, own, method, tolerance, interval):
+    description = read_model_description(folder)
+    depth = corners.depth_of(description)
+    for name, mission in corners.missions(description).items():
+        end = corners.fly(folder, mission, method, tolerance, interval).states
+        assert np.isfinite(end).all()
+        # A dive of 60 m: what a step may lose, times some hundred steps.
+        apart = abs(end[depth] - own[name][depth])
+        assert apart < 60 * max(300 * tolerance, 1e-5), f"{name}: {end[depth]} m against {own[name][depth]} m"
+
+
+def test_euler_is_stable_in_a_dive_with_steps_of_50_ms(folder):
+    # FMPy takes the output interval as the step of Euler's method.
+    options = {"stop_time": 600, "step_size": 0.05, "output_interval": 0.05, "output": ["depth_m", "pitch_rad", "speed_m_s"]}
+    begin = {"start_values": {"moving_mass_command_m": 0.03, "ballast_command_m3": -8e-5}}
+    coarse = simulate_fmu(folder, fmi_type="ModelExchange", solver="Euler", **begin, **options)
+    own = simulate_fmu(folder, relative_tolerance=1e-9, **begin, **options)
+    times, first = np.unique(coarse["time"], return_index=True)
+    for name in options["output"]:
+        # Model Exchange has rows at events, too.
+        apart = np.interp(own["time"], times, coarse[name][first]) - own[name]
+        assert np.abs(apart).max() < 1e-2 * np.abs(own[name]).max(), name
