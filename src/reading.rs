@@ -11,7 +11,7 @@ use crate::diagnose::{Check, Checked};
 use crate::input::{InputError, Place};
 use crate::log::{
     CHANNELS, Calibration, Channel, Columns, Condenser, FlightLog, LogFiles, MOST_OBSERVATIONS, Observation, Piece,
-    Preparation, Settings, Shorten, take_out_lost_speeds,
+    Preparation, Settings, Shorten, take_out_interpolated_speeds, take_out_lost_speeds,
 };
 use crate::vehicle::Vehicle;
 
@@ -54,6 +54,19 @@ pub struct Request {
 /// # Errors
 /// What cannot be read, where nothing is left to use, and where a column is in another unit than it says.
 pub fn read(logs: &[PathBuf], vehicle: &Vehicle, request: &Request) -> Result<PreparedLog, ReadingError> {
+    read_watched(logs, vehicle, request, &|_| {})
+}
+
+/// The same; how far it is goes to `watch` after each piece.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_watched(
+    logs: &[PathBuf],
+    vehicle: &Vehicle,
+    request: &Request,
+    watch: &dyn Fn(Progress),
+) -> Result<PreparedLog, ReadingError> {
     let mut settings = settings(vehicle, request.density_kg_m3);
     settings.half_window_s = request.half_window_s.unwrap_or(settings.half_window_s);
     let mut gathering = Gathering::new(settings, request.shorten);
@@ -64,6 +77,7 @@ pub fn read(logs: &[PathBuf], vehicle: &Vehicle, request: &Request) -> Result<Pr
             Piece::Series(piece) => gathering.push(*piece),
             Piece::Glides(glides) => gathering.push_glides(with_density(glides, request.density_kg_m3, &logs[0])?),
         }
+        watch(gathering.progress(&files));
     }
     let nothing_left = gathering.nothing_left(&logs[0], request.density_kg_m3.is_some());
     let mut log = gathering.finish()?;
@@ -71,9 +85,20 @@ pub fn read(logs: &[PathBuf], vehicle: &Vehicle, request: &Request) -> Result<Pr
         return Err(nothing_left.into());
     }
     log.notes.splice(0..0, files.notes().iter().cloned());
-    log.of_files = files.warnings().to_vec();
+    log.left_out.splice(0..0, files.warnings().iter().cloned());
     log.calibration = files.calibration().cloned();
     Ok(log)
+}
+
+/// How far the reading of a log is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// Files that were begun.
+    pub begun: usize,
+    /// All files; those of one segment count once.
+    pub files: usize,
+    /// Rows read so far.
+    pub rows: usize,
 }
 
 /// Samples of a CSV file that are read at once.
@@ -109,8 +134,9 @@ pub struct PreparedLog {
     pub w_filter: String,
     /// What was found in the log and done about it.
     pub notes: Vec<String>,
-    /// Files that were left out.
-    pub of_files: Vec<String>,
+    /// What was left out as a whole: files, the speeds of legs on which the sensor had lost the water, speeds that were
+    /// interpolated.
+    pub left_out: Vec<String>,
     /// What the files say of the vehicle; Seaglider only.
     pub calibration: Option<Calibration>,
     /// Steady samples and all samples on legs, before a long log was shortened.
@@ -168,7 +194,7 @@ impl PreparedLog {
         }
         let found = checks.iter().filter(|check| check.outcome == Checked::Mended);
         let warning = |check: &Check| format!("{}: {}; corrected before anything else", check.check, check.says);
-        Ok((self.of_files.iter().cloned().chain(found.map(warning)).collect(), error))
+        Ok((self.left_out.iter().cloned().chain(found.map(warning)).collect(), error))
     }
 }
 
@@ -249,6 +275,12 @@ impl Gathering {
         self.condense();
     }
 
+    /// How far it is with these files.
+    pub fn progress(&self, files: &LogFiles) -> Progress {
+        let [begun, files] = files.begun_of();
+        Progress { begun, files, rows: self.rows }
+    }
+
     /// Takes a table of glides.
     pub fn push_glides(&mut self, mut glides: Vec<Observation>) {
         self.has_tables = true;
@@ -289,28 +321,29 @@ impl Gathering {
         self.preparation.finish(&mut self.batch);
         self.condense();
         let (mut observations, shortened) = self.condenser.finish();
-        let lost = take_out_lost_speeds(&mut observations);
+        // Means over a stretch of a long log show no lines any more.
+        let interpolated = shortened.is_none().then(|| take_out_interpolated_speeds(&mut observations)).flatten();
+        let lost: Vec<String> = interpolated.into_iter().chain(take_out_lost_speeds(&mut observations)).collect();
         let w_filter =
             if self.has_tables { "the column w_m_s of the table".to_owned() } else { self.preparation.filter() };
         let w_filter = match &shortened {
             Some(said) => format!("{w_filter}; {said}"),
             None => w_filter,
         };
-        let notes: Vec<String> =
-            self.preparation.notes().sentences().into_iter().chain(lost).chain(shortened).collect();
+        let notes: Vec<String> = self.preparation.notes().sentences().into_iter().chain(shortened).collect();
         let wrong = consistency::taken_out(&self.preparation);
         if wrong.is_empty() {
             Ok(PreparedLog {
                 observations,
                 w_filter,
                 notes,
-                of_files: Vec::new(),
+                left_out: lost,
                 calibration: None,
                 steady: self.steady,
                 gravity_m_s2: self.gravity_m_s2,
             })
         } else {
-            Err(ReadingError::Inconsistent { checks: wrong, notes })
+            Err(ReadingError::Inconsistent { checks: wrong, notes: notes.into_iter().chain(lost).collect() })
         }
     }
 }

@@ -70,6 +70,8 @@ pub enum PartName {
     Identify,
     /// The whole diagnosis
     Diagnose,
+    /// Glider files of all three makers
+    Logs,
     /// Hull tests: reduction of a campaign
     Tank,
     /// Many missions on one and two cores

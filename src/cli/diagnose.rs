@@ -7,7 +7,7 @@ use clap::Args;
 use super::diagnose_words::{checked, left_over, less, size, table_without_cause, verdict, words};
 use super::identify::TrimChoice;
 use super::reading::Reading;
-use super::{CliError, Output, diagnose_page, log_vehicle, vehicle_input, warn};
+use super::{CliError, Output, diagnose_page, housekeeping, log_vehicle, print_notes, vehicle_input, warn};
 use crate::diagnose::sea::{
     LEAST_RELEVANT, LiftSlope, Request, SeaError, SeaProblem, VehicleLogError, diagnose_vehicle, extended,
 };
@@ -16,7 +16,7 @@ use crate::identify::ExternalValue;
 use crate::input::printable;
 use crate::output::{Replace, check, write_whole};
 use crate::reading::{ReadingError, noted};
-use crate::report::InputFile;
+use crate::report::{InputFile, Report as Page};
 
 /// What is wrong in a log against a vehicle, why, the extended vehicle, the measured gain
 #[derive(Debug, Args)]
@@ -74,7 +74,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
             // What was taken out in the reading may be what is missing.
             VehicleLogError::Log(error) => CliError::Failed(format!("{error}{}", noted(&log.notes))),
         })?;
-    found.outcome.diagnosis.warnings.extend(log.notes.iter().cloned());
+    found.outcome.diagnosis.warnings.splice(0..0, log.left_out.iter().cloned());
 
     let replace = if arguments.output.force { Replace::Any } else { Replace::Never };
     let extended = arguments.extended.as_ref().map(|path| Ok::<_, CliError>((path, extended(&vehicle, &found)?)));
@@ -88,6 +88,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         for log in &arguments.logs {
             page = page.input(InputFile::read(log)?);
         }
+        page = housekeeping(&log.notes).into_iter().fold(page, Page::section);
         page.input(vehicle_input(&arguments.vehicle)?).write(arguments.output.folder(out)?)?;
     }
     if let Some((path, extended)) = &extended {
@@ -96,8 +97,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if arguments.output.shows_tables() {
         println!("{}", log.steady_share());
         print(&found.outcome.diagnosis, &found.problem, trim.sentence());
+        print_notes(&log.notes);
     }
     warn(&found.outcome.diagnosis.warnings);
+    found.outcome.diagnosis.warnings.extend(log.notes);
     arguments.output.write_json(&found.outcome.diagnosis)
 }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::reading::Reading;
-use super::{CliError, Output, identify_page, identify_write, log_vehicle, vehicle_input, warn};
+use super::{CliError, Output, identify_page, identify_write, log_vehicle, print_notes, vehicle_input, warn};
 use crate::identify::{
     ExternalValue, Given, Identification, IdentifyError, Report, Request, Trim, Unsteady, identify, paper_form,
 };
@@ -311,6 +311,13 @@ fn print(report: &Report, found: &Identification) {
     line("  after a 9-point mean", fit.w_rms_9_point_m_s, fit.w_rms_9_point_holdout_m_s);
     line("speed, rms", fit.speed_rms_m_s, fit.speed_rms_holdout_m_s);
     line("speed, mean of measured less model", fit.speed_bias_m_s, fit.speed_bias_holdout_m_s);
+    for (name, halves) in &report.halves {
+        let [one, other] = halves.values.map(figure);
+        println!(
+            "{name} by either half of the dives: {one} and {other}, {} standard errors apart",
+            figure((halves.values[0] - halves.values[1]).abs() / halves.difference_se)
+        );
+    }
     if let Some(c) = &report.unsteady {
         println!();
         println!("all samples below {} dbar, inflections included{:>17} {:>10}", c.from_dbar, "rms", "9-point");
@@ -354,9 +361,7 @@ fn print(report: &Report, found: &Identification) {
     if let Some(turning) = &report.turning {
         print_turning(turning);
     }
-    for note in &report.notes {
-        println!("note: {note}");
-    }
+    print_notes(&report.notes);
 }
 
 fn print_turning(turning: &Turning) {

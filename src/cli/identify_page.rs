@@ -11,7 +11,7 @@ use crate::output::{OutputError, OutputFolder};
 use crate::report::{Cell, Report as Page, Section, Table, significant};
 use crate::vehicle::Vehicle;
 
-use super::{identify_figures as figures, identify_write};
+use super::{housekeeping, identify_figures as figures, identify_write};
 
 /// Standard errors on either side over which a profile is taken, and its points.
 const PROFILE_AT_SE: [f64; 9] = [-3.0, -2.25, -1.5, -0.75, 0.0, 0.75, 1.5, 2.25, 3.0];
@@ -69,7 +69,8 @@ pub(super) fn of_joint(
     if let Some(balance) = &found.pitch_balance {
         page = page.section(moments(balance, &found.dives));
     }
-    Ok(page.section(Section::new("Glide by glide").folded().table(glide_table(&points))))
+    page = page.section(Section::new("Glide by glide").folded().table(glide_table(&points)));
+    Ok(housekeeping(&report.notes).into_iter().fold(page, Page::section))
 }
 
 /// The page of the iterative scheme.

@@ -5,7 +5,9 @@ use std::f64::consts::PI;
 use super::CliError;
 use crate::dynamics::{PARAMETERS, Parameters};
 use crate::identify::names::{long_name, short_name};
+use crate::identify::pitch_balance::PitchBalance;
 use crate::identify::{Fit, Identification, Report};
+use crate::input::InputError;
 use crate::log::Calibration;
 use crate::vehicle::Vehicle;
 
@@ -43,7 +45,7 @@ pub(super) fn identified(vehicle: &Vehicle, found: &Identification, report: &Rep
     for (name, quantity) in &report.parameters {
         let Some(quantity) = quantity else { continue };
         let name = long_name(name);
-        // The trim in pitch stays as the vehicle has it: these figures balance only together, with masses that no log shows.
+        // These balance only together.
         if OF_MOMENTS.contains(&name) {
             continue;
         }
@@ -54,6 +56,9 @@ pub(super) fn identified(vehicle: &Vehicle, found: &Identification, report: &Rep
             }
         }
     }
+    if let Some(balance) = found.pitch_balance.as_ref().filter(|balance| balance.is_identified) {
+        write_balance(&mut identified, balance)?;
+    }
     let source = format!(
         "{}\nIdentified by `glidepolar identify` from {} glides, {}: {}. Errors are standard errors; their correlations are in the command's JSON.",
         vehicle.source.trim_end(),
@@ -63,6 +68,32 @@ pub(super) fn identified(vehicle: &Vehicle, found: &Identification, report: &Rep
     );
     identified.describe(&format!("{}, identified", vehicle.name), &source);
     Ok(identified)
+}
+
+/// The balance of moments: what was fitted of it and what was held beside, so that the battery stands in the file's vehicle
+/// where it stood in the log.
+fn write_balance(vehicle: &mut Vehicle, balance: &PitchBalance) -> Result<(), InputError> {
+    let p = &balance.fit.parameters;
+    let se = |name: &str| balance.fit.position(name).map_or(0.0, |position| balance.fit.se(position));
+    let share = p.offset_mass_kg / balance.mass_kg;
+    let of_battery_m = p.moving_mass_kg * p.moving_mass_height_m / balance.mass_kg;
+    let mut figures = vec![
+        ("mass.moving_mass_kg", p.moving_mass_kg, 0.0),
+        ("mass.cg_below_cb_m", of_battery_m + share * p.offset_mass_below_m, share * se("offset_mass_below_m")),
+        ("mass.cg_forward_m", share * p.offset_mass_forward_m, share * se("offset_mass_forward_m")),
+        ("hydro.d_per_rad", p.d_per_rad, se("d_per_rad")),
+        ("ballast.forward_m", p.ballast_forward_m, se("ballast_forward_m")),
+    ];
+    // One d was fitted to both legs.
+    let of_legs = ["hydro.descent.d_per_rad", "hydro.ascent.d_per_rad"].into_iter();
+    figures.extend(of_legs.filter(|path| vehicle.get(path).is_some()).map(|path| (path, p.d_per_rad, se("d_per_rad"))));
+    for (path, value, se) in figures {
+        vehicle.set(path, value)?;
+        if se > 0.0 {
+            vehicle.set(&format!("uncertainty.{path}"), se)?;
+        }
+    }
+    Ok(())
 }
 
 fn fitted_names(fit: &Fit) -> String {

@@ -52,7 +52,7 @@ use std::process::ExitCode;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 
 use crate::input::{InputError, Place, printable};
-use crate::report::InputFile;
+use crate::report::{Block, InputFile, Section};
 use crate::simulate::mission::MissionError;
 use crate::vehicle::Vehicle;
 
@@ -142,6 +142,17 @@ pub fn vehicle_input(name_or_file: &str) -> Result<InputFile, CliError> {
         Some(text) => Ok(InputFile::of(format!("built-in vehicle {name_or_file}"), text.as_bytes())),
         None => Ok(InputFile::read(name_or_file)?),
     }
+}
+
+/// What was found in the reading of a log and done about it, folded away below the answers; nothing where there is nothing.
+pub fn housekeeping(notes: &[String]) -> Option<Section> {
+    let block = Block::List(notes.to_vec());
+    (!notes.is_empty()).then(|| Section::new("Reading of the log").folded().block(block))
+}
+
+/// Prints the same below the tables.
+pub fn print_notes(notes: &[String]) {
+    notes.iter().for_each(|note| println!("note: {note}"));
 }
 
 /// Reads the arguments of this process, does what they ask and says what went wrong.

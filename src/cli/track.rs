@@ -6,16 +6,16 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
-use super::reading::columns;
+use super::reading::{Bar, columns};
 use super::table::for_each_row;
 use super::track_page::{self, Remarks};
-use super::{CliError, Output, log_vehicle, vehicle_input, warn, water_density};
+use super::{CliError, Output, housekeeping, log_vehicle, print_notes, vehicle_input, warn, water_density};
 use crate::diagnose::sea::consistency::DensityError;
 use crate::dynamics::Parameters;
 use crate::input::{InputError, Place};
 use crate::log::{CHANNELS, Channel, DBAR_PA, FlightLog, LogFiles, Piece, Shorten, in_situ_density_kg_m3};
 use crate::reading::{Gathering, no_rows, settings};
-use crate::report::InputFile;
+use crate::report::{InputFile, Report as Page};
 use crate::track::comparison::{self, Comparison, Stored};
 use crate::track::{DiveTrack, Drift, Fix, Sample, Settings, Track, reckon};
 use crate::vehicle::Vehicle;
@@ -107,7 +107,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
             return Err(CliError::Usage(format!("{name} {value}: expected a number not below zero")));
         }
     }
-    let Read { log, vehicle, mut warnings, density_error, fixes: own_fixes, declination_deg } =
+    let Read { log, vehicle, mut warnings, notes, density_error, fixes: own_fixes, declination_deg } =
         read(a, log_vehicle::load(&a.vehicle, &a.logs)?)?;
     let declination_deg = a.declination_deg.or(declination_deg).unwrap_or(0.0);
     let samples = samples(a, &log, density_error)?;
@@ -170,6 +170,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         };
         let mut page = track_page::page(&track, &remarks).input(vehicle_input(&a.vehicle)?);
         page.warnings.extend(warnings.iter().cloned());
+        page = housekeeping(&notes).into_iter().fold(page, Page::section);
         for file in a.logs.iter().chain(&a.fixes) {
             page = page.input(InputFile::read(file)?);
         }
@@ -188,6 +189,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     };
     if a.output.shows_tables() {
         report.print();
+        print_notes(&notes);
     }
     warn(&report.warnings);
     a.output.write_json(&report)
@@ -199,6 +201,8 @@ struct Read {
     /// The vehicle where the log was recorded.
     vehicle: Vehicle,
     warnings: Vec<String>,
+    /// What was found in the reading and done about it.
+    notes: Vec<String>,
     density_error: Option<DensityError>,
     /// Fixes and magnetic declination that the files themselves hold.
     fixes: Vec<Fix>,
@@ -211,6 +215,7 @@ fn read(a: &Arguments, vehicle: Vehicle) -> Result<Read, CliError> {
     let columns = columns(&a.column, &a.unit, &a.cache, None)?;
     let mut log = FlightLog::default();
     let mut gathering = Gathering::new(settings(&vehicle, water_density(a.density)?), Shorten::Means);
+    let bar = Bar::begin();
     let mut files = LogFiles::open(&a.logs, &columns)?;
     while let Some(piece) = files.next_piece(PIECE_ROWS)? {
         match piece {
@@ -223,7 +228,9 @@ fn read(a: &Arguments, vehicle: Vehicle) -> Result<Read, CliError> {
                 return Err(error.help("name the log it was made from").into());
             }
         }
+        bar.show(gathering.progress(&files));
     }
+    drop(bar);
     let mut prepared = gathering.finish()?;
     let vehicle = prepared.located(vehicle)?;
     let (mut warnings, density_error) = prepared.checked(&vehicle)?;
@@ -234,7 +241,8 @@ fn read(a: &Arguments, vehicle: Vehicle) -> Result<Read, CliError> {
         .map(|fix| Fix { time_s: fix.time_s, lat_deg: fix.lat_deg, lon_deg: fix.lon_deg })
         .collect();
     let declination_deg = files.calibration().and_then(|calibration| calibration.declination_deg);
-    Ok(Read { log, vehicle, warnings, density_error, fixes, declination_deg })
+    let notes = files.notes().iter().cloned().chain(prepared.notes).collect();
+    Ok(Read { log, vehicle, warnings, notes, density_error, fixes, declination_deg })
 }
 
 /// The log as dead reckoning needs it: slow channels kept until they are read again.

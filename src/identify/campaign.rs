@@ -9,7 +9,7 @@ use super::consider_parameters::{considered_of, propagate};
 use super::considered::{Considered, Propagated};
 use super::data::{Dive, by_dive};
 use super::external_values::{ExternalValue, Pin, considered, from_outside, other_than_built_up};
-use super::holdout::hold_out;
+use super::holdout::{HeldOut, hold_out};
 use super::identifiability::{ProfilePoint, is_identified, profile};
 use super::inflections::{Inflections, UNSTEADY_ONLY, Unsteady, inflections};
 use super::joint::{Fit, IdentifyError, Question, fit};
@@ -64,8 +64,8 @@ pub struct Identification {
     pub pinned: BTreeMap<String, Pin>,
     /// The fit on the samples that it saw.
     pub score: Score,
-    /// The same on dives that it did not see.
-    pub held_out: Option<Score>,
+    /// The same on dives that it did not see, and what each half of them says.
+    pub held_out: Option<HeldOut>,
     /// The fit on dives flown through time, where it was asked for.
     pub inflections: Option<Inflections>,
     /// The balance of pitching moments, where the log has the position of the battery.

@@ -53,6 +53,8 @@ pub struct Report {
     /// Descents and ascents fitted apart.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub legs_apart: Option<LegsApart>,
+    /// What each half of the dives says by itself of each fitted parameter, by short name; none with fewer than four dives.
+    pub halves: BTreeMap<String, Halves>,
     /// Steady and unsteady where the glider turns.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unsteady: Option<Comparison>,
@@ -106,7 +108,26 @@ pub struct FitQuality {
     pub correlated_samples: f64,
 }
 
+/// A parameter by every other dive and by those between.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Halves {
+    /// By the first, third, ... dive, and by the second, fourth, ...
+    pub values: [f64; 2],
+    /// Standard error of their difference: twice that of the whole, by the scatter between dives.
+    pub difference_se: f64,
+}
+
 impl Identification {
+    fn halves(&self) -> BTreeMap<String, Halves> {
+        let halves = self.held_out.iter().flat_map(|held_out| &held_out.halves);
+        let of_row = |&(row, values): &(usize, [f64; 2])| {
+            let position = self.fit.free.iter().position(|&free| free == row)?;
+            let difference_se = 2.0 * self.fit.scatter_se(position);
+            Some((short_name(PARAMETERS[row].name).to_owned(), Halves { values, difference_se }))
+        };
+        halves.filter_map(of_row).collect()
+    }
+
     /// The fit that counts: the unsteady one where it was asked for.
     pub fn best_fit(&self) -> &Fit {
         self.inflections.as_ref().map_or(&self.fit, |flown| &flown.fit)
@@ -143,7 +164,7 @@ impl Identification {
         let correlations = correlation(&fit.whole_covariance());
         let (score, held) = match &self.inflections {
             Some(flown) => (flown.score, flown.held_out),
-            None => (self.score, self.held_out),
+            None => (self.score, self.held_out.as_ref().map(|held_out| held_out.score)),
         };
         let legs: std::collections::BTreeSet<u32> =
             self.dives.iter().flat_map(|dive| dive.observations.iter().map(|o| o.leg)).collect();
@@ -180,6 +201,7 @@ impl Identification {
                 w_filter,
                 correlated_samples: fit.tally.sink.correlated_samples(),
             },
+            halves: self.halves(),
             legs_apart: self.legs.clone(),
             unsteady: self.inflections.as_ref().map(|flown| flown.comparison),
             turning: None,

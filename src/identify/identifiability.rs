@@ -37,8 +37,9 @@ pub fn is_identified(fit: &Fit, position: usize) -> bool {
         _ => f64::INFINITY,
     };
     let at_bound = fit.value(row) <= info.min || fit.value(row) >= info.max;
-    // Drag that falls with the angle of attack is none that a glider has: something else is in it.
-    let impossible = info.name == "c_per_rad2" && fit.value(row) + half < 0.0;
+    // Drag that falls with the angle of attack is none that a glider has: noise or something else is in it, and the lift slope
+    // beside it, whose angle of attack makes that drag, would follow.
+    let impossible = info.name == "c_per_rad2" && fit.value(row) < 0.0;
     half.is_finite() && half <= usual && !at_bound && !impossible
 }
 

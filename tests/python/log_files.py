@@ -2,6 +2,8 @@
 
 import datetime
 import gzip
+import struct
+import zlib
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -247,3 +249,68 @@ def seaexplorer(
     for path, lines in [(vehicle, own), (payload, other)]:
         text = ("\n".join(lines) + "\n").encode()
         path.write_bytes(gzip.compress(text) if path.suffix == ".gz" else text)
+
+
+# Sensors of a Slocum's binary file: bytes of a value, unit, and what they are of a dive.
+SLOCUM = {
+    "m_present_time": (8, "timestamp", lambda dive: dive["time_s"]),
+    "sci_water_pressure": (4, "bar", lambda dive: dive["pressure_dbar"] / 10),
+    "m_pitch": (4, "rad", lambda dive: dive["pitch_deg"] * RAD),
+    "m_roll": (4, "rad", lambda dive: dive["roll_deg"] * RAD),
+    "m_heading": (4, "rad", lambda dive: dive["heading_deg"] * RAD),
+    "m_ballast_pumped": (4, "cc", lambda dive: dive["vbd_cc"]),
+    "sci_water_temp": (4, "degc", lambda dive: dive["temperature_C"]),
+    "sci_water_cond": (4, "s/m", lambda dive: dive["conductivity_S_m"]),
+}
+
+
+def slocum_list(more=0) -> bytes:
+    """The list of sensors, `more` of them that nobody asks for."""
+    sensors = [*((name, size, unit) for name, (size, unit, _) in SLOCUM.items())]
+    sensors += [(f"x_other_{i}", 8, "nodim") for i in range(more)]
+    return b"".join(f"s: T {i:4} {i:4} {size} {name} {unit}\n".encode() for i, (name, size, unit) in enumerate(sensors))
+
+
+def slocum_crc(sensors: bytes) -> str:
+    """The checksum by which a file names its list: CRC-32 without the inversion at the end."""
+    return f"{~zlib.crc32(sensors) & 0xFFFFFFFF:08x}"
+
+
+def slocum(path: Path, dive: Dive, *, glider="unit_1", more=0, factored=False, lacks=(), segment=0) -> np.dtype:
+    """Writes a binary file, every sensor new in every cycle; the type of a cycle comes back."""
+    sensors = slocum_list(more)
+    count = len(SLOCUM) + more
+    lines = {
+        "dbd_label": "DBD(dinkum_binary_data)file",
+        "encoding_ver": 5,
+        "num_ascii_tags": 14,
+        "all_sensors": "T",
+        "the8x3_filename": "01600000",
+        "full_filename": f"{glider}-2020-257-0-{segment}",
+        "filename_extension": "dbd",
+        "mission_name": "LAKE.MI",
+        "fileopen_time": datetime.datetime.fromtimestamp(dive["time_s"][0], datetime.UTC).strftime("%a_%b_%d_%H:%M:%S_%Y"),
+        "total_num_sensors": count,
+        "sensors_per_cycle": count,
+        "state_bytes_per_cycle": -(-count // 4),
+        "sensor_list_crc": slocum_crc(sensors).upper(),
+        "sensor_list_factored": int(factored),
+    }
+    text = "".join(f"{key}:    {value}\n" for key, value in lines.items()).encode()
+    known = b"sa" + struct.pack("<hfd", 0x1234, 123.456, 123456789.12345)
+    state = np.frombuffer(np.packbits(np.tile([1, 0], 4 * -(-count // 4))).tobytes(), np.uint8).copy()
+    # Places beyond the last sensor are not set.
+    for place in range(count, 4 * len(state)):
+        state[place // 4] &= ~(0b11 << (6 - 2 * (place % 4))) & 0xFF
+    fields = [("d", "S1"), ("state", "u1", (len(state),))]
+    fields += [(name, f"<f{size}") for name, (size, _, _) in SLOCUM.items()]
+    fields += [("more", "<f8", (more,))] if more else []
+    cycles = np.zeros(dive.rows, np.dtype(fields))
+    cycles["d"], cycles["state"] = b"d", state
+    for name, (_, _, of) in SLOCUM.items():
+        cycles[name] = np.nan if name in lacks else of(dive)
+    with open(path, "wb") as file:
+        file.write(text + (b"" if factored else sensors) + known)
+        cycles.tofile(file)
+        file.write(b"X")
+    return cycles.dtype

@@ -25,7 +25,7 @@ pub struct Choice {
     /// The large sizes, too: 1 GB, 100,000 missions, a whole fleet-year, the slowest calibration to its end
     #[arg(long, conflicts_with = "quick")]
     full: bool,
-    /// Only these parts: fmu, identify, diagnose, tank, ensembles, fleet, growth
+    /// Only these parts: fmu, identify, diagnose, logs, tank, ensembles, fleet, growth
     #[arg(long, value_name = "PARTS")]
     only: Option<String>,
 }

@@ -7,6 +7,7 @@ mod floor;
 mod fmu;
 mod growth;
 mod identify;
+mod logs;
 mod tank;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -30,10 +31,11 @@ pub struct Context<'a> {
 
 type Measure = fn(&Context<'_>) -> Result<Part>;
 
-const PARTS: [(PartName, &str, Measure); 7] = [
+const PARTS: [(PartName, &str, Measure); 8] = [
     (PartName::Fmu, "The FMU", fmu::measure),
     (PartName::Identify, "Identification", identify::measure),
     (PartName::Diagnose, "Diagnosis", diagnose::measure),
+    (PartName::Logs, "Reading logs", logs::measure),
     (PartName::Tank, "Hull tests", tank::measure),
     (PartName::Ensembles, "Ensembles", ensembles::measure),
     (PartName::Fleet, "A fleet-year", fleet::measure),

@@ -14,7 +14,7 @@ use std::path::Path;
 use netcdf_reader::NcFile;
 
 use super::netcdf::{has, scalar, values};
-use super::resample::Readings;
+use super::resample::{Readings, in_nearest_rows, nearest};
 use glidepolar_input::InputError;
 
 /// How a user names it.
@@ -39,9 +39,6 @@ const BIAS_REPORTED_M_S: f64 = 0.05;
 
 /// Within so many seconds of a ping the rate of pressure is taken; twice as far where the glider samples rarely \[s\].
 const RATE_WITHIN_S: f64 = 15.0;
-
-/// A ping is given to a row of the log that is no farther off \[s\]; else it gets a row of its own.
-const SAME_ROW_S: f64 = 5.0;
 
 /// Metres in a decibar of sea water, within one per cent \[m/dbar\].
 const M_PER_DBAR: f64 = 0.995;
@@ -192,22 +189,7 @@ pub(super) fn rows(times: &[f64], pings: &[Ping]) -> Vec<f64> {
 
 /// The speeds, each in the row nearest to it; means where a row has several.
 pub(super) fn column(rows: &[f64], pings: &[Ping]) -> Vec<f64> {
-    let mut sums = vec![(0.0, 0.0); rows.len()];
-    for ping in pings {
-        if let Some(row) = nearest(rows, ping.time_s) {
-            sums[row] = (sums[row].0 + ping.speed_m_s, sums[row].1 + 1.0);
-        }
-    }
-    sums.into_iter().map(|(sum, count)| sum / count).collect()
-}
-
-/// The row nearest to a time, none where it is too far off.
-fn nearest(times: &[f64], time: f64) -> Option<usize> {
-    let after = times.partition_point(|t| *t < time);
-    let distance = |i: usize| (times[i] - time).abs();
-    let near = [after.checked_sub(1), (after < times.len()).then_some(after)];
-    let best = near.into_iter().flatten().min_by(|&a, &b| distance(a).total_cmp(&distance(b)))?;
-    (distance(best) <= SAME_ROW_S).then_some(best)
+    in_nearest_rows(rows, pings.iter().map(|ping| (ping.time_s, ping.speed_m_s)))
 }
 
 #[cfg(test)]

@@ -175,6 +175,11 @@ impl LogFiles {
         }
     }
 
+    /// Files that were begun, and all of them; those of one segment count once.
+    pub fn begun_of(&self) -> [usize; 2] {
+        [self.begun, self.begun + self.waiting.len()]
+    }
+
     /// What was left out, and other things a user should know of: complete at the end.
     pub fn warnings(&self) -> &[String] {
         &self.warnings

@@ -8,7 +8,8 @@
 //! - [`LogFiles`]: any number of the files above in any order, known by their content, read piece by piece; [`open`] for one.
 //! - [`Calibration`], [`GpsFix`]: what the files say of the vehicle, and where it was at the surface.
 //! - [`Preparation`]: cleaning, density, vertical velocity, legs; what it did to the data stands in its [`Notes`].
-//! - [`take_out_lost_speeds`]: legs on which the speed sensor had lost the water.
+//! - [`take_out_lost_speeds`]: legs on which the speed sensor had lost the water;
+//!   [`take_out_interpolated_speeds`]: what was never measured.
 //! - [`Condenser`]: a log of any length in bounded memory.
 //! - [`Observation`]: one sample of one leg, ready for a fit.
 //!
@@ -30,6 +31,7 @@ mod files;
 mod fix;
 mod glide_table;
 mod in_memory;
+mod interpolated_speed;
 mod lost_speed;
 mod motors;
 mod names;
@@ -58,6 +60,7 @@ pub use density::{absolute_salinity_g_kg, conservative_temperature_C, in_situ_de
 pub use files::{LogFiles, Piece};
 pub use fix::GpsFix;
 pub use glide_table::read_glide_table;
+pub use interpolated_speed::take_out_interpolated_speeds;
 pub use lost_speed::take_out_lost_speeds;
 pub use observation::{DBAR_PA, Observation};
 pub use open::{LogPieces, Opened, open};

@@ -3,6 +3,9 @@
 //! Straight lines between neighbouring readings, nothing beyond the first and the last, nothing across a gap. Where a
 //! reading is missing, its neighbours are the next ones that are there.
 
+use super::channels::Channel;
+use super::units::is_angle;
+
 /// Longest gap that is bridged, in intervals of the instrument: as [`Preparation`](super::Preparation) fills slow channels.
 const LONGEST_INTERVALS: f64 = 4.0;
 
@@ -81,6 +84,45 @@ impl Readings {
     }
 }
 
+/// A reading belongs to a row of the log that is no farther off \[s\].
+const SAME_ROW_S: f64 = 5.0;
+
+/// The row nearest to a time, none where it is too far off.
+pub(super) fn nearest(rows: &[f64], time: f64) -> Option<usize> {
+    let after = rows.partition_point(|t| *t < time);
+    let distance = |i: usize| (rows[i] - time).abs();
+    let near = [after.checked_sub(1), (after < rows.len()).then_some(after)];
+    let best = near.into_iter().flatten().min_by(|&a, &b| distance(a).total_cmp(&distance(b)))?;
+    (distance(best) <= SAME_ROW_S).then_some(best)
+}
+
+/// Readings with their times, each in the row nearest to it; means where a row has several.
+pub(super) fn in_nearest_rows(rows: &[f64], readings: impl Iterator<Item = (f64, f64)>) -> Vec<f64> {
+    let mut sums = vec![(0.0, 0.0); rows.len()];
+    for (time, value) in readings.filter(|(time, value)| time.is_finite() && value.is_finite()) {
+        if let Some(row) = nearest(rows, time) {
+            sums[row] = (sums[row].0 + value, sums[row].1 + 1.0);
+        }
+    }
+    sums.into_iter().map(|(sum, count)| sum / count).collect()
+}
+
+/// A channel at the rows of a log: by straight lines, angles the short way round, headings from 0 to a turn. A speed stays at its own times, in the rows
+/// nearest to them: between two of its values nothing was measured, and the glider may have turned there.
+pub(super) fn at_rows(channel: Channel, rows: &[f64], times: &[f64], values: &[f64]) -> Vec<f64> {
+    let by_lines = |readings: Readings| readings.at_all(rows);
+    let mut column = match channel {
+        _ if rows == times => values.to_vec(),
+        Channel::Speed => in_nearest_rows(rows, times.iter().copied().zip(values.iter().copied())),
+        _ if is_angle(channel) => by_lines(Readings::of_angles(times, values)),
+        _ => by_lines(Readings::new(times, values)),
+    };
+    if channel == Channel::Heading {
+        column.iter_mut().for_each(|angle| *angle = angle.rem_euclid(std::f64::consts::TAU));
+    }
+    column
+}
+
 /// Times with their values.
 type Column = (Vec<f64>, Vec<f64>);
 
@@ -106,6 +148,16 @@ mod tests {
         let readings = Readings::new(&[0.0, 10.0, 20.0, 30.0], &[1.0, 2.0, f64::NAN, 4.0]);
         assert_eq!(readings.at_all(&[0.0, 5.0, 20.0, 30.0]), [1.0, 1.5, 3.0, 4.0]);
         assert!(readings.at(-1.0).is_nan() && readings.at(30.1).is_nan());
+    }
+
+    #[test]
+    fn a_speed_stays_in_the_row_of_its_time() {
+        let rows: Vec<f64> = (0..30).map(|i| 5.0 * f64::from(i)).collect();
+        let (times, speeds) = ([1.0, 61.0, 121.0, 900.0], [0.2, 0.4, 0.3, 0.5]);
+        let column = at_rows(Channel::Speed, &rows, &times, &speeds);
+        let there: Vec<(usize, f64)> = column.into_iter().enumerate().filter(|(_, v)| v.is_finite()).collect();
+        assert_eq!(there, [(0, 0.2), (12, 0.4), (24, 0.3)]);
+        assert_eq!(at_rows(Channel::Temperature, &rows, &times, &speeds)[6], 0.2 + 0.2 * 29.0 / 60.0);
     }
 
     #[test]

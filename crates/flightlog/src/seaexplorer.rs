@@ -20,8 +20,7 @@ use super::channels::{Channel, FlightLog};
 use super::columns::Columns;
 use super::dates::unix_s;
 use super::fix::{GpsFix, degrees};
-use super::resample::{Readings, pressure_rows};
-use super::units::is_angle;
+use super::resample::{Readings, at_rows, pressure_rows};
 use glidepolar_input::{InputError, Place, printable};
 
 const DEG: f64 = std::f64::consts::PI / 180.0;
@@ -199,12 +198,7 @@ pub(super) fn read(
         let factor = columns.unit(channel).map_or(factor, |unit| unit.factor);
         let is_position = matches!(channel, Channel::Latitude | Channel::Longitude);
         let values: Vec<f64> = values.iter().map(|v| if is_position { degrees(*v) } else { v * factor }).collect();
-        let readings = if is_angle(channel) { Readings::of_angles } else { Readings::new };
-        let mut column = readings(&times, &values).at_all(&rows);
-        if channel == Channel::Heading {
-            column.iter_mut().for_each(|angle| *angle = angle.rem_euclid(std::f64::consts::TAU));
-        }
-        log.set(channel, column);
+        log.set(channel, at_rows(channel, &rows, &times, &values));
     }
     if let Some((times, states)) = first(&["NavState", "NAV_RESOURCE"]) {
         // The state holds until the next is written.

@@ -18,8 +18,8 @@ use super::channels::{CHANNELS, Channel, FlightLog};
 use super::columns::Columns;
 use super::fix::GpsFix;
 use super::netcdf::{attribute_f64, attribute_text, first, has, missing, of_length, open, scalar, units, values};
-use super::resample::Readings;
-use super::units::{self, Conversion, is_angle};
+use super::resample::{Readings, at_rows};
+use super::units::{self, Conversion};
 use glidepolar_input::{InputError, Place, printable};
 
 /// Time around a motor's move in which the record still shows it \[s\].
@@ -59,7 +59,7 @@ pub(super) fn read(path: &Path, columns: &Columns) -> Result<Dive, InputError> {
     };
     let mut log = FlightLog::default();
     log.set(Channel::Time, rows.clone());
-    log.set(Channel::Pressure, pressure.at(&rows, false));
+    log.set(Channel::Pressure, pressure.at(&rows));
     for (channel, names, unit) in CHANNELS_OF_FILES {
         let is_chosen = columns.of(*channel).filter(|name| *name != ad2cp::NAME);
         let found = match is_chosen {
@@ -74,11 +74,8 @@ pub(super) fn read(path: &Path, columns: &Columns) -> Result<Dive, InputError> {
         let Some(found) = found else { continue };
         let conversion =
             columns.unit(*channel).map_or_else(|| stated(path, &file, *channel, &found.name, *unit), Ok)?;
-        let mut column = found.converted(conversion).at(&rows, is_angle(*channel));
-        if *channel == Channel::Heading {
-            column.iter_mut().for_each(|angle| *angle = angle.rem_euclid(std::f64::consts::TAU));
-        }
-        log.set(*channel, column);
+        let found = found.converted(conversion);
+        log.set(*channel, at_rows(*channel, &rows, &found.times, &found.values));
     }
     for (channel, what) in [(Channel::Pitch, "pitch"), (Channel::Ballast, "ballast volume")] {
         if log.column(channel).is_empty() {
@@ -139,13 +136,9 @@ impl Instrument {
         self
     }
 
-    /// At the rows of the log: as they are where the times are the same.
-    fn at(&self, rows: &[f64], is_angle: bool) -> Vec<f64> {
-        if rows == self.times {
-            return self.values.clone();
-        }
-        let readings = if is_angle { Readings::of_angles } else { Readings::new };
-        readings(&self.times, &self.values).at_all(rows)
+    /// At the rows of the log, by straight lines.
+    fn at(&self, rows: &[f64]) -> Vec<f64> {
+        if rows == self.times { self.values.clone() } else { Readings::new(&self.times, &self.values).at_all(rows) }
     }
 }
 
@@ -284,7 +277,7 @@ fn water(
             continue;
         }
         let Some(raw) = clocks.instrument(&[raw])? else { continue };
-        let raw = raw.at(rows, false);
+        let raw = raw.at(rows);
         // A CTD that was off for half of a dive is no reason.
         if raw.iter().filter(|value| value.is_finite()).count() > 2 * good {
             log.set(channel, raw);

@@ -17,8 +17,8 @@ use super::channels::{CHANNELS, Channel, FlightLog};
 use super::columns::Columns;
 use super::dinkum_ascii::{self, Table};
 use super::fix::{GpsFix, degrees};
-use super::resample::{Readings, pressure_rows};
-use super::units::{self, Conversion, is_angle};
+use super::resample::{at_rows, pressure_rows};
+use super::units::{self, Conversion};
 use glidepolar_input::{InputError, Place, printable};
 
 /// Where channels are found, the best sensor first, and the unit in which gliders have them.
@@ -297,12 +297,7 @@ impl Segment {
             let is_position = matches!(channel, Channel::Latitude | Channel::Longitude) && chosen.is_none();
             let of = |value: f64| if is_position { degrees(value) } else { conversion.of(value) };
             let values: Vec<f64> = values.iter().map(|value| of(*value)).collect();
-            let readings = if is_angle(channel) { Readings::of_angles } else { Readings::new };
-            let mut column = readings(&times, &values).at_all(&rows);
-            if channel == Channel::Heading {
-                column.iter_mut().for_each(|angle| *angle = angle.rem_euclid(std::f64::consts::TAU));
-            }
-            log.set(channel, column);
+            log.set(channel, at_rows(channel, &rows, &times, &values));
         }
         log.set(Channel::Pressure, pressure);
         log.set(Channel::Time, rows);

@@ -1,0 +1,173 @@
+"""Damaged, foreign and doubtful files of Slocums and SeaExplorers through the command, and a gigabyte of one glider."""
+
+import resource
+import subprocess
+
+import log_files
+import numpy as np
+import pytest
+from log_files import Dive
+from test_pilot_logs import run
+
+
+def values(log_values, *arguments):
+    """Rows and messages; none of them ends the program."""
+    done = subprocess.run([log_values, *map(str, arguments)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return len(done.stdout.splitlines()) - 1, done.stderr
+
+
+def seaexplorer(folder, dive, number=5, glider="sea035"):
+    own, payload = folder / f"{glider}.12.gli.sub.{number}", folder / f"{glider}.12.pld1.raw.{number}"
+    log_files.seaexplorer(own, payload, dive)
+    return [own, payload]
+
+
+def test_a_list_of_sensors_of_another_file_is_refused_and_named(glidepolar, log_values, tmp_path):
+    log_files.slocum(tmp_path / "a.dbd", Dive(), factored=True)
+    name = f"{log_files.slocum_crc(log_files.slocum_list())}.cac"
+    without = run(glidepolar, "identify", tmp_path / "a.dbd", "--vehicle", "slocum-graver")
+    assert without.returncode == 2 and name in without.stderr.lower() and "--cache" in without.stderr, without.stderr
+    # The list of a file with more sensors, under this one's name.
+    (tmp_path / name).write_bytes(log_files.slocum_list(more=3))
+    wrong = run(glidepolar, "identify", tmp_path / "a.dbd", "--vehicle", "slocum-graver")
+    assert wrong.returncode == 2 and name in wrong.stderr.lower() and "another" in wrong.stderr, wrong.stderr
+    (tmp_path / "cac").mkdir()
+    (tmp_path / "cac" / name).write_bytes(log_files.slocum_list())
+    (tmp_path / name).unlink()
+    rows, _ = values(log_values, "--cache", tmp_path / "cac", tmp_path / "a.dbd")
+    assert rows == 120
+
+
+def test_a_binary_file_that_is_cut_off_or_damaged_keeps_what_is_sound(log_values, tmp_path):
+    path = tmp_path / "a.dbd"
+    cycle = log_files.slocum(path, Dive()).itemsize
+    content = path.read_bytes()
+    path.write_bytes(content[: -20 * cycle - 7])
+    rows, said = values(log_values, path)
+    assert rows == 99 and "a.dbd" in said and "cut off" in said, (rows, said)
+    damaged = bytearray(content)
+    at = len(content) - 1 - 60 * cycle
+    damaged[at - 3 * cycle : at] = b"\x55" * (3 * cycle)
+    path.write_bytes(damaged)
+    rows, said = values(log_values, path)
+    assert 115 <= rows <= 117 and "a.dbd" in said and "byte" in said, (rows, said)
+
+
+@pytest.mark.parametrize("kind", ["slocum", "seaexplorer", "csv"])
+def test_a_clock_that_jumps_back_loses_no_row_before_it(log_values, tmp_path, kind):
+    dive = Dive()
+    dive.values["time_s"] = dive["time_s"] - np.where(np.arange(dive.rows) >= 80, 200.0, 0.0)
+    if kind == "slocum":
+        log_files.slocum(tmp_path / "a.dbd", dive)
+        paths = [tmp_path / "a.dbd"]
+    elif kind == "seaexplorer":
+        paths = seaexplorer(tmp_path, dive)
+    else:
+        columns = {name: (lambda row, name=name: dive[name][row]) for name in dive.values}
+        log_files.cells(tmp_path / "log.csv", columns, dive.rows)
+        paths = [tmp_path / "log.csv"]
+    rows, _ = values(log_values, *paths)
+    # Times that are there twice are one row.
+    assert rows >= 80, rows
+
+
+@pytest.mark.parametrize("maker", ["slocum", "seaexplorer"])
+def test_files_of_two_gliders_of_a_maker_are_refused(glidepolar, tmp_path, maker):
+    later = Dive(start_s=log_files.START_S + 5000)
+    if maker == "slocum":
+        for i, (glider, dive) in enumerate([("amadeus", Dive()), ("sebastian", later)]):
+            log_files.slocum(tmp_path / f"{i}.dbd", dive, glider=glider)
+        paths, names = sorted(tmp_path.glob("*.dbd")), ["amadeus", "sebastian"]
+    else:
+        paths = seaexplorer(tmp_path, Dive()) + seaexplorer(tmp_path, later, 6, "sea046")
+        names = ["sea035", "sea046"]
+    done = run(glidepolar, "identify", *paths, "--vehicle", "seaglider")
+    assert done.returncode == 2, done.stderr
+    said = done.stderr.lower()
+    assert all(name in said for name in names) and "give the files of one glider" in said, done.stderr
+
+
+def test_files_of_two_makers_are_refused(glidepolar, tmp_path):
+    log_files.seaglider(tmp_path / "p1710001.nc", Dive())
+    log_files.slocum(tmp_path / "a.dbd", Dive(start_s=log_files.START_S + 5000), glider="amadeus")
+    done = run(glidepolar, "identify", tmp_path / "p1710001.nc", tmp_path / "a.dbd", "--vehicle", "seaglider")
+    assert done.returncode == 2 and "SG171" in done.stderr and "amadeus" in done.stderr, done.stderr
+
+
+def test_what_is_no_log_among_logs_costs_only_itself(log_values, tmp_path):
+    log_files.seaglider(tmp_path / "p1710001.nc", Dive())
+    (tmp_path / "notes.pdf").write_bytes(b"%PDF-1.4\n" + bytes(range(256)) * 4)
+    rows, said = values(log_values, tmp_path / "p1710001.nc", tmp_path / "notes.pdf")
+    assert rows == 120 and "left out" in said and "notes.pdf" in said, said
+
+
+@pytest.mark.parametrize("kind", ["slocum", "seaexplorer"])
+def test_one_file_behind_another_is_read_on_or_named(log_values, tmp_path, kind):
+    later = Dive(start_s=log_files.START_S + 5000)
+    if kind == "slocum":
+        for i, dive in enumerate([Dive(), later]):
+            log_files.slocum(tmp_path / f"{i}.dbd", dive, segment=i)
+        joined = [tmp_path / "joined.dbd"]
+        joined[0].write_bytes((tmp_path / "0.dbd").read_bytes() + (tmp_path / "1.dbd").read_bytes())
+    else:
+        pairs = [seaexplorer(tmp_path, Dive()), seaexplorer(tmp_path, later, 6)]
+        (tmp_path / "joined").mkdir()
+        joined = [tmp_path / "joined" / path.name for path in pairs[0]]
+        for path, one, two in zip(joined, *pairs, strict=True):
+            path.write_bytes(one.read_bytes() + two.read_bytes())
+    rows, _ = values(log_values, *joined)
+    assert rows == 240, rows
+
+
+@pytest.mark.parametrize("lacks", ["m_pitch", "m_ballast_pumped"])
+def test_a_sensor_without_a_single_value_is_named(glidepolar, tmp_path, lacks):
+    log_files.slocum(tmp_path / "a.dbd", Dive(rows=400), lacks=[lacks])
+    done = run(glidepolar, "identify", tmp_path / "a.dbd", "--vehicle", "slocum-graver")
+    channel = {"m_pitch": "pitch_rad", "m_ballast_pumped": "vbd_cc"}[lacks]
+    assert done.returncode == 2 and "a.dbd" in done.stderr and channel in done.stderr, done.stderr
+
+
+def test_without_a_ctd_the_density_is_asked_for(glidepolar, tmp_path):
+    dives = []
+    for i in range(4):
+        dive = Dive(rows=400, start_s=log_files.START_S + 5000 * i)
+        wave = 1 + 0.05 * np.sin(np.arange(dive.rows) / 9 + i)
+        dive.values["pressure_dbar"] = dive["pressure_dbar"] * wave
+        dives.append(tmp_path / f"{i}.dbd")
+        log_files.slocum(dives[-1], dive, lacks=["sci_water_temp", "sci_water_cond"], segment=i)
+    arguments = ["identify", *dives, "--vehicle", "slocum-graver"]
+    without = run(glidepolar, *arguments)
+    assert without.returncode == 2 and "--density" in without.stderr, without.stderr
+    assert run(glidepolar, *arguments, "--density", 1025).returncode == 0
+
+
+def test_a_gigabyte_of_one_file_passes_through_bounded_memory(glidepolar, tmp_path):
+    """Half a year of a cycle in 5 s; a damage in the middle costs the cycles around it, the end is cut off."""
+    dive, repeats = Dive(rows=400), 8000
+    one = {name: values.copy() for name, values in dive.values.items()}
+    wave = 1 + 0.02 * np.sin(np.arange(dive.rows) / 9)
+    one["pressure_dbar"] *= wave
+    dive.values = one
+    path = tmp_path / "long.dbd"
+    cycle = log_files.slocum(path, dive, more=34)
+    content = path.read_bytes()
+    head, body = content[: -1 - dive.rows * cycle.itemsize], content[-1 - dive.rows * cycle.itemsize : -1]
+    cycles = np.frombuffer(body, cycle).copy()
+    with open(path, "wb") as file:
+        file.write(head)
+        for i in range(repeats):
+            cycles["m_present_time"] = one["time_s"] + 2100.0 * i
+            block = bytearray(cycles.tobytes())
+            if i == repeats // 2:
+                block[1000:5000] = b"\x55" * 4000
+            file.write(block)
+    size = path.stat().st_size
+    with open(path, "r+b") as file:
+        file.truncate(size - 100)
+    assert size > 1e9
+    done = run(glidepolar, "identify", path, "--vehicle", "slocum-graver")
+    peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024
+    assert done.returncode == 0, done.stderr
+    assert "long.dbd" in done.stderr and "cut off" in done.stderr and "byte" in done.stderr, done.stderr
+    assert peak < 1e9, f"{peak / 1e6:.0f} MB"
