@@ -214,6 +214,7 @@ struct File {
     /// A cycle that was read ahead of its time.
     next: Option<(f64, Vec<f64>)>,
     reported: usize,
+    is_end_reported: bool,
 }
 
 impl Segment {
@@ -235,12 +236,19 @@ impl Segment {
         for path in paths {
             let mut cycles = Cycles::open(path, columns)?;
             cycles.select(&names);
-            files.push(File { path: path.clone(), cycles, ended: false, next: None, reported: 0 });
+            files.push(File {
+                path: path.clone(),
+                cycles,
+                ended: false,
+                next: None,
+                reported: 0,
+                is_end_reported: false,
+            });
         }
         Ok(Segment { files, columns: columns.clone(), names, has_rows: false })
     }
 
-    /// The next piece, its fixes and notes added to those that are there; nothing at the end.
+    /// The next piece, its fixes, warnings and notes added to those that are there; nothing at the end.
     ///
     /// # Errors
     /// Where a file cannot be read any further.
@@ -248,6 +256,7 @@ impl Segment {
         &mut self,
         fixes: &mut Vec<GpsFix>,
         warnings: &mut Vec<String>,
+        notes: &mut Vec<String>,
     ) -> Result<Option<FlightLog>, InputError> {
         let mut readings = Sensors::new(self.names.len());
         // The first file that still has cycles leads; the others follow up to its time.
@@ -263,6 +272,7 @@ impl Segment {
             }
             leads = false;
             file.report(warnings);
+            notes.extend(file.cut_off());
         }
         if leads {
             return Ok(None);
@@ -387,6 +397,15 @@ impl File {
             readings.take(time, values);
         }
         Ok(last_s)
+    }
+
+    /// Where a file that has ended does so within a cycle, once: a glider that surfaces ends its files like that.
+    fn cut_off(&mut self) -> Option<String> {
+        let Cycles::Binary(reader) = &self.cycles else { return None };
+        let bytes = reader.cut_off().filter(|_| self.ended && !self.is_end_reported)?;
+        self.is_end_reported = true;
+        let name = printable(&self.path.to_string_lossy());
+        Some(format!("{name}: cut off within a cycle, of which {bytes} bytes are left; all cycles before it are read"))
     }
 
     /// Adds what was damaged.
