@@ -318,6 +318,9 @@ pub struct Glider {
 /// How many continuous states the glider has.
 pub const GLIDER_STATES: usize = 15;
 
+/// How many it has in space.
+pub const SPACE_STATES: usize = 22;
+
 /// Time between two turns of the voyage \[s\]: down for one leg, up for the next.
 pub const LEG_S: f64 = 375.0;
 
@@ -327,23 +330,35 @@ pub const LEGS_PER_DAY: f64 = 86_400.0 / LEG_S;
 /// The voyage's tolerance.
 pub const TOLERANCE: f64 = 1e-6;
 
+/// A model description below this folder, and its token.
+fn description(folder: &Path, standard: Standard) -> Result<(String, String)> {
+    let (name, key) = match standard {
+        Standard::Fmi2 => ("fmi2", "guid=\""),
+        Standard::Fmi3 => ("fmi3", "instantiationToken=\""),
+    };
+    let file = folder.join(name).join("modelDescription.xml");
+    let text = std::fs::read_to_string(&file).with_context(|| format!("cannot read {}", file.display()))?;
+    let token = text.split(key).nth(1).and_then(|after| after.split('"').next()).context("no token")?.to_owned();
+    Ok((text, token))
+}
+
+/// Loads the same library as the glider in space.
+pub fn in_space(root: &Path, library: &Path, standard: Standard) -> Result<Fmu> {
+    let (_, token) = description(&root.join("modelDescription/space"), standard)?;
+    Fmu::load(library, standard, &token)
+}
+
 impl Glider {
     /// Loads the glider's library; its model description is read from the checkout.
     pub fn load(root: &Path, library: &Path, standard: Standard) -> Result<Glider> {
-        let (folder, key) = match standard {
-            Standard::Fmi2 => ("fmi2", "guid=\""),
-            Standard::Fmi3 => ("fmi3", "instantiationToken=\""),
-        };
-        let file = root.join("modelDescription").join(folder).join("modelDescription.xml");
-        let text = std::fs::read_to_string(&file).with_context(|| format!("cannot read {}", file.display()))?;
+        let (text, token) = description(&root.join("modelDescription"), standard)?;
         let reference = |name: &str| -> Result<u32> {
             let after = text.split(&format!("name=\"{name}\" valueReference=\"")).nth(1);
             let digits = after.and_then(|after| after.split('"').next());
             Ok(digits.with_context(|| format!("no variable {name}"))?.parse()?)
         };
-        let token = text.split(key).nth(1).and_then(|after| after.split('"').next()).context("no token")?;
         Ok(Glider {
-            fmu: Fmu::load(library, standard, token)?,
+            fmu: Fmu::load(library, standard, &token)?,
             ballast_command: reference("ballast_command_m3")?,
             moving_mass_command: reference("moving_mass_command_m")?,
             ballast_offset: reference("ballast_offset_kg")?,

@@ -14,7 +14,7 @@ use super::{Context, floor};
 use crate::arguments::Sized;
 use crate::child;
 use crate::contest::{Contender, Samples, contest};
-use crate::fmi::{Fmu, GLIDER_STATES, Glider, Interface, LEG_S, LEGS_PER_DAY, Standard, TOLERANCE};
+use crate::fmi::{Fmu, GLIDER_STATES, Glider, Interface, LEG_S, LEGS_PER_DAY, SPACE_STATES, Standard, TOLERANCE};
 use crate::peer::{Peer, number};
 use crate::report::{Goal, Part, Row, Unit, figures};
 
@@ -36,6 +36,7 @@ pub fn measure(context: &Context<'_>) -> Result<Part> {
         let oscillator = oscillator.as_ref().map_err(|e| anyhow::anyhow!("{e:#}"));
         let oscillator = oscillator.and_then(|library| Fmu::load(library, standard, "any"));
         calls(context, &mut part, name, &glider, oscillator.as_ref().ok())?;
+        space_beside_plane(context, &mut part, name, &glider, &context.in_space(standard)?)?;
         if let Err(error) = oscillator {
             part.remark(format!("The van der Pol FMU is missing: {error:#}"));
         }
@@ -142,6 +143,41 @@ fn calls(context: &Context<'_>, part: &mut Part, name: &str, glider: &Glider, os
                 .against("van der Pol FMU in C", theirs.samples().cloned()),
         );
     }
+    Ok(())
+}
+
+/// A right-hand side of the glider in space, beside that in the plane.
+fn space_beside_plane(context: &Context<'_>, part: &mut Part, name: &str, plane: &Glider, space: &Fmu) -> Result<()> {
+    let n = context.choice.size(Sized { quick: 2_000, usual: 50_000, full: 200_000 });
+    let instances = [&plane.fmu, space]
+        .map(|fmu| fmu.begin(Interface::ModelExchange, TOLERANCE))
+        .into_iter()
+        .collect::<Result<Vec<_>>>()?;
+    let [ours, theirs] = contest(
+        context.choice.rounds(),
+        [("space", &instances[1], SPACE_STATES), ("plane", &instances[0], GLIDER_STATES)].map(
+            |(what, instance, n_states)| {
+                Contender::timed(what, n, move || {
+                    let (mut states, mut rates) = (vec![0.0; n_states], vec![0.0; n_states]);
+                    instance.states(&mut states)?;
+                    for i in 0..n {
+                        instance.rates(1e-3 * i as f64, black_box(&mut states), &mut rates)?;
+                        black_box(&rates);
+                    }
+                    Ok(())
+                })
+            },
+        ),
+    );
+    part.row(
+        Row::new(
+            format!("right-hand side in six degrees of freedom, Model Exchange, {name}"),
+            Unit::Seconds,
+            ours.samples().cloned(),
+        )
+        .against("the same in the plane", theirs.samples().cloned())
+        .goal(Goal::Within(3.0)),
+    );
     Ok(())
 }
 

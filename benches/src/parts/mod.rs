@@ -18,7 +18,7 @@ use anyhow::{Context as _, Result};
 
 use crate::arguments::{Choice, PartName, Run};
 use crate::contest::Samples;
-use crate::fmi::{Glider, Standard};
+use crate::fmi::{self, Fmu, Glider, Standard};
 use crate::machine::Machine;
 use crate::page;
 use crate::report::{Part, Row, Unit};
@@ -106,5 +106,10 @@ impl Context<'_> {
 
     pub fn glider(&self, standard: Standard) -> Result<Glider> {
         Glider::load(self.root(), self.library()?, standard)
+    }
+
+    /// The same library as the glider in space.
+    pub fn in_space(&self, standard: Standard) -> Result<Fmu> {
+        fmi::in_space(self.root(), self.library()?, standard)
     }
 }
