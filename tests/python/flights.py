@@ -44,6 +44,7 @@ ALIKE = [
     "net_mass_kg",
     "ballast_mass_kg",
     "moving_mass_position_m",
+    "energy_J",
 ]
 FLIGHTS = {
     # A sawtooth in the plane.

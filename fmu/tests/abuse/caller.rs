@@ -355,10 +355,9 @@ impl Victim<'_> {
         status
     }
 
-    pub fn reads_time(&mut self, random: &mut Random, memory: &mut Memory) {
+    pub fn reads_time(&mut self, memory: &mut Memory) {
         let get =
             self.functions.iter().find(|f| f.name.ends_with("GetReal") || f.name.ends_with("GetFloat64")).unwrap();
-        memory.fill(random, 0.0, true, "GetReal");
         memory.references[0] = memory.model.table().rows[0].reference;
         let (references, room) = (memory.references.as_ptr() as u64, memory.rooms[0].as_mut_ptr() as u64);
         // SAFETY: one reference, room for one number.

@@ -110,7 +110,7 @@ fn random_calls_in_random_order_never_hurt() {
             } else {
                 refused += 1
             }
-            victim.reads_time(&mut random, &mut memory);
+            victim.reads_time(&mut memory);
         }
         assert_eq!(counter.empty.load(Ordering::Relaxed), 0);
         assert_eq!(counter.faults.load(Ordering::Relaxed), 0, "sequence {sequence}");

@@ -57,7 +57,7 @@ fn sequence(loaded: &Loaded, data: &[u8]) {
         let context = format!("{}: status {status}, {messages} messages", function.name);
         assert!((OK..=ERROR).contains(&status), "{context}");
         assert_eq!(messages, usize::from(status != OK), "{context}");
-        victim.reads_time(&mut random, &mut memory);
+        victim.reads_time(&mut memory);
     }
     assert_eq!(counter.empty.load(Ordering::Relaxed), 0, "a message that tells nothing");
     assert_eq!(counter.faults.load(Ordering::Relaxed), 0, "a panic inside, caught");
