@@ -34,9 +34,9 @@ pub struct Choice {
 pub fn run(workspace: Workspace, choice: &Choice) -> Result<()> {
     let begin = Instant::now();
     let workspace = workspace.with_environment(&RELEASE);
-    let packages = ["--package=glidepolar-benches", "--package=glidepolar", "--bins"];
+    let programs = ["--bin=glidepolar-bench", "--bin=glidepolar"];
     let (profile, folder) = if choice.quick { ("dev", "debug") } else { ("release", "release") };
-    run_command(workspace.cargo().args(["build", "--profile", profile]).args(packages))?;
+    run_command(workspace.cargo_for_all("build").args(["--profile", profile]).args(programs))?;
     let fmus = or_say("the FMU", fmu::run(&workspace, &[], fmu::Scope::Host));
     let python = or_say("the other programs", python::ensure_peers(&workspace));
     or_say("gliderflight's data", fetch_data::run(&workspace));

@@ -28,8 +28,8 @@ pub fn run(workspace: &Workspace) -> Result<()> {
     }
     fs::create_dir_all(&folder)?;
     let python = python::ensure(workspace)?;
-    let packages = ["--package=glidepolar", "--package=glidepolar-tank", "--package=glidepolar-tests", "--bins"];
-    run_command(workspace.cargo().arg("build").args(packages))?;
+    let programs = ["--bin=glidepolar", "--bin=tank-reduce", "--bin=flight-report"];
+    run_command(workspace.cargo_for_all("build").args(programs))?;
     let program = |name: &str| {
         let path = workspace.target("debug").join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
         workspace.command(path)

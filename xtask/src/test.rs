@@ -35,8 +35,8 @@ pub fn run(workspace: &Workspace, only: Option<Part>) -> Result<()> {
     let tested = stages.time("build", || Tested::build(workspace))?;
     let wanted = |part| only.is_none_or(|only| only == part);
     if wanted(Part::Doc) {
-        let mut command = workspace.cargo();
-        command.args(["test", "--doc", "--workspace"]);
+        let mut command = workspace.cargo_for_all("test");
+        command.arg("--doc");
         stages.time("examples in the documentation", || run_command(tested.announce(&mut command)))?;
     }
     if wanted(Part::Rust) {
@@ -56,13 +56,15 @@ pub fn run(workspace: &Workspace, only: Option<Part>) -> Result<()> {
 
 /// nextest where it is installed, since it keeps a test that crashes from taking others along; else cargo's own test command.
 fn rust_tests(workspace: &Workspace) -> Command {
-    let mut command = workspace.cargo();
     if has_nextest(workspace) {
+        let mut command = workspace.cargo();
         command.args(["nextest", "run", "--workspace"]);
+        command
     } else {
-        command.args(["test", "--workspace", "--all-targets"]);
+        let mut command = workspace.cargo_for_all("test");
+        command.arg("--all-targets");
+        command
     }
-    command
 }
 
 fn has_nextest(workspace: &Workspace) -> bool {
@@ -137,10 +139,9 @@ impl Tested {
 
 /// The programs that tests run, and the tests in Rust.
 fn build_programs_and_tests(workspace: &Workspace) -> Result<()> {
-    let programs = ["glidepolar", "glidepolar-tank", "glidepolar-virtual-sea", "glidepolar-flightlog"];
-    let packages = programs.iter().flat_map(|package| ["--package", package]);
-    let examples = ["--bins", "--example", "report", "--example", "log_values"];
-    run_command(workspace.cargo().arg("build").args(packages).args(examples))?;
+    let bins = ["--bin", "glidepolar", "--bin", "tank-reduce", "--bin", "virtual-sea"];
+    let examples = ["--example", "report", "--example", "log_values"];
+    run_command(workspace.cargo_for_all("build").args(bins).args(examples))?;
     run_command(rust_tests(workspace).arg("--no-run"))
 }
 

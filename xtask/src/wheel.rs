@@ -169,8 +169,7 @@ fn programs_of(workspace: &Workspace, kind: Kind) -> Result<Vec<PathBuf>> {
 
 /// Builds both programs as the tests have them.
 pub fn build_programs(workspace: &Workspace) -> Result<()> {
-    let packages = ["--package=glidepolar", "--package=glidepolar-tank", "--bins"];
-    run_command(workspace.cargo().arg("build").args(packages))
+    run_command(workspace.cargo_for_all("build").args(["--bin=glidepolar", "--bin=tank-reduce"]))
 }
 
 /// One of them, to be run at the checkout's root.

@@ -66,6 +66,15 @@ impl Workspace {
     pub fn cargo(&self) -> Command {
         self.command(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
     }
+
+    /// A verb of cargo with the features that all packages of the workspace together ask for, even where only some targets
+    /// are built. A selection of packages has other features of shared dependencies, and cargo builds these, and all that
+    /// depends on them, once more.
+    pub fn cargo_for_all(&self, verb: &str) -> Command {
+        let mut command = self.cargo();
+        command.args([verb, "--workspace"]);
+        command
+    }
 }
 
 /// Says what is run, runs it with its output going to the terminal, and fails unless it succeeds.
