@@ -47,7 +47,7 @@ fn report() -> Report {
         .warning("Text from files cannot act on the page: <script>alert('x')</script> stays text.")
         .finding("The lift of the SUBOFF hull bends upwards: a crossflow term fits it within 0.0067, a straight line within 0.0703.")
         .finding("The fitted slope depends on the range by 70 %, which a straight line would not allow.")
-        .input(InputFile::of("suboff.csv", b"drift_deg,CL,CD,CM\n"))
+        .input(InputFile::new("suboff.csv", b"drift_deg,CL,CD,CM\n"))
         .section(suboff())
         .section(hulls())
         .section(Section::new("Time histories").figure(sawtooth()).figure(run()))

@@ -86,7 +86,7 @@ pub enum PartName {
 #[derive(Debug, Clone, Copy)]
 pub struct Sized<T> {
     pub quick: T,
-    pub usual: T,
+    pub standard: T,
     pub full: T,
 }
 
@@ -96,13 +96,13 @@ impl Choice {
         match (self.quick, self.full) {
             (true, _) => sizes.quick,
             (_, true) => sizes.full,
-            _ => sizes.usual,
+            _ => sizes.standard,
         }
     }
 
     /// Rounds in which all contenders take their turn.
     pub fn rounds(&self) -> usize {
-        self.size(Sized { quick: 2, usual: 7, full: 11 })
+        self.size(Sized { quick: 2, standard: 7, full: 11 })
     }
 
     /// Whether this is the run that the page is written from.

@@ -60,7 +60,7 @@ pub fn run(p: &Parameters<f64>, actuation: Actuation) -> Result<Run, Integration
             glider.inputs.ballast_command_m3 = goal.1.ballast_command_m3;
             glider.inputs.moving_mass_command_m = goal.1.moving_mass_command_m;
             integrator.restart();
-            glider.settle(time, &mut state);
+            glider.apply_limits(time, &mut state);
             while time < end {
                 if time == run.rows.len() as f64 {
                     run.rows.push(row(&glider, time, &state));

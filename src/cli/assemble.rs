@@ -120,7 +120,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         write_whole(path, vehicle.to_toml().as_bytes(), replace)?;
     }
     let sensor = a.sensor.as_ref().map(|keys| answer(a, &vehicle, &parts, &read_pod(keys)?)).transpose()?;
-    let (is_warning, pitch) = build.pitch.told(a.speed_m_s);
+    let (is_warning, pitch) = build.pitch.sentence(a.speed_m_s);
     if is_warning {
         warn([&pitch]);
     }

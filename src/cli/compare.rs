@@ -70,7 +70,7 @@ pub(super) fn run(a: &Arguments) -> Result<(), CliError> {
     };
     let smallest = gliders.iter().map(|(_, vehicle)| engine(vehicle)).fold(f64::INFINITY, f64::min);
     let net_mass_kg = a.net_mass_kg.unwrap_or(smallest);
-    let compared = gliders.iter().map(|(name, vehicle)| Compared::of(name, vehicle, net_mass_kg, a.depth_m)).collect();
+    let compared = gliders.iter().map(|(name, vehicle)| Compared::new(name, vehicle, net_mass_kg, a.depth_m)).collect();
     let report = Report {
         schema: "glidepolar.compare/1",
         net_mass_kg,
@@ -170,7 +170,7 @@ pub(super) fn best_glide(p: &Parameters<f64>, net_mass_kg: f64) -> Option<(f64, 
 }
 
 impl Compared {
-    fn of(what: &str, vehicle: &Vehicle, net_mass_kg: f64, depth_m: f64) -> Compared {
+    fn new(what: &str, vehicle: &Vehicle, net_mass_kg: f64, depth_m: f64) -> Compared {
         let p = vehicle.glide_parameters();
         let coefficient = |name: &str, value: f64, unit: &str| {
             let keys = [format!("hydro.descent.{name}"), format!("hydro.{name}")];

@@ -59,7 +59,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let vehicle = log_vehicle::load(&arguments.vehicle, &arguments.logs)?;
     let mut log = arguments.reading.read(&arguments.logs, &vehicle)?;
     let vehicle = log.located(vehicle)?;
-    let trim = TrimChoice::of(arguments.trim, &vehicle);
+    let trim = TrimChoice::trim(arguments.trim, &vehicle);
     let lift_slope = arguments.pin_lift.as_ref().map(|text| lift_slope(text.as_deref())).transpose()?;
     let quantities = LEAST_RELEVANT.map(|(name, _)| name);
     let relevance = Relevance::parse(&arguments.relevant, &quantities, "vertical_velocity=0.002")

@@ -68,7 +68,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
             vec![at_pitch(&parameters, &water, Attitude { pitch_rad: pitch.to_radians(), net_mass_kg })?]
         }
         (_, _, net_mass_kg, _) => {
-            polar(&parameters, &water, net_mass_kg.unwrap_or_else(|| usual_net_mass_kg(&parameters, &water)))?
+            polar(&parameters, &water, net_mass_kg.unwrap_or_else(|| default_net_mass_kg(&parameters, &water)))?
         }
     };
     let report = Report::new(&vehicle, &parameters, &water, &glides);
@@ -96,7 +96,7 @@ fn water(arguments: &Arguments, parameters: &Parameters<f64>) -> Result<Surround
 }
 
 /// Half of what the buoyancy engine can make it weigh.
-fn usual_net_mass_kg(parameters: &Parameters<f64>, water: &Surroundings<f64>) -> f64 {
+fn default_net_mass_kg(parameters: &Parameters<f64>, water: &Surroundings<f64>) -> f64 {
     0.5 * parameters.net_mass_kg(parameters.ballast_min_m3, water)
 }
 
@@ -163,7 +163,7 @@ const USUALLY_TOWED_TO_DEG: f64 = 10.0;
 
 impl Optimum {
     /// The least of a figure over the glides of a polar, between the whole degrees where it lies within them.
-    fn of(
+    fn new(
         size: fn(&SteadyGlide<f64>) -> f64,
         glides: &[SteadyGlide<f64>],
         parameters: &Parameters<f64>,
@@ -273,7 +273,7 @@ impl Report {
     ) -> Self {
         let rows: Vec<Row> = glides.iter().map(|glide| Row::new(parameters, glide)).collect();
         let limits = shallowest(parameters, water, rows[0].speed_m_s);
-        let least = |size| Optimum::of(size, glides, parameters, water);
+        let least = |size| Optimum::new(size, glides, parameters, water);
         let polar = match (least(|glide| glide.glide_angle_rad.abs()), least(|glide| glide.vertical_velocity_m_s.abs()))
         {
             (Some(best_glide_ratio), Some(minimum_sink)) if rows.len() > 1 => {

@@ -22,7 +22,7 @@ pub(super) fn page(
     glides: &[Glide],
 ) -> Report {
     let asked = glides.first().map_or(0.0, |glide| glide.net_mass_kg);
-    let polars = Polars::of(parameters, water, asked);
+    let polars = Polars::new(parameters, water, asked);
     let limits = shallowest(parameters, water, glides.first().map_or(0.3, |glide| glide.speed_m_s));
     let subject = format!("{}, water of {:.1} kg/m³", vehicle.name, water.density_kg_m3);
     let mut report = Report::new("Glide polar", subject).finding(format!(
@@ -108,7 +108,7 @@ struct Polars {
 }
 
 impl Polars {
-    fn of(parameters: &Parameters<f64>, water: &Surroundings<f64>, asked: f64) -> Self {
+    fn new(parameters: &Parameters<f64>, water: &Surroundings<f64>, asked: f64) -> Self {
         let heaviest = parameters.net_mass_kg(parameters.ballast_min_m3, water);
         let lightest = parameters.net_mass_kg(parameters.ballast_max_m3, water);
         let mut masses = vec![asked.abs()];

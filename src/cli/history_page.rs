@@ -10,7 +10,7 @@ const MOST_ROWS: usize = 1 << 18;
 #[derive(Debug, Default)]
 pub(super) struct History {
     rows: Vec<Row>,
-    seen: usize,
+    count: usize,
     stride: usize,
 }
 
@@ -18,10 +18,10 @@ impl History {
     /// Adds a row.
     pub fn add(&mut self, row: &Row) {
         let stride = self.stride.max(1);
-        if self.seen.is_multiple_of(stride) {
+        if self.count.is_multiple_of(stride) {
             self.rows.push(*row);
         }
-        self.seen += 1;
+        self.count += 1;
         if self.rows.len() == MOST_ROWS {
             let mut index = 0;
             self.rows.retain(|_| {
@@ -41,7 +41,7 @@ impl History {
         if thinned == 1 {
             return report;
         }
-        report.warning(format!("The figures show every {thinned}th row of {}; --csv has them all.", self.seen))
+        report.warning(format!("The figures show every {thinned}th row of {}; --csv has them all.", self.count))
     }
 
     fn vertical(&self) -> Figure {

@@ -79,7 +79,7 @@ pub enum TrimChoice {
 
 impl TrimChoice {
     /// What was chosen; by default a built-in vehicle, which is not the user's own glider, is taken as neutral.
-    pub fn of(choice: Option<TrimChoice>, vehicle: &Vehicle) -> Trim {
+    pub fn trim(choice: Option<TrimChoice>, vehicle: &Vehicle) -> Trim {
         match choice {
             Some(TrimChoice::Vehicle) => Trim::Vehicle,
             Some(TrimChoice::Neutral) => Trim::Neutral,
@@ -95,7 +95,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let vehicle = log.located(vehicle)?;
     let mut warnings = log.corrected(&vehicle)?;
     warnings.extend(log.calibration.iter().flat_map(|own| log_vehicle::contradictions(&vehicle, own)));
-    let trim = TrimChoice::of(arguments.trim, &vehicle);
+    let trim = TrimChoice::trim(arguments.trim, &vehicle);
     if arguments.method == Method::Iterative {
         return iterative(arguments, &vehicle, log, warnings, trim);
     }
@@ -300,10 +300,10 @@ fn print(report: &Report, found: &Identification) {
     }
     println!();
     let fit = &report.fit;
-    let line = |what: &str, seen: Option<f64>, held: Option<f64>| {
+    let line = |what: &str, in_sample: Option<f64>, held: Option<f64>| {
         let mm = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |v| format!("{:.1}", v * 1e3));
-        if seen.is_some() {
-            println!("{what:<34} {:>8} {:>10}  mm/s", mm(seen), mm(held));
+        if in_sample.is_some() {
+            println!("{what:<34} {:>8} {:>10}  mm/s", mm(in_sample), mm(held));
         }
     };
     println!("{:<34} {:>8} {:>10}", "", "fitted", "held out");

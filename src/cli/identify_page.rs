@@ -212,10 +212,10 @@ fn parameter_table(report: &Report) -> Table {
     for (name, quantity) in &report.parameters {
         let Some(q) = quantity else { continue };
         let held = report.pinned.contains_key(name);
-        let in_doubt = q.se > 0.0;
+        let is_estimated = q.se > 0.0;
         table.push([
             Cell::from(name.as_str()),
-            if in_doubt { Cell::estimate(q.value, q.se) } else { Cell::number(q.value, 4) },
+            if is_estimated { Cell::estimate(q.value, q.se) } else { Cell::number(q.value, 4) },
             if held { Cell::from("held") } else { Cell::interval((q.ci95[0], q.ci95[1])) },
             Cell::from(q.unit.as_str()),
             Cell::from(if report.identifiable.get(name).copied().unwrap_or(false) { "yes" } else { "no" }),
@@ -243,13 +243,13 @@ fn quality_table(report: &Report) -> Table {
         ["Quantity", "Fitted", "Held out"],
     );
     let cell = |value: Option<f64>| value.map_or(Cell::from("-"), |v| Cell::fixed(v * 1e3, 2));
-    for (what, seen, held) in [
+    for (what, in_sample, held) in [
         ("vertical velocity, rms", Some(fit.w_rms_m_s), fit.w_rms_holdout_m_s),
         ("the same, 9-point mean", fit.w_rms_9_point_m_s, fit.w_rms_9_point_holdout_m_s),
         ("speed, rms", fit.speed_rms_m_s, fit.speed_rms_holdout_m_s),
         ("speed, mean of measured less model", fit.speed_bias_m_s, fit.speed_bias_holdout_m_s),
     ] {
-        table.push([Cell::from(what), cell(seen), cell(held)]);
+        table.push([Cell::from(what), cell(in_sample), cell(held)]);
     }
     table
 }

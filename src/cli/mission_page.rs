@@ -10,16 +10,16 @@ const MOST_MOMENTS: usize = 200_000;
 pub(super) struct Trace {
     moments: Vec<[f64; 6]>,
     stride: u64,
-    seen: u64,
+    count: u64,
 }
 
 impl Trace {
     pub fn new() -> Self {
-        Trace { moments: Vec::new(), stride: 1, seen: 0 }
+        Trace { moments: Vec::new(), stride: 1, count: 0 }
     }
 
     pub fn add(&mut self, moment: &Moment) {
-        if self.seen.is_multiple_of(self.stride) {
+        if self.count.is_multiple_of(self.stride) {
             if self.moments.len() == MOST_MOMENTS {
                 let mut keep = false;
                 self.moments.retain(|_| {
@@ -33,7 +33,7 @@ impl Trace {
             let kept = [time_s / 3600.0, depth_m, x_m / 1e3, pitch_rad.to_degrees(), ballast_m3 * 1e6, seabed_m];
             self.moments.push(kept);
         }
-        self.seen += 1;
+        self.count += 1;
     }
 
     fn column(&self, i: usize) -> Vec<f64> {

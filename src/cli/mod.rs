@@ -139,7 +139,7 @@ pub fn water_density(density_kg_m3: Option<f64>) -> Result<Option<f64>, CliError
 pub fn vehicle_input(name_or_file: &str) -> Result<InputFile, CliError> {
     let name_or_file = if name_or_file == log_vehicle::FROM_FILE { "seaglider" } else { name_or_file };
     match crate::vehicle::builtin::text(name_or_file) {
-        Some(text) => Ok(InputFile::of(format!("built-in vehicle {name_or_file}"), text.as_bytes())),
+        Some(text) => Ok(InputFile::new(format!("built-in vehicle {name_or_file}"), text.as_bytes())),
         None => Ok(InputFile::read(name_or_file)?),
     }
 }

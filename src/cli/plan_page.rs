@@ -203,7 +203,7 @@ fn calibrated(report: Report, calibration: &Calibrated<'_>) -> Report {
     report
         .finding(format!(
             "Calibrated from {} strokes of the pump and {} dives; the charge of a dive that neither fit has seen is \
-             foretold within {:.1} %.",
+             predicted within {:.1} %.",
             pump.strokes,
             dives.dives,
             100.0 * dives.charge_error_left_out

@@ -12,14 +12,14 @@ const MOST_ROWS: usize = 1 << 16;
 pub(super) struct Trace {
     rows: Vec<Row>,
     stride: usize,
-    seen: usize,
+    count: usize,
 }
 
 impl Trace {
     /// Adds a row.
     pub fn add(&mut self, row: &Row) {
         let stride = self.stride.max(1);
-        if self.seen.is_multiple_of(stride) {
+        if self.count.is_multiple_of(stride) {
             if self.rows.len() == MOST_ROWS {
                 let mut index = 0;
                 self.rows.retain(|_| {
@@ -30,20 +30,20 @@ impl Trace {
             }
             self.rows.push(*row);
         }
-        self.seen += 1;
+        self.count += 1;
     }
 
-    fn of(&self, name: &str, scale: f64) -> Vec<f64> {
+    fn column(&self, name: &str, scale: f64) -> Vec<f64> {
         self.rows.iter().map(|row| column(row, name) * scale).collect()
     }
 
     fn degrees(&self, name: &str) -> Vec<f64> {
-        self.of(name, 180.0 / std::f64::consts::PI)
+        self.column(name, 180.0 / std::f64::consts::PI)
     }
 
     /// The way over ground, with the waypoints \[m\].
     fn map(&self, waypoints_m: &[[f64; 2]]) -> Figure {
-        let track = Layer::line(self.of("east_m", 1e-3), self.of("north_m", 1e-3)).label("glider");
+        let track = Layer::line(self.column("east_m", 1e-3), self.column("north_m", 1e-3)).label("glider");
         let mut panel = Panel::new(Axis::new("North", "y", "km")).layer(track);
         if !waypoints_m.is_empty() {
             let (east, north) = waypoints_m.iter().map(|[north, east]| (east * 1e-3, north * 1e-3)).unzip();
@@ -58,10 +58,10 @@ impl Trace {
     fn record(&self) -> Figure {
         let longest_s = self.rows.last().map_or(0.0, |row| column(row, "time"));
         let (scale, unit) = if longest_s < 7200.0 { (1.0, "s") } else { (1.0 / 3600.0, "h") };
-        let time = || self.of("time", scale);
+        let time = || self.column("time", scale);
         let line = |values: Vec<f64>| Layer::line(time(), values).slot(0);
         Figure::new("record", Axis::new("Time", "t", unit))
-            .panel(Panel::new(Axis::new("Depth", "z", "m").reversed()).layer(line(self.of("depth_m", 1.0))))
+            .panel(Panel::new(Axis::new("Depth", "z", "m").reversed()).layer(line(self.column("depth_m", 1.0))))
             .panel(Panel::new(Axis::new("Pitch", "θ", "deg")).layer(line(self.degrees("pitch_rad"))))
             .panel(Panel::new(Axis::new("Roll", "φ", "deg")).layer(line(self.degrees("roll_rad"))))
             .panel(Panel::new(Axis::new("Heading", "ψ", "deg")).layer(line(self.degrees("heading_rad"))))

@@ -102,7 +102,7 @@ fn a_plan_with_more_ballast_than_the_engine_holds_is_refused() {
 }
 
 #[test]
-fn a_table_of_fixes_that_lacks_columns_is_told_which_it_needs() {
+fn a_table_of_fixes_that_lacks_columns_is_refused_with_what_it_needs() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = |name: &str, text: &str| {
         let path = folder.path().join(name);

@@ -67,7 +67,7 @@ const SWEEP_VALUES: usize = 41;
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let vehicle = arguments.changes.load(&arguments.vehicle)?;
     let body = vehicle.body()?;
-    let commands = Commands::of(arguments);
+    let commands = Commands::new(arguments);
     let sweep = arguments.sweep.as_deref().map(Sweep::read).transpose()?;
     let water = water(arguments, &body)?;
     let every = match &sweep {
@@ -146,7 +146,7 @@ struct Commands {
 const NAMES: [&str; 5] = ["rudder-deg", "roll-mass-deg", "net-mass-kg", "moving-mass-m", "pitch-deg"];
 
 impl Commands {
-    fn of(arguments: &Arguments) -> Self {
+    fn new(arguments: &Arguments) -> Self {
         Commands {
             rudder_deg: arguments.rudder_deg,
             roll_mass_deg: arguments.roll_mass_deg,

@@ -57,7 +57,7 @@ pub(super) fn sense(vehicle: &Vehicle, body: &Body<f64>, case: &Case) -> Result<
         (false, true) => Steering::RollMass,
         _ => return Ok(None),
     };
-    let command = steering.of(setting);
+    let command = steering.command(setting);
     let [descent, ascent] = [1.0, -1.0].map(|leg| continued(body, &steering.set(on_leg(setting, leg), command), None));
     let (Some(descent), Some(ascent)) = (descent, ascent) else { return Ok(None) };
     let side = |turn: &Turn| if turn.turn_rate_rad_s > 0.0 { "starboard" } else { "port" };
@@ -88,7 +88,7 @@ enum Steering {
 }
 
 impl Steering {
-    fn of(self, setting: &Setting) -> f64 {
+    fn command(self, setting: &Setting) -> f64 {
         match self {
             Steering::RollMass => setting.roll_mass_rad,
             Steering::Rudder => setting.rudder_rad,

@@ -19,7 +19,7 @@ pub trait Blocks {
     fn has_speed(&self) -> bool;
 
     /// Takes the inertia of glides that are nearly steady as it is at these parameters.
-    fn settle(&mut self, _parameters: &Parameters<f64>) {}
+    fn update_inertia(&mut self, _parameters: &Parameters<f64>) {}
 
     /// Residuals and slopes at these parameters, into one matrix a block; of every `every`-th sample where samples stand
     /// alone.
@@ -46,8 +46,8 @@ impl Blocks for &mut [Dive] {
         self.iter().flat_map(|dive| &dive.observations).any(|o| o.speed_m_s.is_finite())
     }
 
-    fn settle(&mut self, parameters: &Parameters<f64>) {
-        self.par_iter_mut().for_each(|dive| dive.settle(parameters));
+    fn update_inertia(&mut self, parameters: &Parameters<f64>) {
+        self.par_iter_mut().for_each(|dive| dive.update_inertia(parameters));
     }
 
     fn evaluate(

@@ -127,8 +127,8 @@ pub fn identify(
     let asked: Vec<&str> = request.free.iter().map(|name| long_name(name)).collect();
     // d belongs to the balance of moments, which comes after the polar; added masses show only where speeds change.
     let later = |name: &str| name == "d_per_rad" || UNSTEADY_ONLY.contains(&name);
-    let usual = ["a_per_rad", "b", "c_per_rad2", "ballast_offset_kg"];
-    free.extend(asked.iter().copied().filter(|name| !usual.contains(name) && !later(name)));
+    let polar = ["a_per_rad", "b", "c_per_rad2", "ballast_offset_kg"];
+    free.extend(asked.iter().copied().filter(|name| !polar.contains(name) && !later(name)));
     if request.unsteady.is_none()
         && let Some(name) = asked.iter().find(|name| UNSTEADY_ONLY.contains(name))
     {
@@ -248,7 +248,7 @@ pub fn identify(
         warnings.extend(reweighed.named.iter().map(|&position| depends_on_weighing(&fitted, reweighed, position)));
     }
     if let Some(propagated) = fitted.propagated.iter().find(|propagated| propagated.considered.name == "a") {
-        warnings.push(speed_in_doubt(&fitted, propagated, &dives));
+        warnings.push(speed_warning(&fitted, propagated, &dives));
     }
     if pitch_balance.as_ref().is_some_and(|balance| !balance.is_identified) {
         warnings.push(
@@ -356,7 +356,7 @@ fn legs_apart(question: &Question, joint: &Fit, dives: &[Dive]) -> Option<LegsAp
 }
 
 /// What the error of a held lift slope does to the speed, in a sentence.
-fn speed_in_doubt(fitted: &Fit, propagated: &Propagated, dives: &[Dive]) -> String {
+fn speed_warning(fitted: &Fit, propagated: &Propagated, dives: &[Dive]) -> String {
     let mean_speed = |parameters: &Parameters<f64>| {
         let speeds = dives.iter().flat_map(|dive| residuals(parameters, &dive.observations));
         let (n, sum) = speeds

@@ -59,7 +59,7 @@ pub(super) struct SpeedNoise {
 }
 
 impl SpeedNoise {
-    fn of(dives: &[Dive]) -> SpeedNoise {
+    fn estimate(dives: &[Dive]) -> SpeedNoise {
         let (mut squares, mut freedom, mut inverses, mut bins) = (0.0, 0usize, 0.0, 0usize);
         for dive in dives {
             for bin in dive.bins.iter().filter(|bin| bin.speeds > 0) {
@@ -135,7 +135,7 @@ impl Dive {
     }
 
     /// Takes what happens along each leg as it is at these parameters.
-    pub(super) fn settle(&mut self, parameters: &Parameters<f64>) {
+    pub(super) fn update_inertia(&mut self, parameters: &Parameters<f64>) {
         self.inside = self.parts.inside(parameters, &self.bins);
     }
 
@@ -155,7 +155,7 @@ impl Dive {
     }
 }
 
-/// A sample stands for no more than this long, or this many times what is usual in its dive: a gap is no measurement.
+/// A sample stands for no more than this long, or this many times the median in its dive: a gap is no measurement.
 const LONGEST_S: f64 = 60.0;
 const LONGEST: f64 = 5.0;
 
@@ -181,9 +181,9 @@ fn durations_s(observations: &[Observation]) -> Vec<f64> {
         })
         .collect();
     let mut known: Vec<f64> = durations.iter().copied().filter(|duration| duration.is_finite()).collect();
-    let usual = if known.is_empty() { 1.0 } else { crate::log::median(&mut known) };
+    let median_s = if known.is_empty() { 1.0 } else { crate::log::median(&mut known) };
     for duration in &mut durations {
-        *duration = if duration.is_finite() { duration.min(LONGEST_S.max(LONGEST * usual)) } else { usual };
+        *duration = if duration.is_finite() { duration.min(LONGEST_S.max(LONGEST * median_s)) } else { median_s };
     }
     durations
 }
@@ -214,7 +214,7 @@ pub fn by_dive(observations: &[Observation]) -> Vec<Dive> {
             dive
         })
         .collect();
-    let speed_noise = SpeedNoise::of(&dives);
+    let speed_noise = SpeedNoise::estimate(&dives);
     dives.into_iter().map(|dive| dive.with_speed_noise(speed_noise)).collect()
 }
 

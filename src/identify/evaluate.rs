@@ -22,14 +22,14 @@ pub struct Weights {
     pub speed_m_s: f64,
 }
 
-/// A mean of many speeds has no less than this share of the usual variance: the water's own motion stays in it.
+/// A mean of many speeds has no less than this share of the nominal variance: the water's own motion stays in it.
 const LEAST_VARIANCE: f64 = 0.25;
 
 impl Weights {
-    /// Root of the weight of a speed whose variance is by so much beside the usual \[m2/s2\].
+    /// Root of the weight of a speed whose variance is by so much beside the nominal \[m2/s2\].
     pub(super) fn of_few_speeds(&self, excess: f64) -> f64 {
-        let usual = self.speed_m_s * self.speed_m_s;
-        if usual.is_finite() { (usual / (usual + excess).max(LEAST_VARIANCE * usual)).sqrt() } else { 1.0 }
+        let nominal = self.speed_m_s * self.speed_m_s;
+        if nominal.is_finite() { (nominal / (nominal + excess).max(LEAST_VARIANCE * nominal)).sqrt() } else { 1.0 }
     }
 }
 

@@ -21,7 +21,7 @@ pub fn is_identified(fit: &Fit, position: usize) -> bool {
     let row = fit.free[position];
     let half = 2.0 * fit.scatter_se(position);
     let info = &PARAMETERS[row];
-    let usual = match info.name {
+    let widest = match info.name {
         "a_per_rad" => 0.5 * fit.value(row).abs(),
         "b" => fit.value(row).abs(),
         "c_per_rad2" => 15.0_f64.max(fit.value(row).abs()).min(40.0),
@@ -40,7 +40,7 @@ pub fn is_identified(fit: &Fit, position: usize) -> bool {
     // Drag that falls with the angle of attack is none that a glider has: noise or something else is in it, and the lift slope
     // beside it, whose angle of attack makes that drag, would follow.
     let impossible = info.name == "c_per_rad2" && fit.value(row) < 0.0;
-    half.is_finite() && half <= usual && !at_bound && !impossible
+    half.is_finite() && half <= widest && !at_bound && !impossible
 }
 
 /// One point of a profile: the parameter held, all others fitted again.

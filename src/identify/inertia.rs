@@ -37,7 +37,7 @@ pub fn inertia<'o>(
 
 /// A step between these observations beyond which another glide begins \[s\].
 pub(super) fn gap_s<'o>(observations: impl Iterator<Item = &'o Observation> + Clone) -> f64 {
-    GAP_S.max(1.5 * usual_step_s(observations))
+    GAP_S.max(1.5 * median_step_s(observations))
 }
 
 /// The same where a step longer than this is a gap \[s\].
@@ -149,7 +149,7 @@ impl Steady {
 }
 
 /// Median time from one sample to the next of its leg \[s\]; none where no two are on one leg.
-pub fn usual_step_s<'o>(observations: impl Iterator<Item = &'o Observation> + Clone) -> f64 {
+pub fn median_step_s<'o>(observations: impl Iterator<Item = &'o Observation> + Clone) -> f64 {
     let pairs = observations.clone().zip(observations.skip(1));
     let mut steps: Vec<f64> = pairs.filter(|(a, b)| a.leg == b.leg).map(|(a, b)| b.time_s - a.time_s).collect();
     if steps.is_empty() { 0.0 } else { crate::log::median(&mut steps) }

@@ -105,8 +105,8 @@ fn held_out(
     let (mut all, mut steady) = (ScoreSums::default(), ScoreSums::default());
     for held in [0, 1] {
         let half = |side: usize| passages.iter().enumerate().filter(move |(i, _)| i % 2 == side).map(|(_, p)| p);
-        let mut seen: Vec<Passage> = half(1 - held).cloned().collect();
-        let fitted = refine(&question, &mut seen)?;
+        let mut trained: Vec<Passage> = half(1 - held).cloned().collect();
+        let fitted = refine(&question, &mut trained)?;
         for passage in half(held) {
             let found = passage.residuals(&fitted.parameters);
             all.add_stretch(&found);

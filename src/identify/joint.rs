@@ -190,9 +190,9 @@ pub fn fit(question: &Question, dives: &mut [Dive]) -> Result<Fit, IdentifyError
     let every = (solver.samples.samples() / BINS_OF_A_START).max(1);
     let mut best = solver.best_start(every);
     solver.weights = scatter(solver.tally(&best, every), solver.weights);
-    solver.samples.settle(&best);
+    solver.samples.update_inertia(&best);
     best = solver.minimise(&best, every.div_ceil(3), 1e-4);
-    solver.samples.settle(&best);
+    solver.samples.update_inertia(&best);
     solver.weights = scatter(solver.tally(&best, every.div_ceil(3)), solver.weights);
     solver.finish(best)
 }

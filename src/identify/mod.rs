@@ -45,7 +45,7 @@ pub use evaluate::{MOST_FREE, Scatter, Tally, Weights, evaluate};
 pub use external_values::{ExternalValue, Pin};
 pub use form::{CorrelationTable, FitQuality, Report};
 pub use glidepolar_inference::gram::Gram;
-pub use inertia::{inertia, usual_step_s};
+pub use inertia::{inertia, median_step_s};
 pub use inflections::Unsteady;
 pub use joint::{Fit, IdentifyError, Question, fit};
 pub(crate) use model::surroundings;

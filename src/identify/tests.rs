@@ -310,7 +310,7 @@ fn the_balance_of_moments_returns_d_and_the_height_of_the_centre_of_gravity() {
 }
 
 #[test]
-fn battery_and_ballast_that_move_together_are_not_told_apart() {
+fn battery_and_ballast_that_move_together_are_not_distinguished() {
     let (vehicle, mut truth) = glider();
     truth.offset_mass_kg = truth.hull_mass_kg;
     (truth.moving_mass_height_m, truth.offset_mass_below_m, truth.d_per_rad) = (0.0, 0.006, -1.4);

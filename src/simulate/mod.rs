@@ -81,7 +81,7 @@ pub fn fly_from(
     let (mut time, mut rows) = (0.0, 0u64);
     let mut cursor = schedule.cursor(begin.inputs);
     cursor.apply(0.0, &mut glider);
-    glider.settle(0.0, &mut state);
+    glider.apply_limits(0.0, &mut state);
     if !on_row(&row(&glider, time, &state)) {
         return Ok(());
     }
@@ -92,7 +92,7 @@ pub fn fly_from(
         glider.follow(&mut integrator, &mut time, &mut state, ends_s, |_, _, _| true)?;
         if cursor.apply(time, &mut glider) {
             integrator.restart();
-            glider.settle(time, &mut state);
+            glider.apply_limits(time, &mut state);
         }
         if time >= next_row {
             rows += 1;

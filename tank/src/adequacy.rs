@@ -45,7 +45,7 @@ const FORMS: [&[(&str, Basis)]; 3] = [
 ];
 
 /// Tries every form on some points of a sweep; forms with too many parameters for the points are left out.
-pub fn of(sweep: &Sweep, rows: &[usize]) -> Adequacy {
+pub fn test(sweep: &Sweep, rows: &[usize]) -> Adequacy {
     [0, 1, 2].map(|coefficient| {
         FORMS[coefficient]
             .iter()

@@ -17,17 +17,17 @@ use crate::trend::{COEFFICIENTS, Lines};
 pub fn signs(id: &str, fit: &HullFit) -> Vec<String> {
     let negative = |q: &Estimate| q.ci95[1] < 0.0;
     let mut warnings = Vec::new();
-    let told = |what: &str, cause: &str| format!("{id}: {what}: impossible for a bare hull; {cause}");
+    let report = |what: &str, cause: &str| format!("{id}: {what}: impossible for a bare hull; {cause}");
     match (negative(&fit.a), negative(&fit.d)) {
-        (true, true) => warnings.push(told(
+        (true, true) => warnings.push(report(
             &format!("lift slope a = {:.3} and moment slope d = {:.3} per rad are both negative", fit.a.value, fit.d.value),
             "is the yaw angle counted the other way? Expected: yaw_deg positive bow to starboard, SF positive to starboard, YM positive bow to starboard",
         )),
-        (true, false) => warnings.push(told(
+        (true, false) => warnings.push(report(
             &format!("lift slope a = {:.3} per rad is negative", fit.a.value),
             "is SF recorded with the opposite sign? Expected: positive to starboard, the force of the water on the model",
         )),
-        (false, true) => warnings.push(told(
+        (false, true) => warnings.push(report(
             &format!("moment slope d = {:.3} per rad is negative", fit.d.value),
             "is YM recorded with the opposite sign, or are mc_m and cb_m exchanged? Expected: YM positive bow to starboard, both distances aft of the nose",
         )),
@@ -35,13 +35,13 @@ pub fn signs(id: &str, fit: &HullFit) -> Vec<String> {
     }
     let steep = [("a", &fit.a), ("d", &fit.d)].into_iter().find(|(_, q)| q.value.abs() > STEEPEST_PER_RAD);
     if let Some((name, q)) = steep {
-        warnings.push(told(
+        warnings.push(report(
             &format!("slope {name} = {:.1} per rad", q.value),
             "are the angles in radians? Expected: yaw_deg in degrees, in runs.csv and in the runs' files",
         ));
     }
     if negative(&fit.b) {
-        warnings.push(told(
+        warnings.push(report(
             &format!("drag b = {:.4} is negative", fit.b.value),
             "is AF recorded with the opposite sign? Expected: positive aft, the force of the water on the model",
         ));
@@ -123,8 +123,8 @@ pub fn blockage(hull: &HullResults) -> Option<String> {
 
 /// Coefficients that do not lie on a line against length to diameter ratio.
 pub fn trend(lines: &Lines) -> Vec<String> {
-    let doubted = lines.0.iter().zip(COEFFICIENTS).filter(|(line, _)| line.p_value < 0.001);
-    doubted
+    let unlikely = lines.0.iter().zip(COEFFICIENTS).filter(|(line, _)| line.p_value < 0.001);
+    unlikely
         .map(|(line, (name, ..))| {
             format!("{name} against length to diameter ratio is no straight line (p = {:.0e})", line.p_value)
         })

@@ -125,8 +125,8 @@ pub fn fit(sweep: &Sweep, range_deg: f64) -> Result<SweepFit, NoFit> {
         zero_drift: [slope(0)?, slope(2)?],
         setting_rad: if sweep.has_errors() { setting_rad(&fits[2]) } else { 0.0 },
         lack_of_fit: [0, 1, 2].map(|i| lack_of_fit(sweep, &rows, &fits[i])),
-        outliers: outlier::of(sweep, &rows, &MODEL),
-        adequacy: adequacy::of(sweep, &rows),
+        outliers: outlier::find(sweep, &rows, &MODEL),
+        adequacy: adequacy::test(sweep, &rows),
         ranges: ranges(sweep, range_deg),
         drag_exponent: drag_exponent(sweep, &rows, &fits[1]),
         rows,
@@ -183,10 +183,10 @@ fn lack_of_fit(sweep: &Sweep, rows: &[usize], fit: &Fit) -> Option<LackOfFit> {
         let point = &sweep.points[rows[i]];
         (point.nominal_yaw_deg, point.nominal_speed_m_s)
     };
-    let mut seen = vec![false; rows.len()];
+    let mut is_done = vec![false; rows.len()];
     let (mut repeat_dof, mut pure) = (0, 0.0);
     for i in 0..rows.len() {
-        if std::mem::replace(&mut seen[i], true) {
+        if std::mem::replace(&mut is_done[i], true) {
             continue;
         }
         let alike: Vec<usize> = (i..rows.len()).filter(|j| key(*j) == key(i)).collect();
@@ -194,7 +194,7 @@ fn lack_of_fit(sweep: &Sweep, rows: &[usize], fit: &Fit) -> Option<LackOfFit> {
         let mean = alike.iter().map(|j| fit.weights[*j] * fit.residuals[*j]).sum::<f64>() / weight;
         pure += alike.iter().map(|j| fit.weights[*j] * (fit.residuals[*j] - mean).powi(2)).sum::<f64>();
         repeat_dof += alike.len() - 1;
-        alike.into_iter().for_each(|j| seen[j] = true);
+        alike.into_iter().for_each(|j| is_done[j] = true);
     }
     let misfit_dof = fit.dof.checked_sub(repeat_dof).filter(|dof| *dof > 0)?;
     if repeat_dof == 0 {

@@ -74,13 +74,13 @@ pub enum NoOscillation {
 ///
 /// # Errors
 /// Where there is no motion, or no whole cycle at full amplitude.
-pub fn of(run: &Run, history: &History, plateau: Window) -> Result<Harmonics, NoOscillation> {
+pub fn fit(run: &Run, history: &History, plateau: Window) -> Result<Harmonics, NoOscillation> {
     let (what, motion) = match run.kind {
         Kind::Sway => ("sway_m", history.sway_m().ok_or(NoOscillation::NoSway)?),
         _ => ("yaw_deg", history.yaw_deg()),
     };
     let commanded = run.frequency_hz;
-    let envelope = Envelope::of(history, motion, plateau, commanded)
+    let envelope = Envelope::fit(history, motion, plateau, commanded)
         .ok_or(NoOscillation::NoWholeCycle { held_s: 0.0, frequency_hz: commanded })?;
     let (flat, measured_hz) =
         envelope.flat(commanded).ok_or(NoOscillation::NoMotion { what, frequency_hz: commanded })?;
@@ -131,12 +131,12 @@ fn fades(found: &Harmonics, time: &[f64], motion: &[f64], kind: Kind) -> bool {
 }
 
 fn regress(history: &History, window: Window, frequency_hz: f64, cycles: usize, measured_hz: Option<f64>) -> Harmonics {
-    let time = window.of(history.time_s());
+    let time = window.slice(history.time_s());
     let omega = std::f64::consts::TAU * frequency_hz;
     let zeros = vec![0.0; window.len()];
-    let sway = history.sway_m().map_or(zeros.as_slice(), |sway| window.of(sway));
+    let sway = history.sway_m().map_or(zeros.as_slice(), |sway| window.slice(sway));
     let [af, sf, ym] = window.of3(history.channels());
-    let columns = [sway, window.of(history.yaw_deg()), af, sf, ym];
+    let columns = [sway, window.slice(history.yaw_deg()), af, sf, ym];
     let taper = taper(window.len());
     let mut normal = SMatrix::<f64, TERMS, TERMS>::zeros();
     let mut right = SMatrix::<f64, TERMS, 5>::zeros();
@@ -151,7 +151,7 @@ fn regress(history: &History, window: Window, frequency_hz: f64, cycles: usize, 
     let series = |j: usize| -> Series { std::array::from_fn(|k| solved[(k, j)]) };
     let motion = |j: usize| without_noise(series(j), columns[j], time, omega);
     let readings = [series(2), series(3), series(4)];
-    let speeds = window.of(history.speed_m_s());
+    let speeds = window.slice(history.speed_m_s());
     let (noise, spectrum) = noise([af, sf, ym], &readings, time, omega, cycles, &taper);
     let [sum, squares] = [1, 2].map(|power| taper.iter().map(|w| w.powi(power)).sum::<f64>());
     Harmonics {
@@ -272,7 +272,7 @@ struct Envelope {
 }
 
 impl Envelope {
-    fn of(history: &History, motion: &[f64], plateau: Window, frequency_hz: f64) -> Option<Envelope> {
+    fn fit(history: &History, motion: &[f64], plateau: Window, frequency_hz: f64) -> Option<Envelope> {
         let time = history.time_s();
         let interval_s = history.interval_s();
         let period = (1.0 / frequency_hz / interval_s).round() as usize;

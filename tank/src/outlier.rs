@@ -28,7 +28,7 @@ pub struct Outlier {
 }
 
 /// The points that lie so, in the fits of CL, CD and CM on these functions of the angle.
-pub fn of(sweep: &Sweep, rows: &[usize], model: &[Basis; 3]) -> Vec<Outlier> {
+pub fn find(sweep: &Sweep, rows: &[usize], model: &[Basis; 3]) -> Vec<Outlier> {
     let mut found = Vec::new();
     for (coefficient, basis) in model.iter().enumerate() {
         let mut rows = rows.to_vec();

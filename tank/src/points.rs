@@ -61,7 +61,7 @@ pub struct ReducedPoints {
 pub fn read(points: &Path, hull: &Path) -> Result<ReducedPoints, InputError> {
     let description = Description::read(hull)?;
     let table = Table::read(points)?;
-    let form = Form::of(&table)?;
+    let form = Form::read(&table)?;
     let mut notices = Vec::new();
     for column in table.header() {
         if !form.columns().contains(&column.as_str()) && !OPTIONAL.contains(&column.as_str()) {
@@ -97,7 +97,7 @@ impl Form {
     }
 
     /// The form of which most columns are there; complains of the rest.
-    fn of(table: &Table) -> Result<Form, InputError> {
+    fn read(table: &Table) -> Result<Form, InputError> {
         let present = |form: Form| form.columns()[1..].iter().filter(|c| table.has(c)).count();
         let forms = [Form::Coefficients, Form::Forces, Form::Primes];
         let form = forms.into_iter().max_by_key(|form| present(*form)).unwrap_or(Form::Coefficients);

@@ -112,7 +112,7 @@ pub fn read(run: &Run, hull_length_m: f64, history: &mut History) -> Result<Read
         }
         Kind::Sway | Kind::Yaw => {
             let plateau = window::plateau(history).map_err(no_window)?;
-            let harmonics = harmonics::of(run, history, plateau).map_err(|error| wrong(error.to_string()))?;
+            let harmonics = harmonics::fit(run, history, plateau).map_err(|error| wrong(error.to_string()))?;
             notices.extend(harmonics.notices(run));
             let window = harmonics.window;
             (Useful::Periodic(Box::new(harmonics)), window)
@@ -122,7 +122,7 @@ pub fn read(run: &Run, hull_length_m: f64, history: &mut History) -> Result<Read
         rest: rest
             .ok()
             .filter(|window| window.len() >= 16)
-            .map(|w| Mean3::of(w.of3(history.channels()), history.interval_s())),
+            .map(|w| Mean3::new(w.of3(history.channels()), history.interval_s())),
         trace: trace(history, window),
         unused: history.unused.clone(),
         useful,
@@ -132,19 +132,19 @@ pub fn read(run: &Run, hull_length_m: f64, history: &mut History) -> Result<Read
 
 fn steady(history: &History, found: Found) -> Steady {
     let window = found.window;
-    let speeds = window.of(history.speed_m_s());
-    let time = window.of(history.time_s());
+    let speeds = window.slice(history.speed_m_s());
+    let time = window.slice(history.time_s());
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let n = speeds.len();
     let duration_s = time[n - 1] - time[0];
     let end = ((END_S / history.interval_s()) as usize).clamp(1, (n / 4).max(1));
     let gained = mean(&speeds[n - end..]) - mean(&speeds[..end]);
     Steady {
-        readings: Mean3::of(window.of3(history.channels()), history.interval_s()),
+        readings: Mean3::new(window.of3(history.channels()), history.interval_s()),
         speed_m_s: mean(speeds),
         speed_squared: speeds.iter().map(|u| u * u).sum::<f64>() / n as f64,
         acceleration_m_s2: gained / (duration_s - end as f64 * history.interval_s()),
-        yaw_deg: mean(window.of(history.yaw_deg())),
+        yaw_deg: mean(window.slice(history.yaw_deg())),
         found,
         duration_s,
         middle_s: 0.5 * (time[0] + time[n - 1]),

@@ -97,7 +97,7 @@ pub fn reduce_campaign(
     {
         return Err(rejected.error.clone());
     }
-    Reduction::of(&campaign, &readings).results(options)
+    Reduction::new(&campaign, &readings).results(options)
 }
 
 /// Records at rest have one shape of noise, steady runs under way another.
@@ -137,7 +137,7 @@ struct Reduction<'a> {
 }
 
 impl<'a> Reduction<'a> {
-    fn of(campaign: &'a Campaign, readings: &'a [Option<Readings>]) -> Self {
+    fn new(campaign: &'a Campaign, readings: &'a [Option<Readings>]) -> Self {
         let mut reduction = Reduction { campaign, readings, zeros: Zeros::default(), warnings: Vec::new() };
         reduction.warnings.extend(campaign.notices.iter().cloned());
         let mut unused: BTreeMap<&str, usize> = BTreeMap::new();
@@ -147,7 +147,7 @@ impl<'a> Reduction<'a> {
         for (column, runs) in unused {
             reduction.warnings.push(format!("column {} of {runs} runs is not used", printable(column)));
         }
-        let zeros = Zeros::of(reduction.usable());
+        let zeros = Zeros::new(reduction.usable());
         reduction.zeros = zeros;
         if reduction.zeros.zeros.is_empty() {
             reduction.warnings.push(
@@ -171,7 +171,7 @@ impl<'a> Reduction<'a> {
             if runs.is_empty() {
                 self.warnings.push("no tare runs: the strut's force is still in all coefficients".to_owned());
             }
-            let tare = Tare::of(&runs, zeros.dof);
+            let tare = Tare::fit(&runs, zeros.dof);
             if tare.is_none() && !runs.is_empty() {
                 self.warnings.push(format!(
                     "no tare can be made of the {} tare runs: the strut's force is still in all coefficients",
@@ -208,7 +208,7 @@ impl<'a> Reduction<'a> {
                 None => InputError::new(place, "no run with a model under way: nothing to reduce"),
             });
         }
-        let lines = trend::of(
+        let lines = trend::fit(
             &hulls.iter().filter_map(|h| Some((h.hull.ldr, &h.sweep, h.fit.as_ref().ok()?))).collect::<Vec<_>>(),
         );
         self.warnings.extend(lines.iter().flat_map(checks::trend));
@@ -283,7 +283,7 @@ impl<'a> Reduction<'a> {
             ));
             None
         } else {
-            derivatives::of(common, hull, &oscillations, &turns, fit.as_ref().ok())
+            derivatives::fit(common, hull, &oscillations, &turns, fit.as_ref().ok())
         };
         if moving && hull.live.is_some() && dynamic.is_none() {
             self.warnings.push(format!(
@@ -323,7 +323,7 @@ impl<'a> Reduction<'a> {
 
     fn check_tare_range(&mut self, tare: Option<&Tare>) {
         let Some(tare) = tare else { return };
-        self.warnings.extend(tare.doubts.iter().map(|doubt| (*doubt).to_owned()));
+        self.warnings.extend(tare.warnings.iter().map(|warning| (*warning).to_owned()));
         let yaw_deg = || self.usable().filter(|(run, _)| run.kind == Kind::Static).map(|(run, _)| run.yaw_deg);
         let (lowest, highest) = (yaw_deg().fold(f64::INFINITY, f64::min), yaw_deg().fold(f64::NEG_INFINITY, f64::max));
         let [from_deg, to_deg] = tare.between_deg;
@@ -356,7 +356,7 @@ fn hull_results(
         _ => Vec::new(),
     };
     HullResults {
-        theory: theory::of(&hull, reynolds, estimates, derivatives),
+        theory: theory::predict(&hull, reynolds, estimates, derivatives),
         comparisons,
         n_runs: 0,
         water: None,

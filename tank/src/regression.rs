@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn parameters_that_cannot_be_told_apart_are_refused() {
+    fn parameters_that_cannot_be_distinguished_are_refused() {
         let mut problem = line(&[1.0, 3.0, 2.0, 5.0, 4.0]);
         problem.design.column_mut(1).fill(2.0);
         assert!(problem.solve(Scatter::Equal).is_none());

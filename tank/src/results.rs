@@ -87,7 +87,7 @@ impl Results {
 
     /// Asks what the steady runs depart from by more than is relevant, and keeps the answer.
     pub fn diagnose(&mut self, relevance: &Relevance) {
-        let diagnoses = Diagnoses::of(&self.steady, &self.hulls, relevance);
+        let diagnoses = Diagnoses::new(&self.steady, &self.hulls, relevance);
         self.warnings.extend(diagnoses.warnings.iter().cloned());
         self.diagnoses = Some(diagnoses);
     }

@@ -18,7 +18,7 @@ pub fn share(variances: &[f64], speeds_m_s: &[f64]) -> Vec<f64> {
     for (variance, speed) in variances.iter().zip(speeds_m_s) {
         by_speed.entry(speed.to_bits()).or_insert((*speed, vec![])).1.push(*variance);
     }
-    let groups: Vec<Group> = by_speed.into_values().map(|(speed_m_s, own)| Group::of(speed_m_s, &own)).collect();
+    let groups: Vec<Group> = by_speed.into_values().map(|(speed_m_s, own)| Group::new(speed_m_s, &own)).collect();
     let shared = |speed_m_s: f64| {
         let group = groups.iter().find(|group| group.speed_m_s == speed_m_s)?;
         let own_dof = OWN_DOF * group.runs;
@@ -43,7 +43,7 @@ struct Group {
 }
 
 impl Group {
-    fn of(speed_m_s: f64, variances: &[f64]) -> Group {
+    fn new(speed_m_s: f64, variances: &[f64]) -> Group {
         let runs = variances.len() as f64;
         Group { speed_m_s, runs, mean: variances.iter().sum::<f64>() / runs }
     }

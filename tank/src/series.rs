@@ -36,7 +36,7 @@ pub struct Mean3 {
 
 impl Mean3 {
     /// Of three channels of equal length, sampled at this interval.
-    pub fn of(channels: [&[f64]; 3], interval_s: f64) -> Mean3 {
+    pub fn new(channels: [&[f64]; 3], interval_s: f64) -> Mean3 {
         let n = channels[0].len();
         let mean = Vector3::from(channels.map(|c| c.iter().sum::<f64>() / n as f64));
         let mut covariance = Matrix3::zeros();
@@ -150,7 +150,7 @@ mod tests {
                         state + vibration * (i as f64 * 0.37).sin()
                     })
                     .collect();
-                found += Mean3::of([&samples, &samples, &samples], 0.02).covariance[(0, 0)];
+                found += Mean3::new([&samples, &samples, &samples], 0.02).covariance[(0, 0)];
             }
             let expected = 1.0 / (1.0 - phi) / (1.0 - phi) / n as f64;
             let ratio = found / repeats as f64 / expected;
@@ -174,13 +174,13 @@ mod tests {
                 now
             });
             let samples: Vec<f64> = ringing.skip(500).collect();
-            let found = Mean3::of([&samples, &samples, &samples], interval_s);
+            let found = Mean3::new([&samples, &samples, &samples], interval_s);
             variance += found.covariance[(0, 0)] / f64::from(repeats);
             effective += found.effective_samples(0) / f64::from(repeats);
             means.push(found.mean[0]);
         }
-        let seen = means.iter().map(|mean| mean * mean).sum::<f64>() / f64::from(repeats);
-        assert!((0.8..1.25).contains(&(variance / seen)), "{variance} {seen}");
+        let sample_variance = means.iter().map(|mean| mean * mean).sum::<f64>() / f64::from(repeats);
+        assert!((0.8..1.25).contains(&(variance / sample_variance)), "{variance} {sample_variance}");
         assert!(effective > 5.0 * n as f64, "{effective}");
     }
 

@@ -123,13 +123,13 @@ mod tests {
                             0.12 * slow + white * rng.sample::<f64, _>(StandardNormal)
                         })
                         .collect();
-                    Mean3::of([&samples, &samples, &samples], interval_s)
+                    Mean3::new([&samples, &samples, &samples], interval_s)
                 })
                 .collect();
             share(&mut found.iter_mut().collect::<Vec<_>>());
             let stated = found.iter().map(|mean| mean.covariance[(0, 0)]).sum::<f64>() / f64::from(records);
-            let seen = found.iter().map(|mean| mean.mean[0].powi(2)).sum::<f64>() / f64::from(records);
-            assert!((0.75..1.35).contains(&(stated / seen)), "tau {tau_s}: {stated} {seen}");
+            let sample_variance = found.iter().map(|mean| mean.mean[0].powi(2)).sum::<f64>() / f64::from(records);
+            assert!((0.75..1.35).contains(&(stated / sample_variance)), "tau {tau_s}: {stated} {sample_variance}");
         }
     }
 }

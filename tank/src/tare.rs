@@ -25,7 +25,7 @@ pub struct Tare {
     /// Whether it was tared straight ahead alone.
     pub is_ahead_alone: bool,
     /// What a short programme of tare runs leaves open, in sentences.
-    pub doubts: Vec<&'static str>,
+    pub warnings: Vec<&'static str>,
 }
 
 #[derive(Debug, Clone)]
@@ -72,8 +72,8 @@ const SAME_SPEED: f64 = 0.05;
 
 impl Tare {
     /// Fits the tare runs; none if they are too few.
-    pub fn of(runs: &[TareRun], zero_dof: f64) -> Option<Tare> {
-        let programme = Programme::of(runs);
+    pub fn fit(runs: &[TareRun], zero_dof: f64) -> Option<Tare> {
+        let programme = Programme::new(runs);
         let reference_speed_m_s = crate::series::median(&runs.iter().map(|run| run.speed_m_s).collect::<Vec<_>>());
         let channel = |index: usize| {
             let terms = programme.terms(index);
@@ -88,23 +88,23 @@ impl Tare {
         let channels = [channel(0)?, channel(1)?, channel(2)?];
         let yaw_deg = || runs.iter().map(|run| run.yaw_rad.to_degrees());
         let between_deg = [yaw_deg().fold(f64::INFINITY, f64::min), yaw_deg().fold(f64::NEG_INFINITY, f64::max)];
-        let mut doubts = Vec::new();
+        let mut warnings = Vec::new();
         match programme.angles {
-            1 if programme.at_zero => doubts.push(
+            1 if programme.at_zero => warnings.push(
                 "the strut was tared straight ahead alone: its side force and yaw moment at drift angles are still in CL and CM, and an axial force that grows with the angle in CD; tare at the largest angles of the sweep as well",
             ),
-            1 => doubts.push(
+            1 => warnings.push(
                 "the strut was tared at one angle alone: its side force and yaw moment are taken to go with the sine of the angle; tare at several angles of both sides",
             ),
             _ => {}
         }
         if channels.iter().any(|channel| channel.terms.len() == runs.len()) {
-            doubts.push(
+            warnings.push(
                 "there are no more tare runs than terms of the strut's force: how far tare runs scatter is not known, and intervals take them to scatter within themselves alone; repeat a tare run",
             );
         }
         let is_ahead_alone = programme.angles == 1 && programme.at_zero;
-        Some(Tare { channels, reference_speed_m_s, runs: runs.len(), between_deg, is_ahead_alone, doubts })
+        Some(Tare { channels, reference_speed_m_s, runs: runs.len(), between_deg, is_ahead_alone, warnings })
     }
 
     /// AF, SF, YM of the strut in a motion; `density_kg_m3` of the water.
@@ -160,7 +160,7 @@ struct Programme {
 }
 
 impl Programme {
-    fn of(runs: &[TareRun]) -> Programme {
+    fn new(runs: &[TareRun]) -> Programme {
         let yaw_deg = || runs.iter().map(|run| run.yaw_rad.to_degrees());
         let same = |a: f64, b: f64| (a - b).abs() < SAME_DEG;
         Programme {
@@ -242,7 +242,7 @@ mod tests {
             variance: Vector3::repeat(1e-6),
             zero_influence: Influence::none(3),
         };
-        Tare::of(&yaw_deg.iter().map(run).collect::<Vec<_>>(), 10.0).expect("a tare")
+        Tare::fit(&yaw_deg.iter().map(run).collect::<Vec<_>>(), 10.0).expect("a tare")
     }
 
     fn at(tare: &Tare, yaw_deg: f64) -> Vector3<f64> {
@@ -267,13 +267,13 @@ mod tests {
     fn one_tare_angle_is_used_and_what_it_leaves_open_is_said() {
         let ahead = tared_at(&[0.0]);
         assert!((at(&ahead, 8.0) - Vector3::new(2.4, 0.0, 0.0)).norm() < 1e-9);
-        assert!(ahead.doubts[0].contains("straight ahead alone") && ahead.doubts[1].contains("repeat a tare run"));
+        assert!(ahead.warnings[0].contains("straight ahead alone") && ahead.warnings[1].contains("repeat a tare run"));
         let aside = tared_at(&[-8.0, -8.0]);
         // The side force goes with the sine; of the axial force only the level at that angle is known.
         let expected = Vector3::new(strut(8.0)[0], strut(4.0)[1], strut(4.0)[2]);
         assert!((at(&aside, 4.0) - expected).norm() < 1e-9);
-        assert_eq!(aside.doubts.len(), 1);
-        assert!(aside.doubts[0].contains("at one angle alone"));
-        assert!(tared_at(&[-8.0, 0.0, 8.0]).doubts.is_empty());
+        assert_eq!(aside.warnings.len(), 1);
+        assert!(aside.warnings[0].contains("at one angle alone"));
+        assert!(tared_at(&[-8.0, 0.0, 8.0]).warnings.is_empty());
     }
 }

@@ -37,7 +37,7 @@ const FINITE_LENGTH: [(f64, f64); 8] =
 const AT_DEG: f64 = 10.0;
 
 /// All of theory for one hull. `reynolds` is that of the main speed.
-pub fn of(
+pub fn predict(
     hull: &Hull,
     reynolds: Option<f64>,
     fit: Option<&HullFit>,
@@ -50,7 +50,7 @@ pub fn of(
         Some(volume) => (volume, true),
         None => (shape.volume_m3, false),
     };
-    let lamb = LambFactors::of(hull.geometry.slenderness());
+    let lamb = LambFactors::new(hull.geometry.slenderness());
     let apparent = lamb.k2 - lamb.k1;
     let pair = |q: &Estimate| Some((q.value, q.se));
     let mut found = Vec::new();

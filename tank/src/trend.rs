@@ -34,7 +34,7 @@ pub const COEFFICIENTS: [(&str, &str, usize, usize); 4] =
 const DOUBTED: f64 = 0.05;
 
 /// The lines through three hulls or more of different ratios.
-pub fn of(hulls: &[(f64, &Sweep, &SweepFit)]) -> Option<Lines> {
+pub fn fit(hulls: &[(f64, &Sweep, &SweepFit)]) -> Option<Lines> {
     let lines: Option<Vec<Line>> =
         COEFFICIENTS.iter().map(|(_, unit, fit, parameter)| line(hulls, unit, *fit, *parameter)).collect();
     lines?.try_into().ok().map(Lines)

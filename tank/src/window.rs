@@ -69,13 +69,13 @@ impl Window {
     }
 
     /// The window's part of a column.
-    pub fn of<'a>(&self, column: &'a [f64]) -> &'a [f64] {
+    pub fn slice<'a>(&self, column: &'a [f64]) -> &'a [f64] {
         &column[self.from..self.to]
     }
 
     /// The window's part of three columns.
     pub fn of3<'a>(&self, columns: [&'a [f64]; 3]) -> [&'a [f64]; 3] {
-        columns.map(|column| self.of(column))
+        columns.map(|column| self.slice(column))
     }
 }
 
@@ -134,7 +134,7 @@ pub fn plateau(history: &History) -> Result<Window, NoWindow> {
 /// As [`plateau`].
 pub fn steady(history: &History, hull_length_m: f64) -> Result<Found, NoWindow> {
     let plateau = plateau(history)?;
-    let speed = median(plateau.of(history.speed_m_s()));
+    let speed = median(plateau.slice(history.speed_m_s()));
     let development = DEVELOPMENT_LENGTHS * hull_length_m / speed / history.interval_s();
     let dropped = (development as usize).min((MOST_DEVELOPMENT * plateau.len() as f64) as usize);
     let mut window = Window { from: plateau.from + dropped, to: plateau.to };
@@ -145,7 +145,7 @@ pub fn steady(history: &History, hull_length_m: f64) -> Result<Found, NoWindow> 
     let slope_t = history
         .channels()
         .iter()
-        .map(|channel| trend_t(window.of(channel)))
+        .map(|channel| trend_t(window.slice(channel)))
         .max_by(|a, b| a.abs().total_cmp(&b.abs()))
         .unwrap_or(0.0);
     Ok(Found { window, plateau, slope_t })
@@ -172,10 +172,10 @@ fn drop_transients(history: &History, window: &mut Window) {
 /// Whether a stretch departs from the rest in any channel, by the standard error that the rest's own fourths suggest.
 fn departs(history: &History, stretch: Window, rest: Window) -> bool {
     history.channels().iter().any(|channel| {
-        let parts = block_means(rest.of(channel), rest.len() / 4);
+        let parts = block_means(rest.slice(channel), rest.len() / 4);
         let mean = parts.iter().sum::<f64>() / parts.len() as f64;
         let variance = parts.iter().map(|p| (p - mean).powi(2)).sum::<f64>() / (parts.len() - 1) as f64;
-        let there = stretch.of(channel);
+        let there = stretch.slice(channel);
         let difference = there.iter().sum::<f64>() / there.len() as f64 - mean;
         // Three degrees of freedom only: five times such a standard error is rare, and then it is a transient worth
         // dropping only where it matters against the channel itself.

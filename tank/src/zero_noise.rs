@@ -44,7 +44,7 @@ pub fn without_settling(stretches: &mut [Stretch], since: &[Vec<f64>]) {
         for (stretch, since) in stretches.iter().zip(since) {
             let traces: Vec<(f64, f64)> =
                 stretch.iter().zip(since).map(|((when, _), since)| (*when, (-since / time_constant).exp())).collect();
-            let (Some(reading), Some(trace)) = (Contrasts::of(stretch), Contrasts::of(&traces)) else { continue };
+            let (Some(reading), Some(trace)) = (Contrasts::new(stretch), Contrasts::new(&traces)) else { continue };
             for (y, x) in reading.observed.iter().zip(trace.observed.iter()) {
                 pairs.push((*x, *y));
                 (xx, xy) = (xx + x * x, xy + x * y);
@@ -70,7 +70,7 @@ pub fn without_settling(stretches: &mut [Stretch], since: &[Vec<f64>]) {
 /// The components; `within` is the variance of a zero from within its own record.
 pub fn components(stretches: &[Stretch], within: f64) -> Components {
     let cut: Vec<Contrasts> =
-        stretches.iter().flat_map(|stretch| stretch.chunks(TOGETHER)).filter_map(Contrasts::of).collect();
+        stretches.iter().flat_map(|stretch| stretch.chunks(TOGETHER)).filter_map(Contrasts::new).collect();
     let count: usize = cut.iter().map(|contrasts| contrasts.observed.len()).sum();
     if count < FEWEST || within <= 0.0 {
         return Components::default();
@@ -123,7 +123,7 @@ struct Contrasts {
 }
 
 impl Contrasts {
-    fn of(zeros: &[(f64, f64)]) -> Option<Contrasts> {
+    fn new(zeros: &[(f64, f64)]) -> Option<Contrasts> {
         let n = zeros.len();
         if n < 3 {
             return None;
@@ -183,7 +183,7 @@ mod tests {
 
     /// Standard deviations that no unbiased estimate goes below: the inverse of Fisher's information of the contrasts.
     fn least_sd(stretches: f64, repeat: f64, walk: f64) -> (f64, f64) {
-        let contrasts = Contrasts::of(&zeros(30, 1.0, repeat, walk, 0)).unwrap();
+        let contrasts = Contrasts::new(&zeros(30, 1.0, repeat, walk, 0)).unwrap();
         let white = &contrasts.weights * contrasts.weights.transpose();
         let inverse = (&white * (1.0 + repeat) + &contrasts.walk * walk).try_inverse().unwrap();
         let (by_repeat, by_walk) = (&inverse * &white, &inverse * &contrasts.walk);

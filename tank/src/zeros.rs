@@ -58,7 +58,7 @@ pub struct ZeroOfRun {
 
 impl Zeros {
     /// Collects the zero runs.
-    pub fn of<'a>(runs: impl Iterator<Item = (&'a Run, &'a Readings)> + Clone) -> Zeros {
+    pub fn new<'a>(runs: impl Iterator<Item = (&'a Run, &'a Readings)> + Clone) -> Zeros {
         let in_time = runs.clone().all(|(run, _)| run.start_time_s.is_some());
         let taken: Vec<(Zero, Mean3)> = runs
             .filter(|(run, _)| run.kind == Kind::Zero)

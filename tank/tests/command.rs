@@ -147,7 +147,7 @@ fn a_full_standard_output_ends_with_a_message() {
 fn what_is_relevant_is_the_users_to_say() {
     let folder = tempfile::tempdir().unwrap();
     let (points, hull) = (data("suboff_roddy1990.csv"), data("suboff.toml"));
-    let told = |relevant: &[&str]| {
+    let reduced = |relevant: &[&str]| {
         let given = relevant.iter().flat_map(|text| ["--relevant", text]);
         let arguments: Vec<&str> =
             [points.as_str(), "--hull", &hull, "--diagnose", "--json", "-"].into_iter().chain(given).collect();
@@ -158,9 +158,9 @@ fn what_is_relevant_is_the_users_to_say() {
         json["hulls"][0]["diagnosis"]["verdict"].as_str().unwrap().to_owned()
     };
     // SUBOFF's lift departs from a straight line by a fifth of a coefficient at most.
-    assert_ne!(verdict(&told(&["CL=0.01"])), "none");
-    assert_eq!(verdict(&told(&["CL=1", "CD=1", "CM=1"])), "none");
-    let wrong = told(&["lift=1"]);
+    assert_ne!(verdict(&reduced(&["CL=0.01"])), "none");
+    assert_eq!(verdict(&reduced(&["CL=1", "CD=1", "CM=1"])), "none");
+    let wrong = reduced(&["lift=1"]);
     assert_eq!(wrong.status.code(), Some(2));
     assert!(text(&wrong.stderr).contains("--relevant") && text(&wrong.stderr).contains("CL=0.005"));
 }

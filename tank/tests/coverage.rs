@@ -26,7 +26,7 @@ fn collect(seeds: std::ops::Range<u64>, hulls: &[&str]) -> (Misses, usize) {
         let slopes = [("a", &trend.a), ("b", &trend.b), ("c", &trend.c), ("d", &trend.d)];
         let t = truth.trend;
         for ((name, slope), truth) in slopes.into_iter().zip([t.a_per_ldr, t.b_per_ldr, t.c_per_ldr, t.d_per_ldr]) {
-            let miss = Miss::of(&format!("trend of {name}"), &slope.slope_per_ldr, truth);
+            let miss = Miss::new(&format!("trend of {name}"), &slope.slope_per_ldr, truth);
             all.entry(miss.name.clone()).or_default().push(miss);
         }
     }
@@ -48,7 +48,7 @@ fn median_error(misses: &[Miss]) -> f64 {
 #[test]
 #[ignore = "200 campaigns, some minutes"]
 fn intervals_hold_their_promise() {
-    let number = |name: &str, usual: u64| std::env::var(name).ok().and_then(|n| n.parse().ok()).unwrap_or(usual);
+    let number = |name: &str, default: u64| std::env::var(name).ok().and_then(|n| n.parse().ok()).unwrap_or(default);
     let (first, seeds) = (number("COVERAGE_FIRST", 1), number("COVERAGE_SEEDS", 200));
     let (all, warned) = collect(first..first + seeds, &[]);
     println!("{seeds} campaigns, {warned} with warnings");

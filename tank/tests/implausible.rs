@@ -11,7 +11,7 @@ fn warned(results: &Results, words: &[&str]) -> bool {
 }
 
 #[test]
-fn one_spike_is_left_out_and_told() {
+fn one_spike_is_left_out_and_reported() {
     let spoilt = Spoilt::new(12);
     let whole = reduce(&spoilt.folder);
     assert!(!warned(&whole, &["spike"]) && !warned(&whole, &["lead to expect"]), "{:?}", whole.warnings);

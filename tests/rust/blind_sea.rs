@@ -103,8 +103,8 @@ fn a_jump_in_the_middle_of_a_leg_is_found_to_some_minutes() {
         let cause = found.causes.first().expect("a cause");
         assert_eq!(cause.cause, "drag_step", "seed {seed}");
         for (parameter, size) in sizes {
-            let told = &cause.parameters[parameter];
-            assert!((told.value - size).abs() < 3.0 * told.se, "seed {seed}: {parameter} {size}: {told:?}");
+            let estimate = &cause.parameters[parameter];
+            assert!((estimate.value - size).abs() < 3.0 * estimate.se, "seed {seed}: {parameter} {size}: {estimate:?}");
         }
         // A leg takes some 25 minutes.
         let [from_s, to_s] = cause.parameters["step_time_s"].ci95;

@@ -248,7 +248,7 @@ fn the_hidden_effect_is_named() {
 }
 
 #[test]
-fn what_steady_runs_cannot_show_is_said_to_be_unseen_and_nothing_is_named() {
+fn what_steady_runs_cannot_show_is_reported_as_not_identifiable_and_nothing_is_named() {
     for effect in UNSEEN {
         let answer = blind(effect, 21);
         assert_eq!(answer.first(), "none", "{effect}");
@@ -294,7 +294,7 @@ fn nothing_is_said_of_tanks_of_another_kind_in_which_nothing_is_hidden() {
 #[test]
 #[ignore = "dozens of campaigns"]
 fn nothing_hidden_in_many_tanks() {
-    let number = |name: &str, usual: u64| std::env::var(name).ok().and_then(|n| n.parse().ok()).unwrap_or(usual);
+    let number = |name: &str, default: u64| std::env::var(name).ok().and_then(|n| n.parse().ok()).unwrap_or(default);
     let (first, seeds) = (number("BLIND_FIRST", 1000), number("BLIND_SEEDS", 60));
     let (mut said, mut held, mut intervals) = (BTreeMap::new(), 0, 0);
     for seed in first..first + seeds {

@@ -66,7 +66,7 @@ struct Answer {
 }
 
 impl Answer {
-    fn of(effect: &'static str, seed: u64, speed: bool) -> Answer {
+    fn diagnose(effect: &'static str, seed: u64, speed: bool) -> Answer {
         let effects = catalogue::parse_requests(effect).expect("an effect of the virtual sea");
         let sea = generate(&Options { effects, speed, ..Options::seeded(seed) });
         let folder = tempfile::tempdir().expect("a folder");
@@ -80,7 +80,7 @@ impl Answer {
         let covered = parameters
             .filter_map(|parameter| Some((sea.truth.parameter(parameter)?, first?.parameters.get(*parameter)?)))
             // A time constant is one of a few, of which each stands for a range.
-            .map(|(size, told)| told.ci95[0] <= size && size <= told.ci95[1])
+            .map(|(size, estimate)| estimate.ci95[0] <= size && size <= estimate.ci95[1])
             .collect();
         let causes: Vec<(String, Vec<String>)> =
             found.causes.iter().map(|cause| (cause.cause.clone(), cause.indistinguishable_from.clone())).collect();
@@ -203,7 +203,7 @@ struct Tally {
 }
 
 impl Tally {
-    fn of<'a>(answers: impl Iterator<Item = &'a Answer>) -> Tally {
+    fn count<'a>(answers: impl Iterator<Item = &'a Answer>) -> Tally {
         let mut sum = Tally::default();
         for answer in answers {
             sum.logs += 1;
@@ -244,7 +244,7 @@ impl Tally {
 fn an_effect_outside_the_catalogue_gets_no_name() {
     let wrong: Vec<String> = ["uncatalogued-compass-pitch", "uncatalogued-layer", "uncatalogued-tide"]
         .into_iter()
-        .map(|effect| Answer::of(effect, 31, true))
+        .map(|effect| Answer::diagnose(effect, 31, true))
         .filter(|answer| !answer.causes.is_empty())
         .map(|answer| format!("{} was called {}", answer.effect, answer.said))
         .collect();
@@ -275,9 +275,9 @@ fn the_table_of_confusions() {
             }
             let answers = answers(&effects, first..first + seeds, speed);
             for effect in &effects {
-                Tally::of(answers.iter().filter(|answer| answer.effect == *effect)).row(effect);
+                Tally::count(answers.iter().filter(|answer| answer.effect == *effect)).row(effect);
             }
-            let all = Tally::of(answers.iter());
+            let all = Tally::count(answers.iter());
             all.row(&format!("all of {part}"));
             for answer in
                 answers.iter().filter(|answer| answer.wrong_names() > 0 || !answer.is_right() && answer.is_relevant)
@@ -321,7 +321,7 @@ fn answers(effects: &[&'static str], seeds: std::ops::Range<u64>, speed: bool) -
         for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
             scope.spawn(|| {
                 while let Some((effect, seed)) = tasks.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let answer = Answer::of(effect, *seed, speed);
+                    let answer = Answer::diagnose(effect, *seed, speed);
                     found.lock().expect("the answers").push(answer);
                 }
             });

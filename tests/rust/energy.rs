@@ -4,7 +4,7 @@ use glidepolar_tests::{Built, measured_data};
 use std::process::Command;
 
 #[test]
-fn a_dive_that_was_not_seen_is_foretold_within_five_per_cent_of_its_charge() {
+fn a_held_out_dive_is_predicted_within_five_per_cent_of_its_charge() {
     let (Some(program), Some(data)) = (Built::Glidepolar.path(), measured_data()) else {
         return;
     };

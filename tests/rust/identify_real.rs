@@ -32,7 +32,7 @@ const COMET: [&str; 8] = [
 ];
 
 #[test]
-fn comet_speed_and_vertical_velocity_on_dives_that_were_not_seen() {
+fn comet_speed_and_vertical_velocity_on_held_out_dives() {
     let Some(found) = run(&COMET) else { return };
     let of = |which: &str| number(&found["fit"][which]);
     // An independent fit has 8.5 to 10.7 and 5.6 to 5.9 mm/s.
@@ -42,7 +42,7 @@ fn comet_speed_and_vertical_velocity_on_dives_that_were_not_seen() {
     // The build-up has 21.1 +- 3.0; the descent on which the Doppler log had lost the water would make it 18 +- 2.
     let a = &found["parameters"]["a"];
     assert!((number(&a["value"]) - 21.1).abs() < 3.0 && number(&a["se"]) < 1.0, "{a}");
-    // Battery and ballast move together on this glider: the arm of the ballast cannot be told, and d with it.
+    // Battery and ballast move together on this glider: the arm of the ballast cannot be estimate, and d with it.
     assert_eq!(found["identifiable"]["d"], false);
 }
 
@@ -80,8 +80,8 @@ fn comet_without_speed_does_not_tell_the_lift_slope() {
     let pin = &found["pinned"]["a"];
     // The error of the build-up goes to b and c, most of it to c; b's interval then holds what the measured speed says.
     let Some(with_speed) = run(&COMET) else { return };
-    let (b, told) = (&found["parameters"]["b"]["ci95"], number(&with_speed["parameters"]["b"]["value"]));
-    assert!(number(&b[0]) < told && told < number(&b[1]), "{told} in {b}");
+    let (b, estimate) = (&found["parameters"]["b"]["ci95"], number(&with_speed["parameters"]["b"]["value"]));
+    assert!(number(&b[0]) < estimate && estimate < number(&b[1]), "{estimate} in {b}");
     assert!(number(&pin["se"]) > 2.0 && number(&pin["moves"]["c"]) > 5.0, "{pin}");
     assert!((number(&pin["value"]) - 21.0).abs() < 1.0 && pin["reason"].as_str().is_some(), "{pin}");
     // The profile shows why: from 0.8 to 2.6 times that lift slope w hardly changes while the speed goes.

@@ -33,7 +33,7 @@ enum Owner {
 struct Trial {
     judged: BTreeMap<&'static str, Judged>,
     /// Whether it says that something is missing in the model.
-    doubts: bool,
+    warns: bool,
 }
 
 /// One trial.
@@ -61,7 +61,7 @@ fn judge(seed: u64, speed: bool, owner: Owner) -> Result<Trial, IdentifyError> {
     let request = Request { trim: Trim::Vehicle, free: Vec::new(), pin: Vec::new(), unsteady: None };
     let found = identify(&vehicle, &log.observations, &request)?;
     let report = found.report(&vehicle, log.w_filter, log.notes);
-    let doubts = report.warnings.iter().any(|warning| warning.contains("how the data are weighed"));
+    let warns = report.warnings.iter().any(|warning| warning.contains("how the data are weighed"));
     let judged = [("a", truth.a_per_rad), ("b", truth.b), ("c", truth.c_per_rad2), ("d", truth.d_per_rad)]
         .into_iter()
         .filter_map(|(name, truth)| {
@@ -71,7 +71,7 @@ fn judge(seed: u64, speed: bool, owner: Owner) -> Result<Trial, IdentifyError> {
             Some((name, Judged { z: (q.value - truth) / q.se, off: q.value / truth - 1.0, held, is_pinned }))
         })
         .collect();
-    Ok(Trial { judged, doubts })
+    Ok(Trial { judged, warns })
 }
 
 /// A normal number of unit variance that goes with the seed: Box and Muller on two numbers of a Weyl sequence.
@@ -85,12 +85,12 @@ fn normal(seed: u64) -> f64 {
 fn with_measured_speed_a_and_b_lie_where_their_errors_say() {
     let mut squares = Vec::new();
     let mut held = 0;
-    let mut doubted = 0;
+    let mut warned = 0;
     for seed in 101..107 {
-        let Trial { judged: found, doubts } = judge(seed, true, Owner::AsWritten).expect("a fit");
-        doubted += u32::from(doubts);
+        let Trial { judged: found, warns } = judge(seed, true, Owner::AsWritten).expect("a fit");
+        warned += u32::from(warns);
         for name in ["a", "b"] {
-            let judged = found.get(name).unwrap_or_else(|| panic!("seed {seed}: {name} was not told"));
+            let judged = found.get(name).unwrap_or_else(|| panic!("seed {seed}: {name} was not reported"));
             squares.push(judged.z * judged.z);
             held += u32::from(judged.held);
         }
@@ -100,7 +100,7 @@ fn with_measured_speed_a_and_b_lie_where_their_errors_say() {
     assert!((0.3..2.0).contains(&rms), "root mean square {rms:.2} standard errors");
     assert!(held >= 9, "{held} of 12 intervals hold the truth");
     // The model is the sea's own.
-    assert!(doubted <= 1, "{doubted} of 6 fits are said to lack something");
+    assert!(warned <= 1, "{warned} of 6 fits are said to lack something");
 }
 
 #[test]
@@ -133,11 +133,11 @@ fn coverage_over_many_seeds() {
     ] {
         println!("{what}");
         let mut all: BTreeMap<(&str, bool), Vec<Judged>> = BTreeMap::new();
-        let mut doubted = 0;
+        let mut warned = 0;
         for seed in 1000..1000 + seeds {
             match judge(seed, speed, owner) {
                 Ok(found) => {
-                    doubted += u32::from(found.doubts);
+                    warned += u32::from(found.warns);
                     found.judged.into_iter().for_each(|(name, judged)| {
                         all.entry((name, judged.is_pinned)).or_default().push(judged);
                     });
@@ -145,7 +145,7 @@ fn coverage_over_many_seeds() {
                 Err(error) => println!("  seed {seed}: {error}"),
             }
         }
-        println!("  said to lack something: {doubted} of {seeds}");
+        println!("  said to lack something: {warned} of {seeds}");
         for ((name, is_pinned), judged) in all {
             let n = judged.len();
             let mean = |of: fn(&Judged) -> f64| judged.iter().map(of).sum::<f64>() / n as f64;

@@ -21,7 +21,7 @@ pub struct Failure {
 
 impl Failure {
     /// The parts of a command's error.
-    pub fn of(error: &CliError) -> Self {
+    pub fn new(error: &CliError) -> Self {
         match error {
             CliError::Input(error) => Self::at("InputError", error),
             CliError::Output(OutputError(error)) => Self::at("OutputError", error),

@@ -42,7 +42,7 @@ type Channels<'py> = (Bound<'py, PyDict>, Vec<String>, Vec<String>);
 fn run(py: Python<'_>, arguments: Vec<String>) -> PyResult<Outcome> {
     let done = in_a_thread(py, move || {
         let (done, kept) = captured(|| as_command(&arguments, || command(&arguments)));
-        done.map(|()| (kept.json, kept.lines, kept.warnings)).map_err(|error| Failure::of(&error))
+        done.map(|()| (kept.json, kept.lines, kept.warnings)).map_err(|error| Failure::new(&error))
     })?;
     done.map_err(|failure| failure.raised(py))
 }
@@ -67,7 +67,7 @@ fn read<'py>(
 ) -> PyResult<Channels<'py>> {
     let read = in_a_thread(py, move || {
         let columns = self::columns(&columns, &units, &caches, speed.as_deref())?;
-        channels(&files, &columns).map_err(|error| Failure::of(&error.into()))
+        channels(&files, &columns).map_err(|error| Failure::new(&error.into()))
     })?;
     let (log, notes, warnings) = read.map_err(|failure| failure.raised(py))?;
     let found = PyDict::new(py);
@@ -96,7 +96,7 @@ fn channels(files: &[PathBuf], columns: &Columns) -> Result<(FlightLog, Vec<Stri
 }
 
 fn columns(choices: &[String], units: &[String], caches: &[PathBuf], speed: Option<&str>) -> Result<Columns, Failure> {
-    let usage = |problem: String| Failure::of(&CliError::Usage(problem));
+    let usage = |problem: String| Failure::new(&CliError::Usage(problem));
     let mut columns = Columns::default();
     choices.iter().try_for_each(|choice| columns.choose_text(choice)).map_err(usage)?;
     units.iter().try_for_each(|unit| columns.unit_text(unit)).map_err(usage)?;

@@ -52,5 +52,5 @@ pub fn vehicle_keys() -> Vec<(&'static str, &'static str, &'static str)> {
 }
 
 fn raised(py: Python<'_>, error: CliError) -> PyErr {
-    Failure::of(&error).raised(py)
+    Failure::new(&error).raised(py)
 }

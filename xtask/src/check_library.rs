@@ -89,7 +89,7 @@ pub fn is_built_for(library: &[u8], platform: &Platform) -> bool {
 /// What keeps a Linux library from loading on a machine with [`OLDEST_GLIBC`] and nothing beside it, in words; empty if
 /// nothing does.
 pub fn portability_faults(library: &[u8]) -> Result<Vec<String>> {
-    let needs = Needs::of(library)?;
+    let needs = Needs::read(library)?;
     let mut faults = Vec::new();
     for library in &needs.libraries {
         if !PARTS_OF_GLIBC.iter().any(|part| library.starts_with(part)) {
@@ -114,7 +114,7 @@ pub fn portability_faults(library: &[u8]) -> Result<Vec<String>> {
 
 /// The newest numbered version of the C library that a Linux library asks for.
 pub fn newest_glibc(library: &[u8]) -> Result<Option<GlibcVersion>> {
-    Ok(Needs::of(library)?.versions.keys().filter_map(|name| GlibcVersion::parse(name)).max())
+    Ok(Needs::read(library)?.versions.keys().filter_map(|name| GlibcVersion::parse(name)).max())
 }
 
 /// What an ELF library asks the loader for.
@@ -126,7 +126,7 @@ struct Needs {
 }
 
 impl Needs {
-    fn of(library: &[u8]) -> Result<Self> {
+    fn read(library: &[u8]) -> Result<Self> {
         let file = ElfFile64::<Endianness>::parse(library).context("not a 64-bit ELF library")?;
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
 
@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn a_program_is_told_from_one_for_another_platform() {
+    fn a_program_is_distinguished_from_one_for_another_platform() {
         let program = std::fs::read(std::env::current_exe().unwrap()).unwrap();
         let host = Platform::host().unwrap();
         for platform in &PLATFORMS {

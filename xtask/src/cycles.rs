@@ -24,7 +24,7 @@ pub fn run(workspace: &Workspace, except: &[String]) -> Result<()> {
     let mut n_files = 0;
     for root in &roots {
         let tree = module::Tree::read(root)?;
-        let graph = graph::Graph::of(&tree);
+        let graph = graph::Graph::new(&tree);
         n_files += graph.n_files();
         found.extend(graph.circles().into_iter().map(|circle| described(workspace, &circle)));
     }

@@ -17,7 +17,7 @@ struct Wanted {
     requirements: &'static str,
 }
 
-const USUAL: Wanted = Wanted { folder: "python", requirements: "tests/python/requirements.txt" };
+const TESTS: Wanted = Wanted { folder: "python", requirements: "tests/python/requirements.txt" };
 const PEERS: Wanted = Wanted { folder: "bench-python", requirements: "benches/peers/requirements.txt" };
 
 /// The oldest Python for which all pinned packages exist.
@@ -43,7 +43,7 @@ impl Python {
 
 /// Returns the environment, made anew if it is missing or was made from something else than what is wanted now.
 pub fn ensure(workspace: &Workspace) -> Result<Python> {
-    make(workspace, &USUAL)
+    make(workspace, &TESTS)
 }
 
 /// The same for the environment of the bench.

@@ -23,14 +23,14 @@ pub fn measure(context: &Context<'_>) -> Result<Part> {
          diagnosis does.",
     );
     for (log, goal) in GOALS {
-        if let Err(error) = of(context, &mut part, &log, goal) {
+        if let Err(error) = measure(context, &mut part, &log, goal) {
             part.row(Row::new(format!("diagnosis, {}", log.name), Unit::Seconds, Err(error)));
         }
     }
     Ok(part)
 }
 
-fn of(context: &Context<'_>, part: &mut Part, log: &Log, goal: f64) -> Result<()> {
+fn measure(context: &Context<'_>, part: &mut Part, log: &Log, goal: f64) -> Result<()> {
     let observations = log.read(context.root())?;
     let baseline = log.baseline(&observations)?;
     let problem =
@@ -41,7 +41,7 @@ fn of(context: &Context<'_>, part: &mut Part, log: &Log, goal: f64) -> Result<()
     let question = Question::new(baseline, log.free())?;
     let dives = by_dive(&observations);
     let evaluations = fit(&question, &mut dives.clone())?.evaluations;
-    let rounds = context.choice.size(Sized { quick: 1, usual: 3, full: 7 });
+    let rounds = context.choice.size(Sized { quick: 1, standard: 3, full: 7 });
     let [whole, look, single] = contest(
         rounds,
         [

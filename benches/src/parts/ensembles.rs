@@ -22,11 +22,11 @@ pub fn measure(context: &Context<'_>) -> Result<Part> {
     let (one, two) = (pool(1)?, pool(2)?);
     let sizes: &[usize] = context.choice.size(Sized {
         quick: &[100],
-        usual: &[100, 1_000, 10_000],
+        standard: &[100, 1_000, 10_000],
         full: &[100, 1_000, 10_000, 100_000],
     });
     for &missions in sizes {
-        let rounds = if missions >= 100_000 { 2 } else { context.choice.size(Sized { quick: 1, usual: 5, full: 7 }) };
+        let rounds = if missions >= 100_000 { 2 } else { context.choice.size(Sized { quick: 1, standard: 5, full: 7 }) };
         let fly_all = || (0..missions).into_par_iter().try_for_each(|mission| fly(&glider, mission));
         let [alone, both] = contest(
             rounds,
@@ -57,10 +57,10 @@ fn fly(glider: &Glider, mission: usize) -> Result<()> {
 }
 
 fn beside_dask(context: &Context<'_>, part: &mut Part, glider: &Glider) -> Result<()> {
-    let missions = context.choice.size(Sized { quick: 20, usual: 400, full: 2_000 });
+    let missions = context.choice.size(Sized { quick: 20, standard: 400, full: 2_000 });
     let mut peer = Peer::start(context.python(), context.root(), "fmpy_ensemble.py", &[context.fmu(Standard::Fmi3)?])?;
     let two = rayon::ThreadPoolBuilder::new().num_threads(2).build()?;
-    let rounds = context.choice.size(Sized { quick: 1, usual: 5, full: 7 });
+    let rounds = context.choice.size(Sized { quick: 1, standard: 5, full: 7 });
     let [ours, theirs] = contest(
         rounds,
         [

@@ -87,17 +87,17 @@ pub fn costs() -> Costs {
 
 /// The floor: operations times their cost.
 pub fn seconds(counted: &Tally, costs: &Costs) -> Samples {
-    Samples::one(KINDS.iter().zip(costs).map(|(kind, cost)| counted.of(*kind) as f64 * cost.least()).sum())
+    Samples::one(KINDS.iter().zip(costs).map(|(kind, cost)| counted.count(*kind) as f64 * cost.least()).sum())
 }
 
 /// How many of what, in words.
 pub fn words(counted: &Tally) -> String {
-    let told: Vec<String> = KINDS
+    let parts: Vec<String> = KINDS
         .iter()
-        .filter(|kind| counted.of(**kind) > 0)
-        .map(|kind| format!("{} {}", counted.of(*kind), kind.words()))
+        .filter(|kind| counted.count(**kind) > 0)
+        .map(|kind| format!("{} {}", counted.count(*kind), kind.words()))
         .collect();
-    told.join(", ")
+    parts.join(", ")
 }
 
 /// What each costs, in words.
@@ -231,7 +231,7 @@ mod tests {
         let root = DualNum::sqrt(&b);
         c = -c.abs();
         let counted = Tally::now().since(&before);
-        let of = |kind| counted.of(kind);
+        let of = |kind| counted.count(kind);
         // Changes of sign are bit masks and cost next to nothing.
         assert_eq!((of(Kind::Multiply), of(Kind::Add), of(Kind::Divide), of(Kind::SquareRoot)), (2, 3, 1, 1));
         assert!((c.value() + 6.0 + 1.0 - 2.0 / 3.0 + 4.0).abs() < 1e-14 && root.value() == 3f64.sqrt());
@@ -253,8 +253,8 @@ mod tests {
             assert_eq!(counted.as_array().map(Number::value), plain.as_array());
         }
         let (few, many) = (count(&Parameters::default()), count(&every_mechanism()));
-        assert!(few.of(Kind::Multiply) > 50 && few.of(Kind::ArcTangent) == 1 && few.of(Kind::SineCosine) == 1);
-        assert!(many.of(Kind::Exponential) == 1 && many.of(Kind::Logarithm) == 1);
+        assert!(few.count(Kind::Multiply) > 50 && few.count(Kind::ArcTangent) == 1 && few.count(Kind::SineCosine) == 1);
+        assert!(many.count(Kind::Exponential) == 1 && many.count(Kind::Logarithm) == 1);
     }
 
     #[test]

@@ -61,7 +61,7 @@ fn compile_oscillator(context: &Context<'_>) -> Result<PathBuf> {
 
 /// One call, one right-hand side, one instance: beside the oscillator.
 fn calls(context: &Context<'_>, part: &mut Part, name: &str, glider: &Glider, oscillator: Option<&Fmu>) -> Result<()> {
-    let n = context.choice.size(Sized { quick: 2_000, usual: 50_000, full: 200_000 });
+    let n = context.choice.size(Sized { quick: 2_000, standard: 50_000, full: 200_000 });
     let rounds = context.choice.rounds();
     let absent = || anyhow::anyhow!("the van der Pol FMU is missing");
     let exchange = glider.fmu.begin(Interface::ModelExchange, TOLERANCE)?;
@@ -183,7 +183,7 @@ fn space_beside_plane(context: &Context<'_>, part: &mut Part, name: &str, plane:
 
 /// The equations alone, in plain numbers, beside the arithmetic that they consist of.
 fn right_hand_side(context: &Context<'_>, part: &mut Part) {
-    let n = context.choice.size(Sized { quick: 2_000, usual: 100_000, full: 400_000 });
+    let n = context.choice.size(Sized { quick: 2_000, standard: 100_000, full: 400_000 });
     for (what, parameters) in [("plain", Parameters::default()), ("every mechanism at work", floor::every_mechanism())]
     {
         let begin = start(&parameters);
@@ -215,9 +215,9 @@ fn right_hand_side(context: &Context<'_>, part: &mut Part) {
 }
 
 fn voyages(context: &Context<'_>, part: &mut Part) -> Result<()> {
-    let days = context.choice.size(Sized { quick: 0.25, usual: VOYAGE_DAYS, full: VOYAGE_DAYS });
+    let days = context.choice.size(Sized { quick: 0.25, standard: VOYAGE_DAYS, full: VOYAGE_DAYS });
     let legs = (days * LEGS_PER_DAY).floor() as usize;
-    let rounds = context.choice.size(Sized { quick: 1, usual: 3, full: 7 });
+    let rounds = context.choice.size(Sized { quick: 1, standard: 3, full: 7 });
     let (three, two) = (context.glider(Standard::Fmi3)?, context.glider(Standard::Fmi2)?);
     let fly = |glider: &Glider, step_s: f64| -> Result<()> {
         let instance = glider.fmu.begin(Interface::CoSimulation, TOLERANCE)?;
@@ -259,8 +259,8 @@ fn beside_python(context: &Context<'_>, part: &mut Part) -> Result<()> {
             .ask(&json!({"fmu": fmu, "legs": legs, "leg_s": LEG_S, "step_s": step_s, "tolerance": TOLERANCE}))
     };
     let seconds = |fmu, legs, step_s| number(&ask(fmu, legs, step_s)?, "seconds");
-    let (ours_legs, their_legs) = context.choice.size(Sized { quick: (4, 2), usual: (200, 4), full: (1000, 10) });
-    let rounds = context.choice.size(Sized { quick: 1, usual: 5, full: 9 });
+    let (ours_legs, their_legs) = context.choice.size(Sized { quick: (4, 2), standard: (200, 4), full: (1000, 10) });
+    let rounds = context.choice.size(Sized { quick: 1, standard: 5, full: 9 });
 
     // A ratio of things that are not the same would mean nothing.
     let reference = states(&ask(0, 2, LEG_S)?)?;
@@ -337,7 +337,7 @@ fn states(answer: &serde_json::Value) -> Result<Flown> {
 }
 
 fn distance(reference: &Flown, found: &Flown) -> Result<f64> {
-    ensure!(reference.0.len() == GLIDER_STATES && found.0.len() == GLIDER_STATES, "not all states were told");
+    ensure!(reference.0.len() == GLIDER_STATES && found.0.len() == GLIDER_STATES, "not all states were reported");
     let scaled = reference.0.iter().zip(&found.0).zip(&reference.1).map(|((a, b), nominal)| (a - b).abs() / nominal);
     Ok(scaled.fold(0.0, f64::max))
 }

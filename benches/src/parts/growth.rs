@@ -34,14 +34,14 @@ pub fn measure(context: &Context<'_>) -> Result<Part> {
 fn samples(context: &Context<'_>, part: &mut Part) -> Result<()> {
     let sizes: &[usize] = context.choice.size(Sized {
         quick: &[1_000, 4_000],
-        usual: &[3_000, 10_000, 30_000, 100_000, 300_000, 1_000_000],
+        standard: &[3_000, 10_000, 30_000, 100_000, 300_000, 1_000_000],
         full: &[3_000, 10_000, 30_000, 100_000, 300_000, 1_000_000, 3_000_000, 10_000_000],
     });
     let mut points = (Vec::new(), Vec::new());
     let (mut passes, mut evaluations) = (Vec::new(), Vec::new());
     for &n in sizes {
         let (mut seconds, mut bytes, mut pass) = (Samples::default(), Samples::default(), Samples::default());
-        for _ in 0..context.choice.size(Sized { quick: 1, usual: 3, full: 3 }) {
+        for _ in 0..context.choice.size(Sized { quick: 1, standard: 3, full: 3 }) {
             let answer = work("fit", n, &[context.root()])?;
             let (s, b) = time_and_memory(&answer)?;
             seconds.push(s);
@@ -58,7 +58,7 @@ fn samples(context: &Context<'_>, part: &mut Part) -> Result<()> {
         Row::new("slope of the time of one pass against samples", Unit::Count, Ok(Samples::one(passes.slope())));
     part.row(slope);
     let in_passes: Vec<f64> = points.0.iter().zip(&passes.points).map(|((_, fit), (_, pass))| fit / pass).collect();
-    told(part, "samples", "joint fit of three parameters, two cores", "Steady samples", points, vec![passes]);
+    report(part, "samples", "joint fit of three parameters, two cores", "Steady samples", points, vec![passes]);
     evaluations.dedup();
     let listed: Vec<String> = sizes
         .iter()
@@ -99,7 +99,7 @@ fn mechanisms(context: &Context<'_>, part: &mut Part) -> Result<()> {
         found.grams = vec![Gram::new(n); dives.len()];
         let mut pass = whole_pass(&found, &mut dives);
         let mut seconds = Samples::default();
-        for _ in 0..context.choice.size(Sized { quick: 3, usual: 25, full: 101 }) {
+        for _ in 0..context.choice.size(Sized { quick: 3, standard: 25, full: 101 }) {
             seconds.push(pass());
         }
         points.push((n as f64, seconds.median()));
@@ -122,7 +122,7 @@ fn mechanisms(context: &Context<'_>, part: &mut Part) -> Result<()> {
 fn runs(context: &Context<'_>, part: &mut Part) -> Result<()> {
     let sizes: &[f64] = context.choice.size(Sized {
         quick: &[3.0, 6.0],
-        usual: &[10.0, 30.0, 100.0, 300.0],
+        standard: &[10.0, 30.0, 100.0, 300.0],
         full: &[10.0, 30.0, 100.0, 300.0, 1000.0],
     });
     let mut points = (Vec::new(), Vec::new());
@@ -133,7 +133,7 @@ fn runs(context: &Context<'_>, part: &mut Part) -> Result<()> {
         points.0.push((megabytes, seconds));
         points.1.push((megabytes, bytes / 1e6));
     }
-    told(part, "runs", "reduction of a campaign, two cores", "Size of the campaign [MB]", points, vec![]);
+    report(part, "runs", "reduction of a campaign, two cores", "Size of the campaign [MB]", points, vec![]);
     Ok(())
 }
 
@@ -141,7 +141,7 @@ fn runs(context: &Context<'_>, part: &mut Part) -> Result<()> {
 fn instances(context: &Context<'_>, part: &mut Part) -> Result<()> {
     let sizes: &[usize] = context.choice.size(Sized {
         quick: &[100, 1_000],
-        usual: &[100, 300, 1_000, 3_000, 10_000, 30_000],
+        standard: &[100, 300, 1_000, 3_000, 10_000, 30_000],
         full: &[100, 300, 1_000, 3_000, 10_000, 30_000, 100_000],
     });
     let mut points = (Vec::new(), Vec::new());
@@ -153,14 +153,14 @@ fn instances(context: &Context<'_>, part: &mut Part) -> Result<()> {
     if let Some((n, megabytes)) = points.1.last() {
         part.row(Row::new("memory of an FMU instance", Unit::Bytes, Ok(Samples::one(megabytes * 1e6 / n))));
     }
-    told(part, "instances", "instantiate, initialise, one step of 1 s", "Instances alive at once", points, vec![]);
+    report(part, "instances", "instantiate, initialise, one step of 1 s", "Instances alive at once", points, vec![]);
     Ok(())
 }
 
 type Points = Vec<(f64, f64)>;
 
 /// Two slopes and one figure, with `more` curves of time.
-fn told(part: &mut Part, name: &str, label: &str, axis: &str, (time, memory): (Points, Points), more: Vec<Curve>) {
+fn report(part: &mut Part, name: &str, label: &str, axis: &str, (time, memory): (Points, Points), more: Vec<Curve>) {
     let curve = |points| Curve { label: label.to_owned(), points };
     let (time, memory) = (curve(time), curve(memory));
     for (what, curve) in [("time", &time), ("memory", &memory)] {

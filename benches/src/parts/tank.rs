@@ -23,9 +23,9 @@ pub fn measure(context: &Context<'_>) -> Result<Part> {
          process of its own; the time is without the start of the process, the memory with it.",
     );
     let sizes: &[f64] =
-        context.choice.size(Sized { quick: &[3.0], usual: &[10.0, 100.0], full: &[10.0, 100.0, 1000.0] });
+        context.choice.size(Sized { quick: &[3.0], standard: &[10.0, 100.0], full: &[10.0, 100.0, 1000.0] });
     for megabytes in sizes {
-        if let Err(error) = of(context, &mut part, *megabytes) {
+        if let Err(error) = measure(context, &mut part, *megabytes) {
             part.row(Row::new(format!("{megabytes:.0} MB"), Unit::Seconds, Err(error)));
         }
     }
@@ -42,13 +42,13 @@ pub fn campaign(context: &Context<'_>, megabytes: f64) -> Result<tempfile::TempD
     Ok(folder)
 }
 
-fn of(context: &Context<'_>, part: &mut Part, megabytes: f64) -> Result<()> {
+fn measure(context: &Context<'_>, part: &mut Part, megabytes: f64) -> Result<()> {
     let folder = campaign(context, megabytes)?;
     let runs = folder.path().join("pmm_runs");
     let rounds = match megabytes {
         size if size > 500.0 => 2,
-        size if size > 50.0 => context.choice.size(Sized { quick: 1, usual: 3, full: 5 }),
-        _ => context.choice.size(Sized { quick: 1, usual: 5, full: 7 }),
+        size if size > 50.0 => context.choice.size(Sized { quick: 1, standard: 3, full: 5 }),
+        _ => context.choice.size(Sized { quick: 1, standard: 5, full: 7 }),
     };
     let mut memories: [Samples; 4] = Default::default();
     let mut values: [Option<Value>; 2] = [None, None];

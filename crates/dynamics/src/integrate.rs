@@ -145,7 +145,7 @@ impl<S: System> glidepolar_ode::System<N_STATES, N_FELT, N_EVENTS> for InPlane<'
     }
 
     fn slopes(&self, time_s: f64, state: &[f64; N_STATES]) -> Slopes<N_STATES, N_FELT> {
-        Slopes::of(time_s, state, (Self::FIRST_FELT, &Self::NOMINALS), |time_s, state| {
+        Slopes::new(time_s, state, (Self::FIRST_FELT, &Self::NOMINALS), |time_s, state| {
             self.0.linearised(time_s, &State::from_array(state)).as_array()
         })
     }

@@ -97,7 +97,7 @@ pub fn event_indicators<T: Number>(
 
 /// The modes that belong to this state, and the state itself where an event makes it jump: a moving mass that runs
 /// into its stop hands its momentum to the hull.
-pub fn settle(
+pub fn apply(
     parameters: &Parameters<f64>,
     actuation: Actuation,
     modes: Modes,
@@ -108,14 +108,14 @@ pub fn settle(
     if actuation == Actuation::Servo {
         return (Modes::default(), *state);
     }
-    let mut settled = *state;
-    let ballast = settle_ballast(parameters, &mut settled, inputs);
+    let mut limited = *state;
+    let ballast = limit_ballast(parameters, &mut limited, inputs);
     let mut modes = Modes { ballast, ..modes };
 
     let (low, high) = (parameters.moving_mass_min_m, parameters.moving_mass_max_m);
-    let speed = derivative(parameters, actuation, modes, time_s, &settled, inputs).moving_mass_1_m;
+    let speed = derivative(parameters, actuation, modes, time_s, &limited, inputs).moving_mass_1_m;
     // By where the mass is, not by where it was held: a limit may have moved meanwhile.
-    let (position, held) = (settled.moving_mass_1_m, modes.moving_mass);
+    let (position, held) = (limited.moving_mass_1_m, modes.moving_mass);
     let slack = |stop| if held == stop { HELD_WITHIN_M } else { 0.0 };
     modes.moving_mass = if position <= low + slack(Stop::AtMin) && (held == Stop::AtMin || speed <= 0.0) {
         Stop::AtMin
@@ -125,7 +125,7 @@ pub fn settle(
         Stop::Free
     };
     // One that leaves, too, begins on its own side of the stop.
-    settled.moving_mass_1_m = match modes.moving_mass {
+    limited.moving_mass_1_m = match modes.moving_mass {
         Stop::AtMin => low,
         Stop::AtMax => high,
         Stop::Free if position < low => low,
@@ -133,8 +133,8 @@ pub fn settle(
         Stop::Free => position,
     };
     if modes.moving_mass != Stop::Free {
-        stop_moving_mass(parameters, actuation, &mut settled, speed);
-        let outward = inputs.u1_N - holding_force_1_N(parameters, actuation, time_s, &settled, inputs);
+        stop_moving_mass(parameters, actuation, &mut limited, speed);
+        let outward = inputs.u1_N - holding_force_1_N(parameters, actuation, time_s, &limited, inputs);
         let leaves = match modes.moving_mass {
             Stop::AtMin => outward > RELEASE,
             _ => outward < -RELEASE,
@@ -143,10 +143,10 @@ pub fn settle(
             modes.moving_mass = Stop::Free;
         }
     }
-    (modes, settled)
+    (modes, limited)
 }
 
-fn settle_ballast(parameters: &Parameters<f64>, state: &mut State<f64>, inputs: &Inputs<f64>) -> Stop {
+fn limit_ballast(parameters: &Parameters<f64>, state: &mut State<f64>, inputs: &Inputs<f64>) -> Stop {
     let (low, high) = (parameters.ballast_min_m3, parameters.ballast_max_m3);
     // The rounding of one conversion to volume and back must not open a closed stop again.
     let rounding = past_limit(low, high);

@@ -57,9 +57,9 @@ impl Glider {
     }
 
     /// Brings modes and state in line with each other, as after an event or a change of inputs.
-    pub fn settle(&mut self, time_s: f64, state: &mut State<f64>) {
+    pub fn apply_limits(&mut self, time_s: f64, state: &mut State<f64>) {
         let inputs = self.inputs_at(time_s);
-        (self.modes, *state) = limits::settle(&self.parameters, self.actuation, self.modes, time_s, state, &inputs);
+        (self.modes, *state) = limits::apply(&self.parameters, self.actuation, self.modes, time_s, state, &inputs);
     }
 
     /// Carries time and state to `end_s`, over every event on the way; `on_event` is told of each, after it has been
@@ -98,7 +98,7 @@ impl Glider {
             match integrator.follow(self, time_s, state, end_s, horizon_s)? {
                 Advance::Reached => return Ok(()),
                 Advance::Event(which) => {
-                    self.settle(*time_s, state);
+                    self.apply_limits(*time_s, state);
                     at_once = if *time_s - started_s < 1e-6 { at_once + 1 } else { 0 };
                     if !on_event(*time_s, state, which) {
                         return Ok(());

@@ -336,7 +336,7 @@ fn a_moving_mass_that_meets_its_stop_keeps_total_momentum() {
     state.momentum_1_kg_m_s += p.moving_mass_kg * 0.1;
     let (_, before) = invariants(&p, &state);
     let inputs = Inputs { u1_N: 10.0, ..water(&p) };
-    let (modes, after) = limits::settle(&p, Actuation::Raw, Modes::default(), 0.0, &state, &inputs);
+    let (modes, after) = limits::apply(&p, Actuation::Raw, Modes::default(), 0.0, &state, &inputs);
     assert_eq!(modes.moving_mass, Stop::AtMax);
     let (_, momentum) = invariants(&p, &after);
     assert!((momentum - before).abs() < 1e-12, "{before} became {momentum}");
@@ -375,7 +375,7 @@ fn left_at_the_surface_or_dropped_on_the_seabed_it_comes_to_rest() {
 }
 
 #[test]
-fn the_bends_of_the_servos_are_foreseen_where_they_are() {
+fn the_kinks_of_the_servos_are_predicted_where_they_are() {
     // By small steps of the very equations: when each servo leaves its largest rate.
     let p = Parameters::default();
     let start = start(&p);
@@ -390,9 +390,9 @@ fn the_bends_of_the_servos_are_foreseen_where_they_are() {
     };
     let (mut time, mut state, mut integrator) = (0.0, start.state, Integrator::new(1e-12));
     let mut found = [None; 2];
-    let mut foreseen = Vec::new();
+    let mut predicted = Vec::new();
     while time < 10.0 {
-        foreseen.extend(next_bend_s(&p, glider.actuation, time, &state, &glider.inputs));
+        predicted.extend(next_bend_s(&p, glider.actuation, time, &state, &glider.inputs));
         let before = left(&state);
         let begun = time;
         let mut flown = glider;
@@ -406,8 +406,8 @@ fn the_bends_of_the_servos_are_foreseen_where_they_are() {
         }
     }
     let expected = found.map(|found| found.expect("both run at their largest rate for a while"));
-    assert!(foreseen.len() > 100);
-    for bend in foreseen {
+    assert!(predicted.len() > 100);
+    for bend in predicted {
         assert!(expected.iter().any(|expected| (bend - expected).abs() < 1e-6), "{bend} of {expected:?}");
     }
     // A servo that gets a constant force has no bends.

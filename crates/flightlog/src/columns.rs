@@ -67,7 +67,7 @@ impl Columns {
     }
 
     /// The column chosen for a channel.
-    pub fn of(&self, channel: Channel) -> Option<&str> {
+    pub fn chosen(&self, channel: Channel) -> Option<&str> {
         self.chosen.iter().find(|(chosen, ..)| *chosen == channel).map(|(_, column, _)| column.as_str())
     }
 
@@ -105,8 +105,8 @@ mod tests {
     fn a_choice_by_another_name_states_the_unit() {
         let mut columns = Columns::default();
         columns.choose_text("pitch_deg=PITCH_CORR").unwrap();
-        assert_eq!(columns.of(Channel::Pitch), Some("PITCH_CORR"));
-        assert!((columns.unit(Channel::Pitch).unwrap().of(180.0) - std::f64::consts::PI).abs() < 1e-12);
+        assert_eq!(columns.chosen(Channel::Pitch), Some("PITCH_CORR"));
+        assert!((columns.unit(Channel::Pitch).unwrap().convert(180.0) - std::f64::consts::PI).abs() < 1e-12);
         columns.choose_text("pitch_rad=p").unwrap();
         assert_eq!(columns.unit(Channel::Pitch), None);
         assert!(columns.choose_text("pich_deg=p").unwrap_err().contains("pitch_deg"));
@@ -118,7 +118,7 @@ mod tests {
         columns.unit_text("pitch_rad=rad").unwrap();
         assert_eq!(columns.unit(Channel::Pitch), Some(Conversion::NONE));
         columns.unit_text("pitch=deg").unwrap();
-        assert!(columns.unit(Channel::Pitch).unwrap().of(90.0) < 1.6);
+        assert!(columns.unit(Channel::Pitch).unwrap().convert(90.0) < 1.6);
         let error = columns.unit_text("pitch_rad=furlong").unwrap_err();
         assert!(error.contains("furlong") && error.contains("deg, rad"), "{error}");
         assert!(columns.unit_text("pitch").is_err() && columns.unit_text("x=y").is_err());

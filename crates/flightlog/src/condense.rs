@@ -29,19 +29,19 @@ pub struct Condenser {
     held: Vec<Observation>,
     /// Means of 1, 2, 4 ... samples that wait for their neighbour; what they wait for is of the same leg.
     waiting: Vec<Option<Observation>>,
-    seen: usize,
+    count: usize,
 }
 
 impl Condenser {
     /// Holds no more than `most` observations, and few more for a moment.
     pub fn new(how: Shorten, most: usize) -> Self {
-        Condenser { how, most: most.max(2), halvings: 0, held: Vec::new(), waiting: Vec::new(), seen: 0 }
+        Condenser { how, most: most.max(2), halvings: 0, held: Vec::new(), waiting: Vec::new(), count: 0 }
     }
 
     /// Takes what has come, in the order of time; `batch` is empty afterwards.
     pub fn take(&mut self, batch: &mut Vec<Observation>) {
         for observation in batch.drain(..) {
-            self.seen += 1;
+            self.count += 1;
             match self.how {
                 Shorten::Dives => {
                     if observation.dive % (1 << self.halvings.min(31)) == 0 {
@@ -67,9 +67,9 @@ impl Condenser {
         let factor = 1u64 << self.halvings;
         let said = (self.halvings > 0).then(|| match self.how {
             Shorten::Means => {
-                format!("{} samples of a long log: steady neighbours of one leg averaged by up to {factor}", self.seen)
+                format!("{} samples of a long log: steady neighbours of one leg averaged by up to {factor}", self.count)
             }
-            Shorten::Dives => format!("{} samples of a long log: one dive in {factor} taken, whole", self.seen),
+            Shorten::Dives => format!("{} samples of a long log: one dive in {factor} taken, whole", self.count),
         });
         (self.held, said)
     }

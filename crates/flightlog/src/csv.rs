@@ -74,7 +74,7 @@ impl CsvLog {
             for column in &self.columns {
                 let cell = self.record.get(column.cell).unwrap_or(b"");
                 let date = || unix_s(std::str::from_utf8(cell).ok()?).filter(|_| column.channel == Channel::Time);
-                let read = number(cell).map(|value| column.conversion.of(value)).or_else(date);
+                let read = number(cell).map(|value| column.conversion.convert(value)).or_else(date);
                 let value = read.ok_or_else(|| {
                     let place = Place::line(&self.path, line).column(column.cell + 1);
                     not_a_number(place, &self.header[column.cell], cell)
@@ -178,7 +178,7 @@ pub(super) fn find_columns(
     let position = |name: &str| header.iter().position(|found| found == name);
     let mut columns = Vec::new();
     for info in CHANNELS {
-        if let Some(name) = wanted.of(info.channel) {
+        if let Some(name) = wanted.chosen(info.channel) {
             let cell = position(name).ok_or_else(|| {
                 let near = nearest(name, header.iter().map(String::as_str));
                 let error = InputError::new(Place::line(path, 1), format!("no column `{}`", printable(name)));
@@ -197,7 +197,7 @@ pub(super) fn find_columns(
         }
         // A unit that the table states goes before what a name says of it.
         let own = [info.name];
-        let known = names::of(info.channel).iter().chain(&own);
+        let known = names::known(info.channel).iter().chain(&own);
         let with_unit = known.filter_map(|name| {
             let cell = stated.iter().position(|(stem, unit)| unit.is_some() && stem.eq_ignore_ascii_case(name))?;
             Some((cell, units::conversion(info.channel, stated[cell].1.as_deref()?)?))

@@ -249,7 +249,7 @@ impl LogFiles {
     /// another volume then. All dives are counted from the `C_VBD` of the last.
     fn count_ballast_from_one_zero(&mut self, path: &Path, calibration: &Calibration, log: &mut FlightLog) {
         let (Some(reference), Some(own)) = (self.c_vbd_counts, calibration.c_vbd_counts) else { return };
-        if self.columns.of(Channel::Ballast).is_some() || own == reference {
+        if self.columns.chosen(Channel::Ballast).is_some() || own == reference {
             return;
         }
         let Some(shift) = calibration.ballast_shift_cc(reference) else { return };
@@ -266,7 +266,7 @@ impl LogFiles {
             Some(error) if !self.has_read => return Err(error),
             failed => self.failed = failed,
         }
-        if self.columns.of(Channel::Speed) == Some(ad2cp::NAME) && self.has_read && !self.has_speed {
+        if self.columns.chosen(Channel::Speed) == Some(ad2cp::NAME) && self.has_read && !self.has_speed {
             let why = self.notes.first().map(|note| format!("; {note}")).unwrap_or_default();
             let all =
                 InputError::new(Place::file("--speed-column ad2cp"), format!("no speed in any of the files{why}"));

@@ -29,7 +29,7 @@ pub fn read_glide_table(path: &Path, columns: &Columns) -> Result<Vec<Observatio
     // Where each channel stands, with the factor to its unit.
     let cell_of = |channel: Channel| {
         let info = &CHANNELS[channel as usize];
-        if let Some(chosen) = columns.of(channel) {
+        if let Some(chosen) = columns.chosen(channel) {
             return position(chosen).map(|cell| (cell, 1.0));
         }
         std::iter::once((info.name, 1.0))

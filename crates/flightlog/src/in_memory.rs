@@ -46,7 +46,7 @@ impl InMemory {
                     let error = InputError::new(place, format!("`{name}` is infinite, expected a number or NaN"));
                     return Err(error.help("lines count the rows of the table, from 1"));
                 }
-                values.push(column.conversion.of(value));
+                values.push(column.conversion.convert(value));
             }
             piece.set(column.channel, values);
         }

@@ -19,7 +19,7 @@ const BEYOND_SCATTER: f64 = 8.0;
 /// Standard deviation over median deviation of normal numbers.
 const SD_PER_MEDIAN: f64 = 1.4826;
 
-/// Fewest legs of a direction that say what is usual, and the largest share of them that can have lost it.
+/// Fewest legs of a direction that say what is typical, and the largest share of them that can have lost it.
 const FEWEST_LEGS: usize = 6;
 const LARGEST_SHARE: f64 = 0.25;
 
@@ -30,15 +30,15 @@ const LEAST_SINK_M_S: f64 = 0.03;
 
 /// Takes out the speeds of legs on which the sensor had lost the water; what was taken out, in a sentence for each.
 pub fn take_out_lost_speeds(observations: &mut [Observation]) -> Vec<String> {
-    let mut told = Vec::new();
+    let mut warnings = Vec::new();
     for descends in [true, false] {
         let legs = of_legs(observations, descends);
-        let Some(usual) = usual(&legs) else { continue };
-        for leg in legs.iter().filter(|leg| usual.is_left_by(leg.ratio)) {
+        let Some(typical) = typical(&legs) else { continue };
+        for leg in legs.iter().filter(|leg| typical.is_left_by(leg.ratio)) {
             let of_leg = observations.iter_mut().filter(|o| o.leg == leg.leg && o.dive == leg.dive);
             of_leg.for_each(|o| o.speed_m_s = f64::NAN);
-            let departure = leg.ratio / usual.ratio - 1.0;
-            told.push(format!(
+            let departure = leg.ratio / typical.ratio - 1.0;
+            warnings.push(format!(
                 "measured speed on the {} of dive {}, {:.2} h after the start, {:.0} % {} than pitch and vertical velocity ask for on the other {} like it: left out there",
                 if descends { "descent" } else { "ascent" },
                 leg.dive + 1,
@@ -49,7 +49,7 @@ pub fn take_out_lost_speeds(observations: &mut [Observation]) -> Vec<String> {
             ));
         }
     }
-    told
+    warnings
 }
 
 /// What one leg has.
@@ -83,26 +83,26 @@ fn of_legs(observations: &[Observation], descends: bool) -> Vec<OfLeg> {
     by_leg.filter_map(of_leg).collect()
 }
 
-/// What is usual on the legs of a direction.
-struct Usual {
+/// Typical values on the legs of a direction.
+struct Typical {
     ratio: f64,
     departure: f64,
 }
 
-impl Usual {
+impl Typical {
     fn is_left_by(&self, ratio: f64) -> bool {
         (ratio / self.ratio - 1.0).abs() > self.departure
     }
 }
 
-/// What is usual, and by how much a leg must depart from it; nothing where too few legs say so, or too many depart.
-fn usual(legs: &[OfLeg]) -> Option<Usual> {
+/// Typical values, and by how much a leg must depart from it; nothing where too few legs say so, or too many depart.
+fn typical(legs: &[OfLeg]) -> Option<Typical> {
     if legs.len() < FEWEST_LEGS {
         return None;
     }
     let ratio = median(&mut legs.iter().map(|leg| leg.ratio).collect::<Vec<_>>());
     let scatter = median(&mut legs.iter().map(|leg| (leg.ratio / ratio - 1.0).abs()).collect::<Vec<_>>());
-    let usual = Usual { ratio, departure: LEAST_DEPARTURE.max(BEYOND_SCATTER * SD_PER_MEDIAN * scatter) };
-    let lost = legs.iter().filter(|leg| usual.is_left_by(leg.ratio)).count();
-    (lost as f64 <= LARGEST_SHARE * legs.len() as f64).then_some(usual)
+    let typical = Typical { ratio, departure: LEAST_DEPARTURE.max(BEYOND_SCATTER * SD_PER_MEDIAN * scatter) };
+    let lost = legs.iter().filter(|leg| typical.is_left_by(leg.ratio)).count();
+    (lost as f64 <= LARGEST_SHARE * legs.len() as f64).then_some(typical)
 }

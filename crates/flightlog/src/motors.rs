@@ -37,7 +37,7 @@ pub(super) fn motors(log: &FlightLog, settings: &Settings) -> Vec<bool> {
         let end = time.partition_point(|&t| t <= to_s);
         moving[first..end].fill(true);
     };
-    let (before, after) = (settings.motor_margin_s, settings.settle_s.max(settings.motor_margin_s));
+    let (before, after) = (settings.motor_margin_s, settings.after_turn_s.max(settings.motor_margin_s));
     for i in moves(time, log.column(Channel::Ballast), BALLAST_MOVES_CC_S, BALLAST_OVER_S) {
         mark(time[i - 1] - before, time[i] + after);
     }

@@ -196,7 +196,7 @@ const STANDARD: &[(Channel, &[&str])] = &[
 ];
 
 /// The names of a channel, the best first.
-pub(super) fn of(channel: Channel) -> &'static [&'static str] {
+pub(super) fn known(channel: Channel) -> &'static [&'static str] {
     NAMES.iter().find(|(named, _)| *named == channel).map_or(&[], |(_, names)| names)
 }
 

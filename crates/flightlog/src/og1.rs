@@ -30,13 +30,13 @@ const MOST_S_M: f64 = 10.0;
 /// A channel that is missing, has another length than the time, or a unit that is not known.
 pub(super) fn read(path: &Path, columns: &Columns, warnings: &mut Vec<String>) -> Result<FlightLog, InputError> {
     let file = open(path)?;
-    let variables = Variables::of(&file);
+    let variables = Variables::new(&file);
     let mut log = FlightLog::default();
     let mut rows = None;
     // Angles in degrees by the label of the file only.
     let mut labelled_degrees = Vec::new();
     for &(channel, _) in names::NAMES {
-        let chosen = columns.of(channel);
+        let chosen = columns.chosen(channel);
         let name = match chosen {
             Some(name) if !has(&file, name) => return Err(missing(path, CHANNELS[channel as usize].meaning, &[name])),
             Some(name) => name.to_owned(),
@@ -46,7 +46,7 @@ pub(super) fn read(path: &Path, columns: &Columns, warnings: &mut Vec<String>) -
             },
         };
         let conversion = columns.unit(channel).map_or_else(|| stated(path, &file, channel, &name), Ok)?;
-        let mut column: Vec<f64> = values(path, &file, &name)?.into_iter().map(|value| conversion.of(value)).collect();
+        let mut column: Vec<f64> = values(path, &file, &name)?.into_iter().map(|value| conversion.convert(value)).collect();
         flagged(path, &file, &name, &mut column, warnings);
         let rows = *rows.get_or_insert(column.len());
         if is_angle(channel) && columns.unit(channel).is_none() && conversion != Conversion::NONE {
@@ -73,7 +73,7 @@ pub(super) fn read(path: &Path, columns: &Columns, warnings: &mut Vec<String>) -
         }
         /// So many names say what is looked for.
         const SHOWN: usize = 6;
-        let known = names::of(channel);
+        let known = names::known(channel);
         let error = missing(path, what, &known[..known.len().min(SHOWN)]);
         Err(error.help(format!(
             "name it by --column {}=VARIABLE; the variables are: {}",
@@ -101,7 +101,7 @@ struct Variables {
 }
 
 impl Variables {
-    fn of(file: &NcFile) -> Self {
+    fn new(file: &NcFile) -> Self {
         Variables { names: file.variables().unwrap_or_default().iter().map(|v| v.name().to_owned()).collect() }
     }
 
@@ -126,7 +126,7 @@ impl Variables {
         let own = CHANNELS[channel as usize].name;
         let named = |wanted: &str| self.names.iter().find(|name| name.eq_ignore_ascii_case(wanted));
         let mut candidates: Vec<&String> =
-            names::of(channel).iter().chain([&own]).filter_map(|wanted| named(wanted)).collect();
+            names::known(channel).iter().chain([&own]).filter_map(|wanted| named(wanted)).collect();
         if candidates.is_empty() {
             let standard = names::standard(channel);
             let is_standard = |name: &&String| standard.contains(&attribute_of(file, name, "standard_name").as_str());
@@ -252,7 +252,7 @@ pub(super) fn fixes(path: &Path) -> Result<Vec<GpsFix>, InputError> {
     let mut time = Vec::new();
     for name in times.into_iter().filter(|name| has(&file, name)) {
         let conversion = stated(path, &file, Channel::Time, name)?;
-        time = values(path, &file, name)?.into_iter().map(|value| conversion.of(value)).collect();
+        time = values(path, &file, name)?.into_iter().map(|value| conversion.convert(value)).collect();
         if time.len() == lat.len() {
             break;
         }
@@ -274,9 +274,9 @@ pub(super) fn fixes(path: &Path) -> Result<Vec<GpsFix>, InputError> {
 /// # Errors
 /// A file without time.
 pub(super) fn headline(path: &Path, file: &NcFile, columns: &Columns) -> Result<(String, f64), InputError> {
-    let name = match columns.of(Channel::Time) {
+    let name = match columns.chosen(Channel::Time) {
         Some(name) => Some(name.to_owned()),
-        None => Variables::of(file).find(path, file, Channel::Time, None)?,
+        None => Variables::new(file).find(path, file, Channel::Time, None)?,
     };
     let start_s = match name.filter(|name| has(file, name)) {
         Some(name) => {
@@ -285,9 +285,9 @@ pub(super) fn headline(path: &Path, file: &NcFile, columns: &Columns) -> Result<
             values(path, file, &name)?
                 .into_iter()
                 .find(|time| time.is_finite())
-                .map_or(f64::NAN, |time| conversion.of(time))
+                .map_or(f64::NAN, |time| conversion.convert(time))
         }
-        None => return Err(missing(path, "time", names::of(Channel::Time))),
+        None => return Err(missing(path, "time", names::known(Channel::Time))),
     };
     let glider = ["platform_serial_number", "glider_serial", "glider_name", "platform_id"]
         .into_iter()

@@ -221,7 +221,7 @@ impl Preparation {
                     continue;
                 }
                 let under_way = (pitch_rad < 0.0) == leg.descends && (sink_m_s > 0.0) == leg.descends;
-                let after_turn = time[i] - start_s >= s.settle_s && end_s - time[i] >= s.before_turn_s;
+                let is_clear = time[i] - start_s >= s.after_turn_s && end_s - time[i] >= s.before_turn_s;
                 let battery = log.at(Channel::BatteryPosition, i);
                 // A Seaglider counts its pitch mass positive nose up, that is aft.
                 let battery_forward_m = if battery.is_finite() { battery } else { -log.at(Channel::PitchMass, i) };
@@ -404,7 +404,7 @@ fn turned_s(log: &FlightLog, leg: &Leg) -> f64 {
     // No more than the first minutes: a pitch that drifts along the leg is another at its end, and steady all the same.
     let end = leg.first + time[leg.first..leg.end].partition_point(|t| *t <= time[leg.first] + FIRST_MINUTES_S);
     let mut known: Vec<f64> = (leg.first..end).map(pitch).filter(|pitch| pitch.is_finite()).collect();
-    let usual = if known.is_empty() { f64::NAN } else { super::median(&mut known) };
-    let turned = (leg.first..end).find(|&i| (pitch(i) - usual).abs() <= PITCHED_WITHIN_RAD);
+    let median_pitch = if known.is_empty() { f64::NAN } else { super::median(&mut known) };
+    let turned = (leg.first..end).find(|&i| (pitch(i) - median_pitch).abs() <= PITCHED_WITHIN_RAD);
     time[turned.unwrap_or(leg.first)]
 }

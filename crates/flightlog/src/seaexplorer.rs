@@ -158,9 +158,9 @@ pub(super) fn read(
         let mut table = Table::open(path)?;
         tables.push(table.whole(warnings)?);
     }
-    let of = |name: &str| tables.iter().find_map(|table| table.of(name));
+    let of = |name: &str| tables.iter().find_map(|table| table.series(name));
     let first = |names: &[&str]| names.iter().find_map(|name| of(name).filter(|(times, _)| times.len() > 1));
-    let chosen = |channel: Channel| columns.of(channel).filter(|name| *name != ad2cp::NAME);
+    let chosen = |channel: Channel| columns.chosen(channel).filter(|name| *name != ad2cp::NAME);
     let ctd = match chosen(Channel::Pressure) {
         Some(name) => first(&[name]),
         None => of_ctd(&tables, Channel::Pressure).and_then(|name| first(&[&name])),
@@ -172,7 +172,7 @@ pub(super) fn read(
         return Ok(log);
     };
     let mut pings = Vec::new();
-    if columns.of(Channel::Speed) == Some(ad2cp::NAME) {
+    if columns.chosen(Channel::Speed) == Some(ad2cp::NAME) {
         let readings = Readings::new(&rows, &pressure);
         pings = tables.iter().find_map(|table| table.pings(&readings)).unwrap_or_default();
         let with_pings = ad2cp::rows(&rows, &pings);
@@ -322,7 +322,7 @@ impl Whole {
     }
 
     /// The values of a column that are there, with their times.
-    fn of(&self, name: &str) -> Option<(Vec<f64>, Vec<f64>)> {
+    fn series(&self, name: &str) -> Option<(Vec<f64>, Vec<f64>)> {
         let column = self.column(name)?;
         Some(self.times.iter().zip(column).filter(|(_, value)| value.is_finite()).map(|(t, v)| (*t, *v)).unzip())
     }

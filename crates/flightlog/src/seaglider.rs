@@ -47,10 +47,10 @@ pub(super) fn is_one(file: &NcFile) -> bool {
 /// A variable that is missing or of the wrong length, a file that is no NetCDF.
 pub(super) fn read(path: &Path, columns: &Columns) -> Result<Dive, InputError> {
     let file = open(path)?;
-    let clocks = Clocks::of(path, &file)?;
+    let clocks = Clocks::read(path, &file)?;
     let mut notes = Vec::new();
     let pressure = pressure(path, &clocks, columns)?;
-    let (rows, speed) = match columns.of(Channel::Speed) {
+    let (rows, speed) = match columns.chosen(Channel::Speed) {
         Some(ad2cp::NAME) => {
             let found = ad2cp::read(path, &file, &Readings::new(&pressure.times, &pressure.values), &mut notes)?;
             (ad2cp::rows(&pressure.times, &found), found)
@@ -61,7 +61,7 @@ pub(super) fn read(path: &Path, columns: &Columns) -> Result<Dive, InputError> {
     log.set(Channel::Time, rows.clone());
     log.set(Channel::Pressure, pressure.at(&rows));
     for (channel, names, unit) in CHANNELS_OF_FILES {
-        let is_chosen = columns.of(*channel).filter(|name| *name != ad2cp::NAME);
+        let is_chosen = columns.chosen(*channel).filter(|name| *name != ad2cp::NAME);
         let found = match is_chosen {
             Some(name) if !has(&file, name) => return Err(no_variable(path, *channel, name)),
             Some(name) => clocks.instrument(&[name])?,
@@ -132,7 +132,7 @@ struct Instrument {
 
 impl Instrument {
     fn converted(mut self, conversion: Conversion) -> Self {
-        self.values.iter_mut().for_each(|value| *value = conversion.of(*value));
+        self.values.iter_mut().for_each(|value| *value = conversion.convert(*value));
         self
     }
 
@@ -153,7 +153,7 @@ struct Clocks<'a> {
 impl<'a> Clocks<'a> {
     /// Finds for each dimension the variable with its times: `time`, `ctd_time`, or another that ends so and counts
     /// seconds since 1970.
-    fn of(path: &'a Path, file: &'a NcFile) -> Result<Self, InputError> {
+    fn read(path: &'a Path, file: &'a NcFile) -> Result<Self, InputError> {
         let mut clocks = Clocks { path, file, known: Vec::new() };
         let variables = file.variables().unwrap_or_default();
         let named = ["time", "ctd_time", "epoch_time", "ctd_epoch_time"]
@@ -224,7 +224,7 @@ fn times(path: &Path, file: &NcFile, name: &str) -> Result<Vec<f64>, InputError>
             return Err(InputError::new(Place::file(path), problem));
         }
     };
-    Ok(values(path, file, name)?.into_iter().map(|time| conversion.of(time)).collect())
+    Ok(values(path, file, name)?.into_iter().map(|time| conversion.convert(time)).collect())
 }
 
 /// The name of the only dimension of a variable.
@@ -244,7 +244,7 @@ fn pressure(path: &Path, clocks: &Clocks<'_>, columns: &Columns) -> Result<Instr
         true => ["ctd_pressure", "pressure", "legato_pressure", "gpctd_pressure"],
         false => ["pressure", "ctd_pressure", "legato_pressure", "gpctd_pressure"],
     };
-    if let Some(name) = columns.of(Channel::Pressure) {
+    if let Some(name) = columns.chosen(Channel::Pressure) {
         let found = clocks.instrument(&[name])?.ok_or_else(|| no_variable(path, Channel::Pressure, name))?;
         return Ok(found.converted(columns.unit(Channel::Pressure).unwrap_or(Conversion::NONE)));
     }
@@ -269,7 +269,7 @@ fn water(
     notes: &mut Vec<String>,
 ) -> Result<(), InputError> {
     for (channel, raw) in [(Channel::Temperature, "temperature_raw"), (Channel::Salinity, "salinity_raw")] {
-        if columns.of(channel).is_some() {
+        if columns.chosen(channel).is_some() {
             continue;
         }
         let good = log.column(channel).iter().filter(|value| value.is_finite()).count();
@@ -298,13 +298,13 @@ fn stated(
     file: &NcFile,
     channel: Channel,
     name: &str,
-    usual: Conversion,
+    own: Conversion,
 ) -> Result<Conversion, InputError> {
     let unit = units(file, name);
     // The basestation states none of its engineering units, and wrong ones of others (`g/m^3` beside kg/m3).
     let is_own = CHANNELS_OF_FILES.iter().any(|(_, names, _)| names.contains(&name));
     if unit.is_empty() || is_own {
-        return Ok(usual);
+        return Ok(own);
     }
     units::conversion(channel, &unit).ok_or_else(|| {
         let problem =
@@ -357,7 +357,7 @@ pub(super) struct Headline {
 /// # Errors
 /// A file without any time.
 pub(super) fn headline(path: &Path, file: &NcFile) -> Result<Headline, InputError> {
-    let clocks = Clocks::of(path, file)?;
+    let clocks = Clocks::read(path, file)?;
     let start_s = clocks.known[0].1.iter().copied().find(|time| time.is_finite());
     let start_s = start_s.ok_or_else(|| {
         InputError::new(Place::file(path), "not a single time in it").help("was the dive aborted, or the file cut off?")

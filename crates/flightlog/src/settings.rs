@@ -15,7 +15,7 @@ pub struct Settings {
     pub surface_dbar: f64,
     /// Time after a turn, the pitching into the leg, or a move of the ballast, from which the glide is steady \[s\]: some
     /// time constants of the surge, `m/(rho A CD V)`, which is 10 to 25 s.
-    pub settle_s: f64,
+    pub after_turn_s: f64,
     /// Time before a turn up to which it is \[s\].
     pub before_turn_s: f64,
     /// Time around a move of a motor that is left out \[s\].
@@ -34,7 +34,7 @@ impl Default for Settings {
             half_window_s: 4.0,
             least_leg_dbar: 4.0,
             surface_dbar: 5.0,
-            settle_s: 90.0,
+            after_turn_s: 90.0,
             before_turn_s: 8.0,
             motor_margin_s: 6.0,
             longest_fill_s: 120.0,

@@ -231,7 +231,7 @@ impl Segment {
                 .chain(SENSORS.iter().flat_map(|(_, names, _)| names.iter().copied()))
                 .map(str::to_owned)
                 .collect();
-        names.extend(CHANNELS.iter().filter_map(|info| columns.of(info.channel)).map(str::to_owned));
+        names.extend(CHANNELS.iter().filter_map(|info| columns.chosen(info.channel)).map(str::to_owned));
         let mut files = Vec::new();
         for path in paths {
             let mut cycles = Cycles::open(path, columns)?;
@@ -291,8 +291,8 @@ impl Segment {
     fn log(&self, readings: &Sensors) -> Result<FlightLog, InputError> {
         let mut log = FlightLog::default();
         let Some((rows, pressure)) = self.pressure(readings) else { return Ok(log) };
-        for &(channel, names, usual) in SENSORS {
-            let chosen = self.columns.of(channel);
+        for &(channel, names, unit) in SENSORS {
+            let chosen = self.columns.chosen(channel);
             if chosen.is_none() && !log.column(channel).is_empty() {
                 continue;
             }
@@ -300,12 +300,12 @@ impl Segment {
             let name = &self.names[sensor];
             let conversion = match (self.columns.unit(channel), chosen) {
                 (Some(unit), _) => unit,
-                (None, None) => Conversion::by(usual),
+                (None, None) => Conversion::by(unit),
                 (None, Some(_)) => self.stated(channel, name)?,
             };
-            let (times, values) = readings.of(sensor);
+            let (times, values) = readings.series(sensor);
             let is_position = matches!(channel, Channel::Latitude | Channel::Longitude) && chosen.is_none();
-            let of = |value: f64| if is_position { degrees(value) } else { conversion.of(value) };
+            let of = |value: f64| if is_position { degrees(value) } else { conversion.convert(value) };
             let values: Vec<f64> = values.iter().map(|value| of(*value)).collect();
             log.set(channel, at_rows(channel, &rows, &times, &values));
         }
@@ -318,10 +318,10 @@ impl Segment {
     fn pressure(&self, readings: &Sensors) -> Option<(Vec<f64>, Vec<f64>)> {
         let of = |name: &str, factor: f64| -> Option<(Vec<f64>, Vec<f64>)> {
             let sensor = self.names.iter().position(|known| known == name)?;
-            let (times, values) = readings.of(sensor);
+            let (times, values) = readings.series(sensor);
             (times.len() > 1).then(|| (times, values.iter().map(|value| value * factor).collect()))
         };
-        if let Some(name) = self.columns.of(Channel::Pressure) {
+        if let Some(name) = self.columns.chosen(Channel::Pressure) {
             let factor = self.columns.unit(Channel::Pressure).map_or(BAR, |unit| unit.factor);
             return of(name, factor);
         }
@@ -453,7 +453,7 @@ impl Sensors {
         }
     }
 
-    fn of(&self, sensor: usize) -> (Vec<f64>, Vec<f64>) {
+    fn series(&self, sensor: usize) -> (Vec<f64>, Vec<f64>) {
         self.values[sensor].iter().copied().unzip()
     }
 

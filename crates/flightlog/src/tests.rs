@@ -79,7 +79,7 @@ fn a_column_can_be_chosen_and_keeps_its_unit() {
 }
 
 #[test]
-fn a_table_of_glides_is_told_from_a_series() {
+fn a_table_of_glides_is_distinguished_from_a_series() {
     let table =
         "glide,w_m_s,pitch_rad,vbd_cc,density_kg_m3\n0,-0.2,-0.45,-200,1025\n1,0.2,0.45,200,1025\n2,,0.4,1,1025\n";
     let Ok(Opened::Glides(glides)) = csv(table).open() else { panic!("a table") };
@@ -186,7 +186,7 @@ fn a_straight_line_has_its_slope_and_noise_is_found() {
 }
 
 #[test]
-fn half_of_an_oscillation_of_two_and_a_half_windows_is_seen() {
+fn half_of_an_oscillation_of_two_and_a_half_windows_remains() {
     let h = 4.0;
     let time: Vec<f64> = (0..4000).map(|i| f64::from(i) * 0.05).collect();
     let period = 2.5 * h;

@@ -19,7 +19,7 @@ impl Conversion {
         Conversion { factor, offset: 0.0 }
     }
 
-    pub(super) fn of(self, value: f64) -> f64 {
+    pub(super) fn convert(self, value: f64) -> f64 {
         self.factor * value + self.offset
     }
 }
@@ -289,7 +289,7 @@ mod tests {
     #[test]
     fn units_as_files_write_them_are_known() {
         let near = |channel, unit: &str, x: f64, expected: f64| {
-            let found = conversion(channel, unit).unwrap_or_else(|| panic!("{unit}")).of(x);
+            let found = conversion(channel, unit).unwrap_or_else(|| panic!("{unit}")).convert(x);
             assert!((found - expected).abs() < 1e-9 * expected.abs().max(1.0), "{unit}: {found}, {expected}");
         };
         near(Channel::Time, "seconds since 1970-1-1 00:00:00", 5.0, 5.0);

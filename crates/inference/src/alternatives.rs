@@ -10,7 +10,7 @@ use super::fitted::Fitted;
 use super::iteration::Iteration;
 use super::subset_search::MARGIN;
 
-/// Most sets that are told.
+/// Most sets that are reported.
 const MOST_SETS: usize = 3;
 
 /// Most sets that are held against data that were held out.
@@ -29,22 +29,22 @@ pub(super) fn alternatives(
     }
     let search = iteration.search();
     let apart = |a: &[usize], b: &[usize]| a.iter().filter(|member| !has_family(iteration, b, **member)).count();
-    let mut told: Vec<Vec<usize>> = Vec::new();
+    let mut reported: Vec<Vec<usize>> = Vec::new();
     let mut tried = 0;
     for choice in search.within(search.criterion(&extended.included) + MARGIN, extended.included.len() + 1) {
-        let is_new = told.iter().chain([&extended.included]).all(|known| apart(&choice.members, known) >= 2);
+        let is_new = reported.iter().chain([&extended.included]).all(|known| apart(&choice.members, known) >= 2);
         if !is_new || !is_possible(problem, iteration, &choice.members) {
             continue;
         }
         tried += 1;
         if iteration.advantage(&choice.members, &extended.included) > -problem.least_advantage() {
-            told.push(choice.members);
+            reported.push(choice.members);
         }
-        if told.len() == MOST_SETS || tried == MOST_TRIED {
+        if reported.len() == MOST_SETS || tried == MOST_TRIED {
             break;
         }
     }
-    told.iter().map(|members| sizes(problem, iteration, members)).collect()
+    reported.iter().map(|members| sizes(problem, iteration, members)).collect()
 }
 
 fn has_family(iteration: &Iteration<'_>, members: &[usize], member: usize) -> bool {
@@ -54,7 +54,7 @@ fn has_family(iteration: &Iteration<'_>, members: &[usize], member: usize) -> bo
 fn is_possible(problem: &impl Problem, iteration: &Iteration<'_>, members: &[usize]) -> bool {
     let point = iteration.point_of(members, problem);
     let cannot_be =
-        |member: &usize| problem.candidates()[*member].cannot_be(point.candidates[*member][0], problem.most_usual());
+        |member: &usize| problem.candidates()[*member].cannot_be(point.candidates[*member][0], problem.most_prior_sds());
     !members.iter().any(cannot_be)
 }
 

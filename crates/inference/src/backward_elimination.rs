@@ -182,7 +182,7 @@ impl Fitted {
     pub(super) fn drop_what_cannot_be(&mut self, problem: &impl Problem, baseline: &Fitted) {
         let is_impossible = |fitted: &Fitted, place: usize| {
             let member = fitted.included[place];
-            problem.candidates()[member].cannot_be(fitted.point.candidates[member][0], problem.most_usual())
+            problem.candidates()[member].cannot_be(fitted.point.candidates[member][0], problem.most_prior_sds())
         };
         while let Some(place) = (0..self.included.len()).find(|place| is_impossible(self, *place)) {
             *self = self.without(problem, baseline, place);
@@ -233,7 +233,7 @@ impl Fitted {
                 continue;
             }
             let mut other = Fitted::new(problem, iteration.point_of(&exchanged, problem), exchanged);
-            other.settle(problem);
+            other.converge(problem);
             if other.is_possible(problem.candidates()) {
                 *self = other;
                 return;
@@ -311,7 +311,7 @@ impl Fitted {
         let mut point = self.point.clone();
         point.candidates[gone].clone_from(&problem.candidates()[gone].neutral);
         let mut other = Fitted::new(problem, point, fewer);
-        other.settle(problem);
+        other.converge(problem);
         other
     }
 }

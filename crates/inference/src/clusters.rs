@@ -50,7 +50,7 @@ pub fn chance_by_clusters(all: &DMatrix<f64>, clusters: &[usize], tested: usize)
     if tested == 0 {
         return 1.0;
     }
-    let (all, tested) = seen(all, tested);
+    let (all, tested) = independent_directions(all, tested);
     let k = all.ncols() - 1;
     if tested == 0 {
         return 1.0;
@@ -91,11 +91,11 @@ pub fn chance_by_clusters(all: &DMatrix<f64>, clusters: &[usize], tested: usize)
 }
 
 /// Share of a unit column outside the others below which it is the others'.
-const UNSEEN: f64 = 1e-4;
+const UNIDENTIFIABLE: f64 = 1e-4;
 
 /// The columns in units of their own length, the tested ones as the directions that the others cannot imitate, with the
 /// number of these.
-fn seen(all: &DMatrix<f64>, tested: usize) -> (DMatrix<f64>, usize) {
+fn independent_directions(all: &DMatrix<f64>, tested: usize) -> (DMatrix<f64>, usize) {
     let k = all.ncols() - 1;
     let mut all = all.clone();
     for j in 0..k {
@@ -110,13 +110,13 @@ fn seen(all: &DMatrix<f64>, tested: usize) -> (DMatrix<f64>, usize) {
     let mut rest = own.clone();
     rest -= &q * q.tr_mul(&own);
     let eigen = rest.tr_mul(&rest).symmetric_eigen();
-    let kept: Vec<usize> = (0..tested).filter(|i| eigen.eigenvalues[*i] > UNSEEN * UNSEEN).collect();
+    let kept: Vec<usize> = (0..tested).filter(|i| eigen.eigenvalues[*i] > UNIDENTIFIABLE * UNIDENTIFIABLE).collect();
     let directions = own * eigen.eigenvectors.select_columns(&kept);
-    let mut seen = DMatrix::zeros(all.nrows(), others + kept.len() + 1);
-    seen.columns_mut(0, others).copy_from(&all.columns(0, others));
-    seen.columns_mut(others, kept.len()).copy_from(&directions);
-    seen.column_mut(others + kept.len()).copy_from(&all.column(k));
-    (seen, kept.len())
+    let mut columns = DMatrix::zeros(all.nrows(), others + kept.len() + 1);
+    columns.columns_mut(0, others).copy_from(&all.columns(0, others));
+    columns.columns_mut(others, kept.len()).copy_from(&directions);
+    columns.column_mut(others + kept.len()).copy_from(&all.column(k));
+    (columns, kept.len())
 }
 
 #[cfg(test)]

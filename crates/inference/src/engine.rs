@@ -31,7 +31,7 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
     let candidates = problem.candidates();
     let start = problem.start();
     let mut baseline = Fitted::new(problem, start, Vec::new());
-    baseline.settle(problem);
+    baseline.converge(problem);
 
     // Mechanisms alone first: far from the truth the model bends, and a curve would take up the bend. Once they have done
     // what they can, what is left decides whether a curve was needed after all.
@@ -78,7 +78,7 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
 /// The baseline alone, and where it misses the data.
 pub fn baseline(problem: &impl Problem) -> (Stage, Vec<Wrong>) {
     let mut baseline = Fitted::new(problem, problem.start(), Vec::new());
-    baseline.settle(problem);
+    baseline.converge(problem);
     let wrong = wrong(problem, &baseline);
     (baseline.stage(baseline.held_out()), wrong)
 }
@@ -86,7 +86,7 @@ pub fn baseline(problem: &impl Problem) -> (Stage, Vec<Wrong>) {
 /// What is left of held-out rows where these candidates are fitted from this point on.
 pub fn held_out(problem: &impl Problem, point: &Point, included: &[usize]) -> DVector<f64> {
     let mut fitted = Fitted::new(problem, point.clone(), included.to_vec());
-    fitted.settle(problem);
+    fitted.converge(problem);
     fitted.held_out()
 }
 
@@ -160,7 +160,7 @@ impl Fitted {
                 break;
             }
             let mut next = Fitted::new(problem, iteration.point_of(&members, problem), members.clone());
-            next.settle(problem);
+            next.converge(problem);
             *self = next;
             if tried.contains(&members) {
                 break;

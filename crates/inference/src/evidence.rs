@@ -76,13 +76,13 @@ pub struct Candidate {
     pub parameters: Vec<(&'static str, &'static str)>,
     /// Where each parameter has no effect.
     pub neutral: Vec<f64>,
-    /// How far from neutral each parameter is usually found, a standard deviation: what is believed beforehand.
-    pub usual: Vec<f64>,
+    /// Prior standard deviation of each parameter about its neutral value.
+    pub prior_sd: Vec<f64>,
     /// Smallest and largest value that physics allows each parameter.
     pub bounds: Vec<(f64, f64)>,
     /// The least first parameter that nature has: what a fit puts below it is refused.
     pub least: f64,
-    /// The first parameter as another channel of the data shows it, `usual` being the standard error of that; none: what is
+    /// The first parameter as another channel of the data shows it, `prior_sd` being the standard error of that; none: what is
     /// believed lies about neutral.
     pub shown: Option<f64>,
     /// What sets this version apart from the others of its name; none where there is only one.
@@ -105,14 +105,14 @@ pub struct Version {
 impl Candidate {
     /// Whether nature does not have this value of the first parameter, or it lies too far from what is believed of it: further
     /// than so many standard deviations.
-    pub fn cannot_be(&self, value: f64, most_usual: f64) -> bool {
-        value < self.least || (value - self.shown.unwrap_or(self.neutral[0])).abs() > most_usual * self.usual[0]
+    pub fn cannot_be(&self, value: f64, most_prior_sds: f64) -> bool {
+        value < self.least || (value - self.shown.unwrap_or(self.neutral[0])).abs() > most_prior_sds * self.prior_sd[0]
     }
 
-    /// What is believed of each parameter beforehand, less neutral, with its standard deviation.
+    /// Prior mean of each parameter less neutral, with its prior standard deviation.
     pub fn prior(&self) -> Vec<(f64, f64)> {
         let shown = self.shown.map_or(0.0, |shown| shown - self.neutral[0]);
-        self.usual.iter().enumerate().map(|(i, usual)| (if i == 0 { shown } else { 0.0 }, *usual)).collect()
+        self.prior_sd.iter().enumerate().map(|(i, prior_sd)| (if i == 0 { shown } else { 0.0 }, *prior_sd)).collect()
     }
 }
 
@@ -166,8 +166,8 @@ pub trait Problem {
         1.0
     }
 
-    /// How many times its usual distance from neutral a mechanism's size may have.
-    fn most_usual(&self) -> f64 {
+    /// Prior standard deviations that a mechanism's size may lie from neutral.
+    fn most_prior_sds(&self) -> f64 {
         f64::INFINITY
     }
 

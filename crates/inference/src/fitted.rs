@@ -44,8 +44,8 @@ impl Fitted {
         Fitted { point, included, evidence, noises }
     }
 
-    /// The fit and its noise, each with the other as it is, until the fit stands.
-    pub(super) fn settle(&mut self, problem: &impl Problem) {
+    /// The fit and its noise, each with the other as it is, until the sum of squares no longer falls.
+    pub(super) fn converge(&mut self, problem: &impl Problem) {
         for _ in 0..MAX_NOISE_ROUNDS {
             let moved = self.descend(problem);
             self.noises = noises(problem, &self.evidence, &self.included);
@@ -110,7 +110,7 @@ impl Fitted {
                 trial.noises = plain_noises(&trial.evidence);
             }
             let size = trial.point.candidates[i][0];
-            if trial.is_possible(candidates) && !candidates[i].cannot_be(size, problem.most_usual()) {
+            if trial.is_possible(candidates) && !candidates[i].cannot_be(size, problem.most_prior_sds()) {
                 trials.push((weighted_squares(&trial.evidence, &plain), trial));
             }
         }
@@ -118,16 +118,16 @@ impl Fitted {
         // were not fitted.
         let least = trials.iter().map(|trial| trial.0).min_by(f64::total_cmp)?;
         let enough = (2.0 * least).min(0.5 * weighted_squares(&self.evidence, &plain));
-        let settled = trials.into_iter().filter(|(left, _)| *left <= enough).map(|(_, mut trial)| {
+        let converged = trials.into_iter().filter(|(left, _)| *left <= enough).map(|(_, mut trial)| {
             trial.noises = noises(problem, &trial.evidence, &trial.included);
-            trial.settle(problem);
+            trial.converge(problem);
             (trial.held_out_misfit(), trial)
         });
-        let settled: Vec<(f64, Fitted)> = settled.collect();
-        let least = settled.iter().map(|(left, _)| *left).min_by(f64::total_cmp)?;
+        let converged: Vec<(f64, Fitted)> = converged.collect();
+        let least = converged.iter().map(|(left, _)| *left).min_by(f64::total_cmp)?;
         // Where two are as good as each other the one with fewer parameters is, and of those the catalogue's order decides: the
         // commoner stands first.
-        let as_good = settled.into_iter().filter(|(left, _)| *left < least + SAME).map(|(_, trial)| trial);
+        let as_good = converged.into_iter().filter(|(left, _)| *left < least + SAME).map(|(_, trial)| trial);
         as_good.min_by_key(|trial| trial.included.iter().map(|i| candidates[*i].neutral.len()).sum::<usize>())
     }
 
@@ -155,7 +155,7 @@ impl Fitted {
             }
             members.sort_unstable();
             let mut rival = Fitted::new(problem, point, members);
-            rival.settle(problem);
+            rival.converge(problem);
             rival
         });
         let here = self.held_out();
@@ -257,7 +257,7 @@ impl Fitted {
         let candidates = problem.candidates();
         let member = self.included[place];
         let first = self.evidence.baseline.ncols()
-            + self.included[..place].iter().map(|other| candidates[*other].usual.len()).sum::<usize>();
+            + self.included[..place].iter().map(|other| candidates[*other].prior_sd.len()).sum::<usize>();
         let (value, neutral) = (self.point.candidates[member][0], candidates[member].neutral[0]);
         let mut begins: std::collections::BTreeMap<usize, f64> = std::collections::BTreeMap::new();
         for (block, time_s) in self.evidence.block.iter().zip(&self.evidence.time_s) {

@@ -132,9 +132,9 @@ fn filter<const N: usize>(series: Series<'_>, noise: &Noise) -> (Vec<Step<N>>, f
                 }
             }
             let stated = series.stated_sd[row];
-            let seen: [f64; N] = std::array::from_fn(|i| (0..N).map(|j| p[i][j] * shown[j]).sum());
-            let innovation = (0..N).map(|i| shown[i] * seen[i]).sum::<f64>() + noise.white * stated * stated;
-            let gain: [f64; N] = seen.map(|seen| seen / innovation);
+            let projected: [f64; N] = std::array::from_fn(|i| (0..N).map(|j| p[i][j] * shown[j]).sum());
+            let innovation = (0..N).map(|i| shown[i] * projected[i]).sum::<f64>() + noise.white * stated * stated;
+            let gain: [f64; N] = projected.map(|value| value / innovation);
             for i in 0..N {
                 for j in 0..N {
                     p[i][j] -= gain[i] * gain[j] * innovation;

@@ -76,7 +76,7 @@ pub fn misfits(evidence: &Evidence, noises: &[Noise], included: &[Included<'_>])
     let cost = score.effective_rows.ln() + 2.0 * (tests.len().max(1) as f64).ln();
     let mut worst: Vec<Misfit> = Vec::new();
     for (i, (place, name, _)) in tests.into_iter().enumerate() {
-        if !score.is_seen(k + i) {
+        if !score.is_identifiable(k + i) {
             continue;
         }
         let with: Vec<usize> = known.iter().copied().chain([k + i]).collect();

@@ -141,7 +141,7 @@ pub(super) fn cause(
     let gain = fit.gain - if others.is_empty() { 0.0 } else { iteration.score.fit(&search.columns(&others)).gain };
     let df = iteration.regressors[member].columns.len();
     let first = extended.evidence.baseline.ncols()
-        + extended.included[..place].iter().map(|i| candidates[*i].usual.len()).sum::<usize>();
+        + extended.included[..place].iter().map(|i| candidates[*i].prior_sd.len()).sum::<usize>();
     let mut parameters = change_point::estimates(problem, iteration, &extended.included, place, &extended.point);
     for (i, (name, unit)) in candidate.parameters.iter().enumerate() {
         let of_blocks = by_blocks[(first + i, first + i)].max(0.0).sqrt();
@@ -153,7 +153,7 @@ pub(super) fn cause(
 
     let mut without = extended.clone();
     without.included = others;
-    without.evidence.prior.drain(first..first + candidate.usual.len());
+    without.evidence.prior.drain(first..first + candidate.prior_sd.len());
     without.evidence.residual += &extended.evidence.candidates[member]
         * DVector::from_iterator(
             df,
@@ -192,7 +192,7 @@ pub(super) fn rejected(
         .map(|name| {
             let versions = (0..candidates.len()).filter(|i| candidates[*i].name == name);
             let best = versions
-                .filter(|i| iteration.regressors[*i].columns.iter().any(|column| iteration.score.is_seen(*column)))
+                .filter(|i| iteration.regressors[*i].columns.iter().any(|column| iteration.score.is_identifiable(*column)))
                 .map(|i| {
                     let mut set = extended.included.clone();
                     set.push(i);
@@ -218,7 +218,7 @@ pub(super) fn rejected(
                 .filter(|cause| cause.indistinguishable_from.iter().any(|other| other == name))
                 .map(|cause| cause.cause.as_str())
                 .collect();
-            let shown = iteration.regressors[index].columns.first().map_or(0.0, |column| iteration.score.seen(*column));
+            let shown = iteration.regressors[index].columns.first().map_or(0.0, |column| iteration.score.remaining(*column));
             let held_out = with.held_out();
             let predicts = holdout::advantage(&extended.evidence, &extended.noises, &extended.held_out(), &held_out)
                 >= problem.least_advantage();
@@ -228,7 +228,7 @@ pub(super) fn rejected(
                 _ if !stands_in.is_empty() => Why::Equivalent,
                 Some((_, why)) => *why,
                 None if p_value >= SIGNIFICANT => Why::ByChance,
-                None if candidates[index].cannot_be(step, problem.most_usual()) => Why::SizeImpossible,
+                None if candidates[index].cannot_be(step, problem.most_prior_sds()) => Why::SizeImpossible,
                 None if !predicts => Why::PredictsNoBetter,
                 // It predicts, and something else predicts as much of the same.
                 None => Why::Equivalent,

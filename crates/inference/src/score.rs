@@ -11,7 +11,7 @@ use super::evidence::Evidence;
 use crate::noise::{self, Noise, orthonormal};
 
 /// A column whose part outside the baseline is smaller than this, relative to the whole, is seen as baseline alone.
-const UNSEEN: f64 = 1e-4;
+const UNIDENTIFIABLE: f64 = 1e-4;
 
 /// Products of whitened columns outside the baseline.
 #[derive(Debug, Clone)]
@@ -21,7 +21,7 @@ pub struct Score {
     /// Size of each column before projection, by which it was divided.
     sizes: Vec<f64>,
     /// Share of each column that the baseline cannot imitate.
-    seen: Vec<f64>,
+    remaining: Vec<f64>,
     /// Whitened columns: baseline, candidates, residual, with the rows of the prior below.
     whitened: DMatrix<f64>,
     n_baseline: usize,
@@ -105,7 +105,7 @@ impl Score {
             let inside = q.transpose() * &rest;
             rest -= &q * inside;
         }
-        let seen = (0..nc).map(|j| rest.column(j).norm()).collect();
+        let remaining = (0..nc).map(|j| rest.column(j).norm()).collect();
         let candidates = rest.columns(0, nc);
         let mut gram = candidates.transpose() * candidates;
         let mut moments = candidates.transpose() * rest.column(nc);
@@ -123,7 +123,7 @@ impl Score {
             gram,
             moments,
             sizes,
-            seen,
+            remaining,
             whitened: all,
             n_baseline: nb,
             absorbed,
@@ -148,13 +148,13 @@ impl Score {
     }
 
     /// Whether a column shows at all beside the baseline.
-    pub fn is_seen(&self, column: usize) -> bool {
-        self.seen[column] > UNSEEN
+    pub fn is_identifiable(&self, column: usize) -> bool {
+        self.remaining[column] > UNIDENTIFIABLE
     }
 
     /// Share of a column that the baseline cannot imitate.
-    pub fn seen(&self, column: usize) -> f64 {
-        self.seen[column]
+    pub fn remaining(&self, column: usize) -> f64 {
+        self.remaining[column]
     }
 
     /// The fit of these columns together; directions that the data do not see take no part.
@@ -168,7 +168,7 @@ impl Score {
         let eigen = gram.symmetric_eigen();
         let mut covariance = DMatrix::zeros(k, k);
         for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
-            if *value > UNSEEN * UNSEEN {
+            if *value > UNIDENTIFIABLE * UNIDENTIFIABLE {
                 covariance += vector * vector.transpose() / *value;
             }
         }

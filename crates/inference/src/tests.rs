@@ -43,7 +43,7 @@ impl Toy {
             name,
             parameters: vec![(name, "1")],
             neutral: vec![0.0],
-            usual: vec![100.0],
+            prior_sd: vec![100.0],
             bounds: Vec::new(),
             least: f64::NEG_INFINITY,
             shown: None,
@@ -180,7 +180,7 @@ fn an_effect_without_a_name_stays_without_one() {
 
 /// Of four mechanisms any two explain what two of them did: the pair that is not named is told with its own sizes.
 #[test]
-fn a_pair_that_explains_as_much_is_told_beside_the_named_one() {
+fn a_pair_that_explains_as_much_is_reported_beside_the_named_one() {
     let trace = |toy: &Toy, i: usize| (toy.columns[0][i], toy.columns[1][i]);
     for seed in 700..705 {
         let mut toy = Toy::new(seed, |i, toy| {

@@ -44,6 +44,6 @@ pub fn best_unnamed(problem: &impl Problem, point: &Point, fitted: &[usize], off
 /// These candidates fitted again in full from a point, with what is left of held-out data taken from elsewhere.
 pub fn fitted_again(problem: &impl Problem, point: &Point, fitted: &[usize], held_out: DVector<f64>) -> Stage {
     let mut fit = Fitted::new(problem, point.clone(), fitted.to_vec());
-    fit.settle(problem);
+    fit.converge(problem);
     fit.stage(held_out)
 }

@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_file_is_told_of_the_one_beside_it() {
+    fn a_missing_file_is_reported_with_the_one_beside_it() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("flight_2016.csv"), "").unwrap();
         let missing = |name: &str| {

@@ -78,7 +78,7 @@ pub trait System<const N: usize, const F: usize, const E: usize> {
     /// Rates of change of the state.
     fn derivative(&self, time_s: f64, state: &[f64; N]) -> [f64; N];
 
-    /// The same with their slopes, see [`Slopes::of`].
+    /// The same with their slopes, see [`Slopes::new`].
     fn slopes(&self, time_s: f64, state: &[f64; N]) -> Slopes<N, F>;
 
     /// Functions whose change of sign is an event.

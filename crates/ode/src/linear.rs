@@ -18,7 +18,7 @@ pub struct Decomposition<const F: usize> {
 
 impl<const F: usize> Decomposition<F> {
     /// Of the matrix with these columns; none for one that is singular or not finite.
-    pub fn of(mut columns: [[f64; F]; F]) -> Option<Self> {
+    pub fn new(mut columns: [[f64; F]; F]) -> Option<Self> {
         const { assert!(F.is_multiple_of(PIECE), "solve takes rows in pieces") };
         let mut rows: [usize; F] = std::array::from_fn(|row| row);
         let mut reciprocals = [0.0; F];

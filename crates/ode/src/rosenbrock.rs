@@ -216,7 +216,7 @@ fn stages<S: System<N, F, E>, const N: usize, const F: usize, const E: usize>(
     step_s: f64,
 ) -> Option<Stages<N>> {
     let diagonal = 1.0 / (step_s * GAMMA);
-    let matrix = Decomposition::<F>::of(std::array::from_fn(|j| {
+    let matrix = Decomposition::<F>::new(std::array::from_fn(|j| {
         std::array::from_fn(|i| if i == j { diagonal } else { 0.0 } - slopes.jacobian[i + S::FIRST_FELT][j])
     }))?;
     let (start, in_time) = (SVector::from(*place), SVector::from(slopes.in_time));

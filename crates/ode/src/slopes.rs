@@ -20,7 +20,7 @@ pub struct Slopes<const N: usize, const F: usize> {
 
 impl<const N: usize, const F: usize> Slopes<N, F> {
     /// Slopes of `rates` at a time and state, along the `F` states from `first_felt` on and along time. `L` is `F + 1`.
-    pub fn of<const L: usize>(
+    pub fn new<const L: usize>(
         time_s: f64,
         state: &[f64; N],
         (first_felt, nominals): (usize, &[f64; N]),

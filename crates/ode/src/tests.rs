@@ -29,7 +29,7 @@ impl<Q: Equations> System<N, N_FELT, 1> for Q {
     }
 
     fn slopes(&self, time_s: f64, state: &[f64; N]) -> Slopes<N, N_FELT> {
-        Slopes::of::<{ N_FELT + 1 }>(time_s, state, (1, &NOMINALS), |time_s, state| self.rates(time_s, state))
+        Slopes::new::<{ N_FELT + 1 }>(time_s, state, (1, &NOMINALS), |time_s, state| self.rates(time_s, state))
     }
 
     fn event_indicators(&self, _: f64, state: &[f64; N]) -> [f64; 1] {
@@ -203,17 +203,17 @@ fn linear_equations_are_solved_to_rounding() {
         |i: usize, j: usize| ((i * 7 + j * j * 3 + i * j) % 11) as f64 - if i + j == N_FELT - 1 { 40.0 } else { 5.0 };
     let columns: [[f64; N_FELT]; N_FELT] = std::array::from_fn(|j| std::array::from_fn(|i| matrix(i, j)));
     let right: [f64; N_FELT] = std::array::from_fn(|i| (i as f64 - 1.5).powi(3));
-    let solution = Decomposition::of(columns).unwrap().solve(&right);
+    let solution = Decomposition::new(columns).unwrap().solve(&right);
     for (i, expected) in right.iter().enumerate() {
         let found: f64 = (0..N_FELT).map(|j| matrix(i, j) * solution[j]).sum();
         assert!((found - expected).abs() < 1e-11, "row {i}: {found} against {expected}");
     }
     let mut singular = columns;
     singular[3] = singular[1];
-    assert!(Decomposition::of(singular).is_none_or(|it| it.solve(&right).iter().any(|x| x.abs() > 1e12)));
+    assert!(Decomposition::new(singular).is_none_or(|it| it.solve(&right).iter().any(|x| x.abs() > 1e12)));
     let mut not_a_number = columns;
     not_a_number[2][3] = f64::NAN;
-    assert!(Decomposition::of(not_a_number).is_none_or(|it| it.solve(&right).iter().any(|x| x.is_nan())));
+    assert!(Decomposition::new(not_a_number).is_none_or(|it| it.solve(&right).iter().any(|x| x.is_nan())));
 }
 
 /// A system that counts how often it is asked.

@@ -38,7 +38,7 @@ impl Figure {
 
 /// The figure as SVG, its identifiers made from `id`; `standalone` with the namespace that a file needs.
 pub(super) fn document(figure: &Figure, id: &str, standalone: bool) -> String {
-    let layout = Layout::of(figure);
+    let layout = Layout::new(figure);
     let mut drawn = String::new();
     let canvas = Canvas::new(&mut drawn, WIDTH, layout.height);
     layout.draw(figure, &canvas);
@@ -79,7 +79,7 @@ struct Place<'a> {
 }
 
 impl<'a> Layout<'a> {
-    fn of(figure: &'a Figure) -> Self {
+    fn new(figure: &'a Figure) -> Self {
         let count = figure.panels.len();
         let heights: Vec<f64> = figure.panels.iter().map(|p| height_of(p, count)).collect();
         let all = || figure.panels.iter().flat_map(|p| &p.layers);
@@ -111,7 +111,7 @@ impl<'a> Layout<'a> {
         let mut top = 8.0 + if figure.title.is_some() { 24.0 } else { 0.0 };
         let mut panels = Vec::new();
         for (((panel, y), y_label), height) in figure.panels.iter().zip(scales).zip(labels).zip(heights) {
-            let legend = Legend::of(panel, &mut shown, right - left);
+            let legend = Legend::new(panel, &mut shown, right - left);
             let heading = if panel.title.is_some() || outside(panel, figure, &y) > 0 { 19.0 } else { 0.0 };
             let upper = top + heading + legend.height() + 5.0;
             let frame = Frame { left, top: upper, right, bottom: upper + height };
@@ -121,7 +121,7 @@ impl<'a> Layout<'a> {
         let ticks = if upward { widest([&x]) + 4.0 } else { TICK_SIZE + 4.0 };
         let label = if axis_label(&figure.x, &x).is_empty() { 0.0 } else { LABEL_SIZE + 8.0 };
         let height = (top - 13.0 + TICK + ticks + label + 9.0).ceil();
-        Layout { height, x, upward, panels, styles: Styles::of(figure) }
+        Layout { height, x, upward, panels, styles: Styles::new(figure) }
     }
 
     fn draw(&self, figure: &Figure, canvas: &Canvas) {

@@ -200,18 +200,18 @@ impl Axis {
 }
 
 impl Layer {
-    fn of(shape: Shape) -> Self {
+    fn new(shape: Shape) -> Self {
         Layer { label: None, slot: None, shape }
     }
 
     /// Markers.
     pub fn points(xs: Vec<f64>, ys: Vec<f64>) -> Self {
-        Layer::of(Shape::Points { xs, ys, y_interval: None, x_interval: None })
+        Layer::new(Shape::Points { xs, ys, y_interval: None, x_interval: None })
     }
 
     /// A line.
     pub fn line(xs: Vec<f64>, ys: Vec<f64>) -> Self {
-        Layer::of(Shape::Line { xs, ys, dash: Dash::Solid })
+        Layer::new(Shape::Line { xs, ys, dash: Dash::Solid })
     }
 
     /// The curve of a function over a range, at 201 abscissae.
@@ -223,22 +223,22 @@ impl Layer {
 
     /// The area between two curves over increasing abscissae.
     pub fn band(xs: Vec<f64>, low: Vec<f64>, high: Vec<f64>) -> Self {
-        Layer::of(Shape::Band { xs, low, high })
+        Layer::new(Shape::Band { xs, low, high })
     }
 
     /// A vertical strip.
     pub fn shaded_x(from: f64, to: f64) -> Self {
-        Layer::of(Shape::ShadedX { from, to })
+        Layer::new(Shape::ShadedX { from, to })
     }
 
     /// A vertical line.
     pub fn at_x(x: f64) -> Self {
-        Layer::of(Shape::AtX(x))
+        Layer::new(Shape::AtX(x))
     }
 
     /// A horizontal line.
     pub fn at_y(y: f64) -> Self {
-        Layer::of(Shape::AtY(y))
+        Layer::new(Shape::AtY(y))
     }
 
     /// With an entry in the legend.

@@ -18,7 +18,7 @@ pub(super) struct Styles<'a> {
 }
 
 impl<'a> Styles<'a> {
-    pub fn of(figure: &'a Figure) -> Self {
+    pub fn new(figure: &'a Figure) -> Self {
         let layers = || figure.panels.iter().flat_map(|p| &p.layers);
         let mut taken: BTreeSet<usize> = layers().filter_map(|l| l.slot).collect();
         let mut slots: HashMap<&str, usize> = layers().filter_map(|l| Some((l.label.as_deref()?, l.slot?))).collect();
@@ -66,7 +66,7 @@ struct Entry<'a> {
 
 impl<'a> Legend<'a> {
     /// The labels of a panel that no panel above has shown, flowing into rows of a width.
-    pub fn of(panel: &'a Panel, shown: &mut BTreeSet<&'a str>, wide: f64) -> Self {
+    pub fn new(panel: &'a Panel, shown: &mut BTreeSet<&'a str>, wide: f64) -> Self {
         let mut entries: Vec<(&str, Vec<&Layer>)> = Vec::new();
         for layer in &panel.layers {
             let Some(label) = layer.label.as_deref().filter(|l| !shown.contains(l)) else { continue };

@@ -45,7 +45,7 @@ pub(super) fn numbers(figure: &Figure) -> Option<Value> {
     if size > MOST_NUMBERS || figure.is_map || figure.x.reversed || !(has_series && goes_on && axes_are_plain) {
         return None;
     }
-    let styles = Styles::of(figure);
+    let styles = Styles::new(figure);
     let panels: Vec<Value> = figure.panels.iter().map(|panel| panel_of(panel, &styles)).collect();
     Some(json!({ "x": axis(&figure.x), "panels": panels }))
 }

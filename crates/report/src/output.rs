@@ -369,7 +369,7 @@ mod tests {
     }
 
     #[test]
-    fn single_files_are_replaced_as_told() {
+    fn single_files_are_replaced_as_asked() {
         let dir = tempfile::tempdir().unwrap();
         let own = dir.path().join("own.json");
         write_whole(&own, br#"{"schema": "glidepolar.identify/1"}"#, Replace::Never).unwrap();

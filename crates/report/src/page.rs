@@ -120,7 +120,7 @@ impl InputFile {
     }
 
     /// Of content that is already in memory.
-    pub fn of(name: impl Into<String>, content: &[u8]) -> Self {
+    pub fn new(name: impl Into<String>, content: &[u8]) -> Self {
         let sha256 = hexadecimal(&Sha256::digest(content));
         InputFile { name: name.into(), bytes: content.len() as u64, sha256 }
     }

@@ -159,7 +159,7 @@ fn hostile() -> Report {
         )
         .panel(Panel::new(Axis::new(t, t, t)).layer(Layer::shaded_x(0.0, 1.0).label(t)));
     let table = Table::new(t, [t, t]).row([t.into(), 1.0.into()]);
-    let mut report = Report::new(t, t).warning(t).finding(t).input(InputFile::of(t, b"x"));
+    let mut report = Report::new(t, t).warning(t).finding(t).input(InputFile::new(t, b"x"));
     (report.program, report.command) = (t.to_owned(), t.to_owned());
     let blocks = [Block::Text(t.into()), Block::List(vec![t.into()]), Block::Code(t.into())];
     let section = blocks.into_iter().fold(Section::new(t).figure(figure).table(table), Section::block);
@@ -300,6 +300,6 @@ fn a_file_is_known_by_its_checksum() {
     let read = InputFile::read(dir.path().join("abc")).unwrap();
     // FIPS 180-2, appendix B.1.
     assert_eq!(read.sha256, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-    assert_eq!((read.bytes, &read.sha256), (3, &InputFile::of("abc", b"abc").sha256));
+    assert_eq!((read.bytes, &read.sha256), (3, &InputFile::new("abc", b"abc").sha256));
     assert!(InputFile::read(dir.path().join("missing")).is_err());
 }

@@ -139,9 +139,9 @@ pub(super) fn markers(places: &[Pixel], most: usize) -> Vec<usize> {
     }
     let mut cell = 0.5;
     loop {
-        let mut seen = std::collections::HashSet::new();
+        let mut taken = std::collections::HashSet::new();
         let chosen: Vec<usize> = (0..places.len())
-            .filter(|&i| seen.len() <= most && seen.insert(((places[i].0 / cell) as i64, (places[i].1 / cell) as i64)))
+            .filter(|&i| taken.len() <= most && taken.insert(((places[i].0 / cell) as i64, (places[i].1 / cell) as i64)))
             .collect();
         if chosen.len() <= most || cell > 64.0 {
             return chosen;

@@ -30,7 +30,7 @@ pub fn slopes(
     rates: impl FnOnce(Direction, State<Direction>) -> State<Direction>,
 ) -> Slopes<N_STATES, N_FELT> {
     let of_arrays = |time_s, state| rates(time_s, State::from_array(state)).as_array();
-    Slopes::of::<{ N_FELT + 1 }>(time_s, state, (FIRST_FELT, &NOMINAL_VALUES), of_arrays)
+    Slopes::new::<{ N_FELT + 1 }>(time_s, state, (FIRST_FELT, &NOMINAL_VALUES), of_arrays)
 }
 
 /// A number with its slopes along those states and time.

@@ -205,7 +205,7 @@ fn mirrored(state: &State<f64>) -> State<f64> {
 }
 
 #[test]
-fn seen_in_a_mirror_it_moves_as_its_mirror_image_to_the_last_bit() {
+fn mirrored_it_moves_as_its_mirror_image_to_the_last_bit() {
     let random = &mut StdRng::seed_from_u64(12);
     for _ in 0..200 {
         let (body, state, inputs) = (any_body(random), any_state(random), any_inputs(random));

@@ -111,8 +111,8 @@ pub fn turning(observations: &[Observation]) -> Option<Turning> {
     }
     let leg = |descends: bool| all.iter().filter(move |s| s.descends == descends);
     let mut warnings = Vec::new();
-    let model = Model::of(&all);
-    let fit = Fit::of(&model.design(&all), &rates(&all), &clusters(&all));
+    let model = Model::new(&all);
+    let fit = Fit::new(&model.design(&all), &rates(&all), &clusters(&all));
     let of_column = |column: Column, unit: &str| {
         let at = model.columns.iter().position(|known| *known == column)?;
         fit.as_ref().map(|fit| fit.estimate(at, unit))
@@ -264,7 +264,7 @@ struct Model {
 }
 
 impl Model {
-    fn of(all: &[Stretch]) -> Self {
+    fn new(all: &[Stretch]) -> Self {
         let mut columns = Vec::new();
         for descends in [true, false] {
             let of_leg: Vec<&Stretch> = all.iter().filter(|s| s.descends == descends).collect();
@@ -308,7 +308,7 @@ struct Fit {
 
 impl Fit {
     /// None where the columns depend on each other, or there are too few clusters.
-    fn of(design: &DMatrix<f64>, measured: &DVector<f64>, clusters: &[u32]) -> Option<Self> {
+    fn new(design: &DMatrix<f64>, measured: &DVector<f64>, clusters: &[u32]) -> Option<Self> {
         let names: BTreeSet<u32> = clusters.iter().copied().collect();
         if names.len() < LEAST_DIVES {
             return None;
@@ -361,7 +361,7 @@ fn line(all: &[Stretch], over: impl Fn(&Stretch) -> f64, of: impl Fn(&Stretch) -
     let design = DMatrix::from_fn(known.len(), 2, |i, j| if j == 0 { 1.0 } else { xs[i] });
     let measured = DVector::from_iterator(known.len(), known.iter().map(|s| of(s)));
     let clusters: Vec<u32> = known.iter().map(|s| s.dive).collect();
-    Fit::of(&design, &measured, &clusters)
+    Fit::new(&design, &measured, &clusters)
 }
 
 /// Where the turn rate is zero along a control.
@@ -388,7 +388,7 @@ fn held_rudder(all: &[Stretch], model: &Model) -> Option<Estimate> {
         return None;
     }
     let design = DMatrix::from_iterator(all.len(), 1, rudders);
-    Some(Fit::of(&design, &rates(all), &clusters(all))?.estimate(0, "1/s"))
+    Some(Fit::new(&design, &rates(all), &clusters(all))?.estimate(0, "1/s"))
 }
 
 /// The mean of a quantity, by dives.
@@ -397,7 +397,7 @@ fn mean(all: &[Stretch], of: impl Fn(&Stretch) -> f64, unit: &str) -> Option<Est
     let clusters: Vec<u32> = known.iter().map(|s| s.dive).collect();
     let design = DMatrix::from_element(known.len(), 1, 1.0);
     let measured = DVector::from_iterator(known.len(), known.iter().map(|s| of(s)));
-    Some(Fit::of(&design, &measured, &clusters)?.estimate(0, unit))
+    Some(Fit::new(&design, &measured, &clusters)?.estimate(0, unit))
 }
 
 fn legs_differ(all: &[Stretch]) -> Option<String> {
@@ -462,12 +462,12 @@ fn holdout(all: &[Stretch], model: &Model) -> Option<ByLeg<f64>> {
     let is_odd = |s: &Stretch| dives.binary_search(&s.dive).is_ok_and(|place| place % 2 == 1);
     let mut errors: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
     for odd in [false, true] {
-        let (seen, unseen): (Vec<Stretch>, Vec<Stretch>) = all.iter().partition(|s| is_odd(s) == odd);
+        let (kept, held_out): (Vec<Stretch>, Vec<Stretch>) = all.iter().partition(|s| is_odd(s) == odd);
         // A half may have fewer dives than standard errors need; values need none.
-        let every: Vec<u32> = (0..seen.len() as u32).collect();
-        let fit = Fit::of(&model.design(&seen), &rates(&seen), &every)?;
-        let predicted = model.design(&unseen) * &fit.values;
-        for (s, predicted) in unseen.iter().zip(predicted.iter()) {
+        let every: Vec<u32> = (0..kept.len() as u32).collect();
+        let fit = Fit::new(&model.design(&kept), &rates(&kept), &every)?;
+        let predicted = model.design(&held_out) * &fit.values;
+        for (s, predicted) in held_out.iter().zip(predicted.iter()) {
             errors[usize::from(!s.descends)].push(s.rate_rad_s - predicted);
         }
     }

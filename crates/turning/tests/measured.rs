@@ -17,7 +17,7 @@ fn data() -> Option<PathBuf> {
     Some(folder)
 }
 
-fn of(files: &[PathBuf]) -> Turning {
+fn read(files: &[PathBuf]) -> Turning {
     let columns = Columns::default();
     let mut log = LogFiles::open(files, &columns).expect("a log");
     let mut preparation = Preparation::new(Settings { density_kg_m3: Some(1027.0), ..Settings::default() });
@@ -47,7 +47,7 @@ fn assert_predicts(found: &Turning) {
 #[test]
 fn sg542_turns_against_its_roll_on_dives_and_with_it_on_climbs() {
     let Some(data) = data() else { return };
-    let found = of(&[data.join("sg542_samples.csv")]);
+    let found = read(&[data.join("sg542_samples.csv")]);
     assert!(holds(&found.turn_rate_per_roll_1_s.descent, -0.0424), "{found:#?}");
     assert!(holds(&found.turn_rate_per_roll_1_s.ascent, 0.0204), "{found:#?}");
     let roll = found.roll_per_roll_mass.as_ref().expect("the roll mass is in the log");
@@ -60,7 +60,7 @@ fn sg542_turns_against_its_roll_on_dives_and_with_it_on_climbs() {
 fn sg236_turns_likewise() {
     let Some(data) = data() else { return };
     let files: Vec<PathBuf> = (1..=5).map(|dive| data.join(format!("seaglider_sg236/p236000{dive}.nc"))).collect();
-    let found = of(&files);
+    let found = read(&files);
     assert!(holds(&found.turn_rate_per_roll_1_s.descent, -0.0393), "{found:#?}");
     assert!(holds(&found.turn_rate_per_roll_1_s.ascent, 0.0278), "{found:#?}");
     assert_predicts(&found);
@@ -69,7 +69,7 @@ fn sg236_turns_likewise() {
 #[test]
 fn comet_turns_alike_on_both_legs_below_the_thermocline_and_not_above() {
     let Some(data) = data() else { return };
-    let found = of(&[data.join("comet_2019_spiral.csv")]);
+    let found = read(&[data.join("comet_2019_spiral.csv")]);
     let layer = |leg: &str, at_dbar: f64| {
         let here = |l: &&glidepolar_turning::Layer| l.leg == leg && (l.from_dbar..=l.to_dbar).contains(&at_dbar);
         found.layers.iter().find(here).unwrap_or_else(|| panic!("{leg} {at_dbar}: {found:#?}")).turn_rate_rad_s.clone()

@@ -74,12 +74,12 @@ fn main() {
 
 /// The catalogued effects that steady flight shows.
 fn candidates() -> impl Iterator<Item = &'static str> {
-    let unseen = ["pressure_lag", "inertia", "density_at_zero_pressure", "density_bias"];
+    let not_identifiable = ["pressure_lag", "inertia", "density_at_zero_pressure", "density_bias"];
     TABLE
         .iter()
         .filter(|effect| effect.is_catalogued())
         .map(|effect| effect.name)
-        .filter(move |name| !unseen.contains(name))
+        .filter(move |name| !not_identifiable.contains(name))
 }
 
 /// Every candidate with the chi-square it takes away beyond a, b, c alone, best first; `none` enters at 12.

@@ -77,7 +77,7 @@ impl<'a> Glider<'a> {
         let Ocean { turbulence_m_s, turbulence_time_s, .. } = *voyage.ocean;
         let turbulence = [(); 2].map(|()| Wander::new(&mut random, turbulence_m_s, turbulence_time_s, STEP_S));
         let imposed = Imposed::default();
-        let inertia = Inertia::of(voyage.vehicle, voyage.vehicle.mass_kg);
+        let inertia = Inertia::new(voyage.vehicle, voyage.vehicle.mass_kg);
         let state = inertia.state((0.0, HULL_RADIUS_M, 0.0), (0.0, 0.0, 0.0), &imposed);
         Self {
             voyage,
@@ -107,7 +107,7 @@ impl<'a> Glider<'a> {
         let pressure_pa = ocean.pressure_pa(self.state.depth_m);
         let mass_kg = hidden.mass_kg(vehicle.mass_kg, time_s, &self.memory, pressure_pa);
         self.imposed.moving_mass_m = hidden.moving_mass_m(self.moving_mass_m, self.moved);
-        self.motion = Inertia::of(vehicle, mass_kg).motion(&self.state, &self.imposed, 0.0);
+        self.motion = Inertia::new(vehicle, mass_kg).motion(&self.state, &self.imposed, 0.0);
         let Motion { v1, v3, through_1, through_3, .. } = self.motion;
         let (sin, cos) = self.state.pitch_rad.sin_cos();
         let depth_m = self.state.depth_m;
@@ -156,7 +156,7 @@ impl<'a> Glider<'a> {
         self.imposed.moving_mass_m = hidden.moving_mass_m(self.moving_mass_m, self.moved);
         self.imposed.sliding_m_s = slid_m / STEP_S;
 
-        let inertia = Inertia::of(vehicle, hidden.mass_kg(vehicle.mass_kg, now.time_s, &self.memory, now.pressure_pa));
+        let inertia = Inertia::new(vehicle, hidden.mass_kg(vehicle.mass_kg, now.time_s, &self.memory, now.pressure_pa));
         let forces = Forces {
             voyage: self.voyage,
             time_s: now.time_s,

@@ -126,7 +126,7 @@ pub struct Flow {
 
 impl Hidden {
     /// The drawn effects on a vehicle.
-    pub fn of(drawn: &[Drawn], vehicle: &Vehicle) -> Self {
+    pub fn new(drawn: &[Drawn], vehicle: &Vehicle) -> Self {
         let mut hidden = Self::nothing(vehicle);
         for effect in drawn {
             hidden.density_at_zero_pressure |= effect.effect.name == "density_at_zero_pressure";

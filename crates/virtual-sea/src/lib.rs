@@ -105,7 +105,7 @@ pub fn generate_observed(options: &Options, mut observe: impl FnMut(&Instant)) -
     let vehicle = hull.draw(random, &ocean);
     let believed = vehicle.believed(random);
     let effects = catalogue::draw(&options.effects, &vehicle, seed, options.hours);
-    let hidden = Hidden::of(&effects, &vehicle);
+    let hidden = Hidden::new(&effects, &vehicle);
     let legs = pilot::plan(&vehicle, &ocean, &mut stream(seed, Part::Mission), options.hours, options.dives.max(1));
 
     let mut random = stream(seed, Part::Sensors);

@@ -99,7 +99,7 @@ pub struct Load {
 
 impl Inertia {
     /// The inertia of a vehicle that weighs `mass_kg` in all.
-    pub fn of(vehicle: &Vehicle, mass_kg: f64) -> Self {
+    pub fn new(vehicle: &Vehicle, mass_kg: f64) -> Self {
         Self {
             solid_kg: mass_kg - vehicle.moving_mass_kg,
             moving_kg: vehicle.moving_mass_kg,

@@ -230,15 +230,15 @@ fn what_goes_by_the_past_is_as_defined() {
     // Within a step nobody says where the pressure counts: the net mass by hand may differ by what it changes in one.
     let near = |effect: &str, by_hand: &dyn Fn(&Instant, ByHand) -> ByHand| {
         let (sea, flight) = still(effect);
-        let mut seen = 0.0_f64;
+        let mut largest_kg = 0.0_f64;
         for now in flight.iter().filter(|now| now.depth_m > 5.0) {
             let hand = by_hand(now, plain(&sea.truth.vehicle, now));
             let net_kg = hand.mass_kg - now.water.density_kg_m3 * hand.volume_m3;
             assert!((net_kg - now.net_mass_kg).abs() < 2e-5, "{effect}: {} by hand {net_kg}", now.net_mass_kg);
             let without = plain(&sea.truth.vehicle, now);
-            seen = seen.max((net_kg - without.mass_kg + now.water.density_kg_m3 * without.volume_m3).abs());
+            largest_kg = largest_kg.max((net_kg - without.mass_kg + now.water.density_kg_m3 * without.volume_m3).abs());
         }
-        assert!(seen > 3e-3, "{effect}: {seen} kg is nothing");
+        assert!(largest_kg > 3e-3, "{effect}: {largest_kg} kg is nothing");
     };
     let (sea, flight) = still("hull_creep=3e-10");
     let tau_s = sea.truth.parameter("creep_time_s").expect("a time");
@@ -382,7 +382,7 @@ fn every_effect_changes_something_and_inertia_nothing() {
         let (sea, _) = still(effect.name);
         let same = sea.log == plain.log;
         assert_eq!(same, effect.name == "inertia", "{}", effect.name);
-        let neutral = Hidden::nothing(&sea.truth.vehicle) == Hidden::of(&sea.truth.effects, &sea.truth.vehicle);
+        let neutral = Hidden::nothing(&sea.truth.vehicle) == Hidden::new(&sea.truth.effects, &sea.truth.vehicle);
         assert_eq!(neutral, effect.name == "inertia", "{} reaches no term", effect.name);
     }
 }

@@ -48,7 +48,7 @@ pub fn write_campaign_watched(
     if !(0.0..=100.0).contains(&options.noise) {
         return Err(Error::Noise { found: options.noise });
     }
-    let world = World::of(options.variety, options.seed, options.noise);
+    let world = World::new(options.variety, options.seed, options.noise);
     let chosen = choose_hulls(&options.hulls, &world)?;
     let (hidden, stated) = request::hide(&options.effects, options.seed)?;
     let levels = world.levels;
@@ -161,7 +161,7 @@ fn write_runs(
         let name = format!("{}.csv", run_id(number));
         let file = data.join(&name);
         // The sum does not depend on the order in which threads come to their ends.
-        digest.fetch_add(Digest::of(&name, buffer).0, Ordering::Relaxed);
+        digest.fetch_add(Digest::new(&name, buffer).0, Ordering::Relaxed);
         fs::write(&file, &*buffer).map_err(|source| io_error(&file, "write", source))?;
         bytes.fetch_add(buffer.len() as u64, Ordering::Relaxed);
         watch(Progress { runs_done: done.fetch_add(1, Ordering::Relaxed) + 1, runs: runs.len() });

@@ -15,7 +15,7 @@ const PAPERWORK: [&str; 2] = ["campaign.toml", "runs.csv"];
 
 impl Digest {
     /// Of one file: FNV-1a over its name and its bytes (Fowler, Noll and Vo; RFC 9923).
-    pub(super) fn of(name: &str, bytes: &[u8]) -> Self {
+    pub(super) fn new(name: &str, bytes: &[u8]) -> Self {
         let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
         Self(name.as_bytes().iter().chain(bytes).fold(0xcbf2_9ce4_8422_2325, step))
     }
@@ -44,7 +44,7 @@ impl Digest {
 
     fn of_file(file: &Path, name: &str) -> Result<Self, Error> {
         let bytes = fs::read(file).map_err(|source| io_error(file, "read", source))?;
-        Ok(Self::of(name, &bytes))
+        Ok(Self::new(name, &bytes))
     }
 }
 

@@ -117,7 +117,7 @@ pub(super) fn draw_hulls(stream: &mut Stream) -> Vec<Hull> {
             let volume = volume(row);
             let area_ratio = frontal_area() / (loa * loa);
             let displaced = 2.0 * volume / loa.powi(3);
-            let spheroid = Spheroid::of(ldr);
+            let spheroid = Spheroid::new(ldr);
             let yvdot = -sway_efficiency * spheroid.sway * displaced;
             let inertia = displaced / 20.0 * (1.0 + 1.0 / (ldr * ldr));
             let derivatives = DynamicDerivatives {

@@ -86,7 +86,7 @@ pub(super) struct Spheroid {
 }
 
 impl Spheroid {
-    pub(super) fn of(fineness: f64) -> Self {
+    pub(super) fn new(fineness: f64) -> Self {
         let e2 = 1.0 - 1.0 / (fineness * fineness);
         let e = e2.sqrt();
         let logarithm = ((1.0 + e) / (1.0 - e)).ln();
@@ -121,7 +121,7 @@ mod tests {
     /// Values of Lamb's table as printed in textbooks for 6:1 (k1 0.045, k2 0.918, k' 0.764).
     #[test]
     fn spheroid_factors_are_lambs() {
-        let six = Spheroid::of(6.0);
+        let six = Spheroid::new(6.0);
         assert!(
             (six.surge - 0.045).abs() < 1e-3 && (six.sway - 0.918).abs() < 1.5e-3 && (six.yaw - 0.764).abs() < 2e-3
         );

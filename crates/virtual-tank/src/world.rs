@@ -70,7 +70,7 @@ const PHOENIX_REPEATS_DEG: [f64; 5] = [-8.0, -4.0, 0.0, 4.0, 8.0];
 
 impl World {
     /// The tank of this kind for a seed, everything random within runs multiplied by `noise`.
-    pub(super) fn of(variety: Variety, seed: u64, noise: f64) -> Self {
+    pub(super) fn new(variety: Variety, seed: u64, noise: f64) -> Self {
         match variety {
             Variety::Phoenix => Self::phoenix(noise),
             Variety::Drawn => Self::drawn(&mut Stream::new(seed, Purpose::World), noise),

@@ -170,7 +170,7 @@ pub(super) fn settle(glider: &mut Glider) -> f64 {
     let Parts { active, state, inputs } = parts(&rules, &glider.values);
     let in_water = rules.in_plane(&state, &inputs);
     let (modes, state) =
-        limits::settle(&active, rules.actuation, rules.discrete.modes, glider.values.time_s, &state, &in_water);
+        limits::apply(&active, rules.actuation, rules.discrete.modes, glider.values.time_s, &state, &in_water);
     glider.discrete.modes = modes;
     glider.values.state = row(state.as_array());
     inputs.seabed_depth_m

@@ -25,7 +25,7 @@ fn rows() -> Vec<Row> {
 }
 
 /// What a command says of a log: its JSON, or why it ended.
-fn told(command: &[&str], rows: &[Row]) -> Result<serde_json::Value, CliError> {
+fn run_command(command: &[&str], rows: &[Row]) -> Result<serde_json::Value, CliError> {
     let folder = tempfile::tempdir().expect("a folder");
     let (log, json) = (folder.path().join("log.csv"), folder.path().join("out.json"));
     let mut text =
@@ -62,7 +62,7 @@ fn a_log_that_contradicts_itself_is_refused_by_every_command() {
         (reversed, "sign of pitch"),
     ] {
         for command in COMMANDS {
-            let error = told(command, &rows).expect_err(check);
+            let error = run_command(command, &rows).expect_err(check);
             let text = error.to_string();
             assert!(text.contains("contradicts itself") && text.contains(check), "{command:?}, {check}: {text}");
             assert_eq!(error.exit_code(), ExitCode::from(2), "{command:?}, {check}");
@@ -73,7 +73,7 @@ fn a_log_that_contradicts_itself_is_refused_by_every_command() {
 #[test]
 fn a_density_that_the_log_shows_to_be_wrong_is_corrected_by_every_command_and_it_is_said() {
     let warned = |command: &[&str], rows: &[Row]| {
-        let result = told(command, rows).unwrap_or_else(|error| panic!("{command:?}: {error}"));
+        let result = run_command(command, rows).unwrap_or_else(|error| panic!("{command:?}: {error}"));
         let warnings = result["warnings"].as_array().expect("warnings").clone();
         let texts: Vec<String> = warnings.iter().map(|text| text.as_str().unwrap_or("").to_owned()).collect();
         texts.into_iter().filter(|text| text.starts_with("density against")).collect::<Vec<_>>()
@@ -92,7 +92,7 @@ fn a_density_that_the_log_shows_to_be_wrong_is_corrected_by_every_command_and_it
         }
     }
     // What follows is what follows from the density as it should have been.
-    let drag = |rows: &[Row]| told(COMMANDS[0], rows).expect("a fit")["parameters"]["b"]["value"].as_f64().expect("b");
+    let drag = |rows: &[Row]| run_command(COMMANDS[0], rows).expect("a fit")["parameters"]["b"]["value"].as_f64().expect("b");
     let true_density = changed(|row| row[4] = in_situ_density_kg_m3(35.0, 10.0, row[1], f64::NAN, f64::NAN));
     let (corrected, expected) = (drag(&changed(|row| row[4] = surface)), drag(&true_density));
     assert!((corrected / expected - 1.0).abs() < 1e-6, "{corrected} beside {expected}");
@@ -102,12 +102,12 @@ fn a_density_that_the_log_shows_to_be_wrong_is_corrected_by_every_command_and_it
 fn descents_alone_at_one_ballast_volume_contradict_nothing() {
     let descents: Vec<Row> = rows().into_iter().filter(|row| row[2] < 0.0).collect();
     for command in [COMMANDS[0], COMMANDS[2]] {
-        told(command, &descents).unwrap_or_else(|error| panic!("{command:?}: {error}"));
+        run_command(command, &descents).unwrap_or_else(|error| panic!("{command:?}: {error}"));
     }
 }
 
 #[test]
-fn a_log_without_a_leg_is_told_what_it_lacks() {
+fn a_log_without_a_leg_is_refused_with_what_it_lacks() {
     let one_row = &rows()[..1];
     let constant = changed(|row| row[1] = 50.0);
     for command in [&COMMANDS[0], &COMMANDS[3]] {
@@ -117,10 +117,10 @@ fn a_log_without_a_leg_is_told_what_it_lacks() {
             (&constant, "no descent or ascent of more than 4 dbar"),
             (&changed(|row| row[2] = f64::NAN), "not a single value of `pitch_rad`"),
         ] {
-            let error = told(command, rows).expect_err(expected);
+            let error = run_command(command, rows).expect_err(expected);
             assert!(error.to_string().contains(expected), "{command:?}, {expected}: {error}");
             assert_eq!(error.exit_code(), ExitCode::from(2));
         }
     }
-    assert!(told(&["track"], &[]).unwrap_err().to_string().contains("no row of data"));
+    assert!(run_command(&["track"], &[]).unwrap_err().to_string().contains("no row of data"));
 }

@@ -33,7 +33,7 @@ const LEAST_READINGS: usize = 50;
 /// a reading.
 pub fn smooth(observations: &mut [Observation]) -> (Vec<f64>, f64) {
     let stretches = stretches(observations);
-    let step_s = usual_step_s(observations, &stretches);
+    let step_s = median_step_s(observations, &stretches);
     let read: Vec<f64> = observations.iter().map(|o| o.pitch_rad).collect();
     let time_s: Vec<f64> = observations.iter().map(|o| o.time_s).collect();
     let series: Vec<(&[f64], &[f64])> =
@@ -79,7 +79,7 @@ fn stretches(observations: &[Observation]) -> Vec<std::ops::Range<usize>> {
     found
 }
 
-fn usual_step_s(observations: &[Observation], stretches: &[std::ops::Range<usize>]) -> f64 {
+fn median_step_s(observations: &[Observation], stretches: &[std::ops::Range<usize>]) -> f64 {
     let mut steps: Vec<f64> = stretches
         .iter()
         .flat_map(|range| observations[range.clone()].windows(2).map(|pair| pair[1].time_s - pair[0].time_s))

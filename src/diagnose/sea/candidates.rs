@@ -30,7 +30,7 @@ impl Channels {
         Channels(AT_SEA.iter().filter_map(of).collect())
     }
 
-    fn of(&self, mechanism: &str) -> Option<Shown> {
+    fn shown(&self, mechanism: &str) -> Option<Shown> {
         self.0.iter().find(|(name, _)| *name == mechanism).map(|(_, shown)| *shown)
     }
 }
@@ -39,7 +39,7 @@ impl Channels {
 pub const WITH_A_LEVEL: [&str; 4] = ["hull_compressibility", "thermal_expansion", "trapped_air", "hull_creep"];
 
 /// The mechanisms that these data could show, with the row of their parameter.
-pub fn of(bins: &[Bin], shown: &Channels, jumps: &[Jump], parameters: &Parameters<f64>) -> Vec<(Candidate, usize)> {
+pub fn list(bins: &[Bin], shown: &Channels, jumps: &[Jump], parameters: &Parameters<f64>) -> Vec<(Candidate, usize)> {
     let varies = |value: fn(&Bin) -> f64| bins.iter().any(|bin| value(bin).is_finite() && value(bin).abs() > 1e-4);
     let mut found = Vec::new();
     for mechanism in AT_SEA {
@@ -68,13 +68,13 @@ pub fn of(bins: &[Bin], shown: &Channels, jumps: &[Jump], parameters: &Parameter
             name => history::versions(name),
         };
         // A channel that shows less than is believed anyhow says nothing.
-        let shown = shown.of(mechanism.name).filter(|shown| shown.se < mechanism.usual);
+        let shown = shown.shown(mechanism.name).filter(|shown| shown.se < mechanism.prior_sd);
         for version in versions {
             let candidate = Candidate {
                 name: mechanism.name,
                 parameters: vec![(row.name, row.unit)],
                 neutral: vec![*parameters.clone().at(index)],
-                usual: vec![shown.map_or(mechanism.usual, |shown| shown.se)],
+                prior_sd: vec![shown.map_or(mechanism.prior_sd, |shown| shown.se)],
                 bounds: vec![(row.min, row.max)],
                 least: mechanism.least,
                 shown: shown.map(|shown| shown.value),

@@ -13,7 +13,7 @@ pub fn places(bins: &[&Bin]) -> Vec<f64> {
 }
 
 /// What was set or met, never what is to be explained: a curve along the measured velocity itself would fit its noise.
-pub fn of(bins: &[&Bin]) -> Vec<Covariate> {
+pub fn from_bins(bins: &[&Bin]) -> Vec<Covariate> {
     let mut found = Vec::new();
     let mut add = |name: &'static str, kind: Kind, value: fn(&Bin) -> f64| {
         let values: Vec<f64> = bins.iter().map(|bin| value(bin)).collect();

@@ -258,7 +258,7 @@ impl Columns {
     }
 
     /// What a unit of a mechanism's size does to each bin.
-    pub fn of(&self, mechanism: &str, bins: &[Bin], parameters: &Parameters<f64>) -> Vec<f64> {
+    pub fn effect(&self, mechanism: &str, bins: &[Bin], parameters: &Parameters<f64>) -> Vec<f64> {
         match mechanism {
             "clock_offset" => self.pitch_rates.clone(),
             _ => self.history.column(mechanism, bins, parameters),
@@ -278,7 +278,7 @@ impl Columns {
                 continue;
             }
             let effects = effects.get_or_insert_with(|| vec![Effect::default(); bins.len()]);
-            for (effect, value) in effects.iter_mut().zip(self.of(mechanism, bins, parameters)) {
+            for (effect, value) in effects.iter_mut().zip(self.effect(mechanism, bins, parameters)) {
                 match acts {
                     Acts::NetMass => effect.net_mass_kg += size * value,
                     Acts::Pitch => effect.pitch_rad += size * value,

@@ -3,7 +3,7 @@
 //! Between legs first: few enough to be tried beside everything else. Around the one that is found, between any two bins: what
 //! is caught on the way down jumps in the middle of a leg. Knows bins alone.
 
-use crate::identify::{Bin, usual_step_s};
+use crate::identify::{Bin, median_step_s};
 
 /// Most jumps between legs that are tried.
 const MOST_BETWEEN_LEGS: usize = 30;
@@ -49,7 +49,7 @@ impl Jump {
 
 /// The jumps between any two bins.
 fn all(bins: &[Bin]) -> impl Iterator<Item = Jump> {
-    let half_a_bin_s = 0.5 * usual_step_s(bins.iter().map(|bin| &bin.mean));
+    let half_a_bin_s = 0.5 * median_step_s(bins.iter().map(|bin| &bin.mean));
     bins.windows(2).map(move |pair| {
         let [before_s, after_s] = [0, 1].map(|i| pair[i].mean.time_s);
         Jump { time_s: 0.5 * (before_s + after_s), between_s: [before_s - half_a_bin_s, after_s] }

@@ -86,7 +86,7 @@ pub fn diagnose_log(
     if problem.is_quasi_steady() {
         outcome.diagnosis.warnings.push(QUASI_STEADY.to_owned());
     }
-    outcome.diagnosis.warnings.extend(problem.doubts(&outcome.before.point, &outcome.after.point));
+    outcome.diagnosis.warnings.extend(problem.warnings(&outcome.before.point, &outcome.after.point));
     let problem = empirical::extend(problem, &mut outcome);
     let evidence = problem.evidence(&outcome.after.point);
     Ok(SeaDiagnosis { outcome, evidence, problem, baseline })
@@ -167,8 +167,8 @@ fn tell_trim(outcome: &mut Outcome, baseline: &Parameters<f64>) {
     let diagnosis = &mut outcome.diagnosis;
     let Some(place) = diagnosis.causes.iter().position(|cause| cause.cause == NAME) else { return };
     let Some(offset) = diagnosis.causes[place].parameters.get("ballast_offset_kg").cloned() else { return };
-    let usual_kg = BALLASTING_KG_M3 * baseline.mass_kg() / SEA_WATER_KG_M3;
-    if offset.value.abs() <= usual_kg {
+    let ballasting_kg = BALLASTING_KG_M3 * baseline.mass_kg() / SEA_WATER_KG_M3;
+    if offset.value.abs() <= ballasting_kg {
         diagnosis.causes.remove(place);
         diagnosis.verdict = match (diagnosis.causes.is_empty(), diagnosis.unexplained.is_some()) {
             (true, false) => Verdict::None,

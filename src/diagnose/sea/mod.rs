@@ -258,9 +258,9 @@ impl SeaProblem {
         if !is_promising {
             return None;
         }
-        let told = engine::diagnose_in_full(&steady);
-        let [least, most] = gain(&found.after.held_out, &told.after.held_out);
-        let is_better = least > 0.0 || (most > 0.0 && told.fitted.len() < found.fitted.len());
+        let again = engine::diagnose_in_full(&steady);
+        let [least, most] = gain(&found.after.held_out, &again.after.held_out);
+        let is_better = least > 0.0 || (most > 0.0 && again.fitted.len() < found.fitted.len());
         is_better.then_some((steady, told))
     }
 
@@ -272,7 +272,7 @@ impl SeaProblem {
     /// Takes what these data could show for candidates, with these jumps.
     fn look_for(&mut self, jumps: &[Jump]) {
         (self.candidates, self.shapes) = (Vec::new(), Vec::new());
-        for (candidate, index) in candidates::of(&self.bins, &self.channels, jumps, &self.parameters) {
+        for (candidate, index) in candidates::list(&self.bins, &self.channels, jumps, &self.parameters) {
             // Whoever knows the lift slope holds the law of lift: a bend of it would let the slope go again.
             if self.lift != Lift::Fitted && candidate.name == "nonlinear_lift" {
                 continue;
@@ -287,11 +287,11 @@ impl SeaProblem {
                 continue;
             }
             let slopes = match history::acts(candidate.name) {
-                None => Slopes::Direction(self.directions.of(index)),
+                None => Slopes::Direction(self.directions.index_of(index)),
                 Some(acts) => {
                     let mut parameters = self.parameters;
                     put_version(&mut parameters, &candidate);
-                    let column = self.past.of(candidate.name, &self.bins, &parameters);
+                    let column = self.past.effect(candidate.name, &self.bins, &parameters);
                     // A mechanism that never acts in this log has nothing to show.
                     if column.iter().all(|value| value.abs() < f64::MIN_POSITIVE) {
                         continue;
@@ -301,7 +301,7 @@ impl SeaProblem {
                         history::Acts::Pitch => parameter_index("pitch_offset_rad"),
                         history::Acts::Reading => None,
                     };
-                    Slopes::Past { column, carrier: carrier.map(|row| self.directions.of(row)) }
+                    Slopes::Past { column, carrier: carrier.map(|row| self.directions.index_of(row)) }
                 }
             };
             self.candidates.push(candidate);
@@ -344,9 +344,9 @@ impl SeaProblem {
 
     /// What is to be doubted of the fit, in a sentence each: parameters of the baseline that lie far from what the vehicle says,
     /// `alone` or with what was `named`, and a scale of the pitch beside a lift slope that was fitted as well.
-    pub fn doubts(&self, alone: &Point, named: &Point) -> Vec<String> {
+    pub fn warnings(&self, alone: &Point, named: &Point) -> Vec<String> {
         let mut believed = self.parameters;
-        let mut doubts: Vec<String> = Vec::new();
+        let mut warnings: Vec<String> = Vec::new();
         for (i, ((name, unit), index)) in self.baseline.iter().zip(&self.baseline_index).enumerate() {
             let belief = *believed.at(*index);
             let is_far = |value: f64| (value - belief).abs() > FAR_FROM_BELIEF * belief.abs().max(0.1) || value <= 0.0;
@@ -358,17 +358,17 @@ impl SeaProblem {
             };
             let pitch = if *name == "a_per_rad" { format!("; {PITCH_OR_LIFT}") } else { String::new() };
             let unit = if *unit == "1" { String::new() } else { format!(" {unit}") };
-            doubts.push(format!("`{name}` = {value:.3}{unit}{when} is far from the vehicle's {belief:.3}{pitch}"));
+            warnings.push(format!("`{name}` = {value:.3}{unit}{when} is far from the vehicle's {belief:.3}{pitch}"));
         }
         let is_scaled = self.candidates.iter().zip(&named.candidates).any(|(candidate, values)| {
             candidate.name == "pitch_scale" && *values != candidate.neutral && self.lift == Lift::Fitted
         });
-        if is_scaled && !doubts.iter().any(|doubt| doubt.ends_with(PITCH_OR_LIFT)) {
-            doubts.push(format!(
+        if is_scaled && !warnings.iter().any(|warning| warning.ends_with(PITCH_OR_LIFT)) {
+            warnings.push(format!(
                 "the scale of the pitch rests on a lift slope that was fitted beside it: {PITCH_OR_LIFT}"
             ));
         }
-        doubts
+        warnings
     }
 
     /// What the vehicle's own polar says of the polar: within its own size. It keeps a baseline that lacks the true cause
@@ -379,10 +379,10 @@ impl SeaProblem {
         values
             .map(|(index, value)| {
                 let belief = *believed.at(*index);
-                let usual = RELATIVE_BELIEF * belief.abs().max(0.1);
+                let prior_sd = RELATIVE_BELIEF * belief.abs().max(0.1);
                 let sd = match self.lift {
                     Lift::Known { se_per_rad } if PARAMETERS[*index].name == "a_per_rad" => se_per_rad,
-                    _ => usual,
+                    _ => prior_sd,
                 };
                 (belief - value, sd)
             })
@@ -489,7 +489,7 @@ impl Problem for SeaProblem {
         self.relevance.limit(quantity.name, scatter, floor)
     }
 
-    fn most_usual(&self) -> f64 {
+    fn most_prior_sds(&self) -> f64 {
         MOST_USUAL
     }
 
@@ -567,7 +567,7 @@ impl Problem for SeaProblem {
             baseline: slopes.columns(0, nb).into_owned(),
             prior: self.prior(point),
             candidates,
-            covariates: covariates::of(&row_bins),
+            covariates: covariates::from_bins(&row_bins),
         }
     }
 }

@@ -5,7 +5,7 @@ use num_dual::{Derivative, DualSVec64};
 
 use crate::dynamics::{Parameters, parameter_index};
 use crate::glide::Glider;
-use crate::identify::{Bin, Inside, usual_step_s};
+use crate::identify::{Bin, Inside, median_step_s};
 
 /// Parameters that are varied in one pass; more take another pass.
 const DIRECTIONS_OF_A_PASS: usize = 24;
@@ -24,7 +24,7 @@ impl Directions {
     }
 
     /// The direction of a row, a new one where it has none yet.
-    pub fn of(&mut self, row: usize) -> usize {
+    pub fn index_of(&mut self, row: usize) -> usize {
         self.rows.iter().position(|known| *known == row).unwrap_or_else(|| {
             self.rows.push(row);
             self.rows.len() - 1
@@ -188,7 +188,7 @@ fn neighbours(bins: &[Bin], i: usize, reach_s: f64) -> (usize, usize) {
 
 /// Longest time between neighbours \[s\]: one and a half times the usual.
 fn reach_s(bins: &[Bin]) -> f64 {
-    1.5 * usual_step_s(bins.iter().map(|bin| &bin.mean))
+    1.5 * median_step_s(bins.iter().map(|bin| &bin.mean))
 }
 
 #[cfg(test)]

@@ -47,7 +47,7 @@ pub struct Shown {
 }
 
 impl Shown {
-    fn of(value: f64, se: f64, least: f64) -> Shown {
+    fn new(value: f64, se: f64, least: f64) -> Shown {
         let se = se.hypot(SHARE * value).max(least).max(value.abs() / MOST_EVIDENCE.sqrt());
         Shown { value, se }
     }
@@ -66,7 +66,7 @@ pub fn shown(mechanism: &str, observations: &[Observation]) -> Option<Shown> {
     let unit = [-DENSITY_PER_SALINITY / DAY_S, -DENSITY_PER_SALINITY * SALINITY_PER_KELVIN][place];
     let least = [LEAST_DRIFT / span_days.max(1e-3), LEAST_LAG_S][place];
     let (value, se) = (step[place] / unit, covariance[(place, place)].max(0.0).sqrt() / unit.abs());
-    (value.is_finite() && se.is_finite()).then(|| Shown::of(value, se, least))
+    (value.is_finite() && se.is_finite()).then(|| Shown::new(value, se, least))
 }
 
 struct Row {
@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn a_drift_and_a_lag_of_the_cell_are_seen_apart() {
+    fn a_drift_and_a_lag_of_the_cell_are_distinguished() {
         for (drift, lag_s) in [(0.0, 0.0), (0.8, 0.0), (-0.5, 0.0), (0.0, 5.0), (0.3, -4.0)] {
             let log = log(drift, lag_s);
             let (of_drift, of_lag) = (shown("conductivity_drift", &log).unwrap(), shown("thermal_lag", &log).unwrap());

@@ -205,10 +205,10 @@ fn held_out(question: &Question, best: &Parameters<f64>, dives: &[Dive]) -> Resu
         };
         let found = refine(&Question { baseline: *best, ..question.clone() }, &mut half(1 - held))?;
         let judged = Question { baseline: found.parameters, free: Vec::new(), ..question.clone() };
-        let mut seen = half(held);
-        let mut grams = vec![Gram::new(0); seen.count()];
+        let mut trained = half(held);
+        let mut grams = vec![Gram::new(0); trained.count()];
         let weights = Weights { sink_m_s: 1.0, speed_m_s: f64::INFINITY };
-        sum = sum.merge(seen.evaluate(&judged.baseline, &[], weights, &mut grams, 1).sink);
+        sum = sum.merge(trained.evaluate(&judged.baseline, &[], weights, &mut grams, 1).sink);
     }
     Ok(Some(sum.rms()))
 }

@@ -24,7 +24,7 @@ pub(super) fn not_identifiable(fit: &Fit) -> Option<(usize, String)> {
             return Some((position, reason));
         }
         let (value, se) = (fit.value(fit.free[position]), fit.se(position));
-        if se.is_nan() || 2.0 * se > value.abs().max(usual(name)) {
+        if se.is_nan() || 2.0 * se > value.abs().max(resolution(name)) {
             return Some((
                 position,
                 format!("these data leave it open: fitted freely it would be {value:.3} +- {se:.3}"),
@@ -44,6 +44,6 @@ fn explained_by_others(normal: &DMatrix<f64>, constant: Option<usize>, position:
 }
 
 /// Half a 95 % interval that still says something where the value itself is about zero.
-fn usual(name: &str) -> f64 {
+fn resolution(name: &str) -> f64 {
     if name == "d_per_rad" { 0.5 } else { 0.1 }
 }

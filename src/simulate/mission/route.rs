@@ -514,7 +514,7 @@ mod tests {
         (account, moments)
     }
 
-    fn of(moment: &RouteMoment, name: &str) -> f64 {
+    fn value(moment: &RouteMoment, name: &str) -> f64 {
         moment.row[COLUMNS.iter().position(|column| *column == name).unwrap()]
     }
 
@@ -527,7 +527,7 @@ mod tests {
         for (north, east) in [(2e3, 0.0), (2e3, 2e3), (0.0, 2e3)] {
             let nearest = moments
                 .iter()
-                .map(|moment| (of(moment, "north_m") - north).hypot(of(moment, "east_m") - east))
+                .map(|moment| (value(moment, "north_m") - north).hypot(value(moment, "east_m") - east))
                 .fold(f64::INFINITY, f64::min);
             assert!(nearest < 215.0, "{nearest} m from {north} {east}");
         }
@@ -546,7 +546,7 @@ mod tests {
         let (account, moments) = fly("slocum-049", "[route]\nstart_latitude_deg = 50.0\n");
         assert_eq!((account.ended_by, account.steering_moves, account.waypoints), (Ending::Duration, 0, 0));
         let last = moments.last().unwrap();
-        assert!(of(last, "east_m").abs() < 1e-9 && of(last, "lat_deg") > 50.1);
+        assert!(value(last, "east_m").abs() < 1e-9 && value(last, "lat_deg") > 50.1);
         let mission = format!("{SQUARE}[route]\nnorth_km = 1.0\neast_km = 0.0\n[steering]\nactuator = 2\n");
         let mission = Mission::parse(&mission, Path::new("square.toml")).unwrap();
         let body = Vehicle::load("slocum-049").unwrap().body().unwrap();

@@ -63,7 +63,7 @@ fn the_turns_follow_the_rising_seabed_and_the_largest_depth() {
 }
 
 #[test]
-fn it_comes_up_when_it_is_time_and_stays_as_long_as_told() {
+fn it_comes_up_when_it_is_time_and_stays_as_long_as_set() {
     let (_, flight, _) = flown(MISSION);
     let due: Vec<f64> =
         flight.legs.iter().filter(|leg| leg.ended_by == Turn::SurfacingDue).map(|leg| leg.end_s).collect();

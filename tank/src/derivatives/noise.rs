@@ -25,7 +25,7 @@ const ITERATIONS: usize = 30;
 
 impl Spectrum {
     /// Through densities as (speed of the run, frequency, density), each of two degrees of freedom.
-    pub(super) fn of(points: &[(f64, f64, f64)]) -> Spectrum {
+    pub(super) fn fit(points: &[(f64, f64, f64)]) -> Spectrum {
         let mut speeds: Vec<f64> = points.iter().map(|p| p.0).collect();
         speeds.sort_by(f64::total_cmp);
         speeds.dedup();
@@ -99,7 +99,7 @@ mod tests {
                 let [a, b]: [f64; 2] = [0; 2].map(|_| rng.sample(StandardNormal));
                 points.push((2.0, hz, 0.5 * truth(hz) * (a * a + b * b)));
             }
-            let spectrum = Spectrum::of(&points);
+            let spectrum = Spectrum::fit(&points);
             for (ratio, hz) in ratios.iter_mut().zip([0.1, 0.3, 0.9]) {
                 *ratio += spectrum.density(2.0, hz) / truth(hz) / 50.0;
             }
@@ -109,7 +109,7 @@ mod tests {
 
     #[test]
     fn few_densities_give_their_mean_and_none_give_nothing() {
-        let spectrum = Spectrum::of(&[(2.0, 0.1, 1.0), (2.0, 0.2, 3.0)]);
+        let spectrum = Spectrum::fit(&[(2.0, 0.1, 1.0), (2.0, 0.2, 3.0)]);
         assert!((spectrum.density(2.0, 0.15) - 2.0).abs() < 1e-9);
         assert_eq!(spectrum.density(1.0, 0.15), 0.0);
     }

@@ -47,7 +47,7 @@ pub(super) fn oscillations(common: &Common, hull: &Hull, runs: &[(&Run, &Harmoni
             (run.speed_m_s, hz, variance * harmonics.effective_s)
         };
         let points = runs.iter().flat_map(|(run, h)| h.spectrum.iter().map(move |(hz, c)| at(run, h, *hz, c)));
-        Spectrum::of(&points.collect::<Vec<_>>())
+        Spectrum::fit(&points.collect::<Vec<_>>())
     });
     let mut observations = Vec::new();
     for (index, (run, harmonics)) in runs.iter().enumerate() {
@@ -76,7 +76,7 @@ fn oscillation(common: &Common, hull: &Hull, index: usize, run: &Run, harmonics:
     let density = run.water.density_kg_m3;
     let length = hull.geometry.loa_m;
     let speed = harmonics.speed_m_s;
-    let cycle = Cycle::of(common, hull, run, harmonics);
+    let cycle = Cycle::new(common, hull, run, harmonics);
     let to_primes = to_primes(density, hull, speed);
     let map = stacked(&to_primes);
     let kinds = common.shared();
@@ -131,7 +131,7 @@ struct Cycle {
 }
 
 impl Cycle {
-    fn of(common: &Common, hull: &Hull, run: &Run, harmonics: &Harmonics) -> Cycle {
+    fn new(common: &Common, hull: &Hull, run: &Run, harmonics: &Harmonics) -> Cycle {
         let density = run.water.density_kg_m3;
         let zero: Series = [0.0; TERMS];
         let mut cycle = Cycle {

@@ -79,7 +79,7 @@ pub fn signs(hulls: &[HullResults]) -> Option<Diagnosis> {
 
 /// A day whose temperatures are no neighbour's: named, and put right in the data by what it departs.
 pub fn temperatures(data: &mut Data) -> Option<Cause> {
-    let days = Days::of(data);
+    let days = Days::new(data);
     let mean = |day: usize| {
         let of_day = (0..data.runs.len()).filter(|run| days.of_run(*run) == Some(day));
         let values: Vec<f64> = of_day.filter_map(|run| data.runs[run].water.map(|water| water.temperature_C)).collect();
@@ -93,9 +93,9 @@ pub fn temperatures(data: &mut Data) -> Option<Cause> {
     let middle = median(&means.iter().map(|(_, t)| *t).collect::<Vec<_>>());
     let (day, t) = *means.iter().max_by(|a, b| (a.1 - middle).abs().total_cmp(&(b.1 - middle).abs()))?;
     let others: Vec<f64> = means.iter().filter(|(other, _)| *other != day).map(|(_, t)| *t).collect();
-    let usual = others.iter().sum::<f64>() / others.len() as f64;
-    let spread = others.iter().map(|t| (t - usual).abs()).fold(0.0, f64::max);
-    let error = t - usual;
+    let mean = others.iter().sum::<f64>() / others.len() as f64;
+    let spread = others.iter().map(|t| (t - mean).abs()).fold(0.0, f64::max);
+    let error = t - mean;
     if error.abs() < NO_TANK_K || error.abs() < 2.5 * spread {
         return None;
     }
@@ -105,7 +105,7 @@ pub fn temperatures(data: &mut Data) -> Option<Cause> {
         }
     }
     let n = others.len() as f64;
-    let variance = others.iter().map(|t| (t - usual).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+    let variance = others.iter().map(|t| (t - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
     // A day's own temperature scatters as the others' do, and so does the mean that it is held against.
     let se = (variance * (1.0 + 1.0 / n)).sqrt();
     let half = glidepolar_inference::estimate::student_975(n - 1.0) * se;

@@ -38,7 +38,7 @@ const SMALL: f64 = 1e-4;
 
 impl Decorrelation {
     /// For runs in the order of their rows.
-    pub fn of(runs: &[RunErrors]) -> Decorrelation {
+    pub fn new(runs: &[RunErrors]) -> Decorrelation {
         let n = runs.len();
         let sd: Vec<Vector3<f64>> =
             runs.iter().map(|run| Vector3::from_fn(|k, _| run.own_sd[k].hypot(run.setting[k]))).collect();
@@ -135,7 +135,7 @@ mod tests {
                 }
             }
         }
-        let decorrelation = Decorrelation::of(&runs);
+        let decorrelation = Decorrelation::new(&runs);
         decorrelation.apply(&mut covariance);
         let mut covariance = covariance.transpose();
         decorrelation.apply(&mut covariance);

@@ -27,7 +27,7 @@ pub struct Drift {
 
 impl Days {
     /// From the begins of all runs; without times there are none.
-    pub fn of(data: &Data) -> Days {
+    pub fn new(data: &Data) -> Days {
         if !data.in_time {
             return Days { begins_s: Vec::new(), runs: vec![(None, None, None); data.runs.len()] };
         }

@@ -12,7 +12,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::data::Data;
 use super::mechanisms::Reach;
 use super::problem::{Shape, TankProblem};
-use super::{Diagnoses, HullDiagnosis, runs_left, unseen};
+use super::{Diagnoses, HullDiagnosis, runs_left, not_identifiable};
 use crate::hull_results::HullResults;
 use crate::sweep::NAMES;
 
@@ -24,14 +24,14 @@ pub const CHANNEL: &str = "channel";
 
 /// Writes it down.
 pub fn write(data: &Data, problem: &TankProblem<'_>, outcome: &Outcome, hulls: &[HullResults]) -> Diagnoses {
-    let unseen = unseen(problem, data);
+    let not_identifiable = not_identifiable(problem, data);
     let teller = Teller { data, problem, outcome };
     let mut campaign = outcome.diagnosis.clone();
     for (place, cause) in campaign.causes.iter_mut().enumerate() {
         cause.parameters = teller.sizes(place, None);
     }
     let not_shown = || {
-        unseen.iter().map(|(mechanism, why)| Rejected {
+        not_identifiable.iter().map(|(mechanism, why)| Rejected {
             cause: mechanism.name.to_owned(),
             p_value: None,
             holdout_rms_after: None,
@@ -53,7 +53,7 @@ pub fn write(data: &Data, problem: &TankProblem<'_>, outcome: &Outcome, hulls: &
             })
         })
         .collect();
-    let absorbed: Vec<String> = unseen
+    let absorbed: Vec<String> = not_identifiable
         .iter()
         .filter(|(mechanism, _)| mechanism.reach == Reach::Absorbed)
         .map(|(mechanism, _)| format!("{} ({})", mechanism.name.replace('_', " "), mechanism.shown_by))
@@ -104,7 +104,7 @@ impl Teller<'_> {
             let pairs = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
             pairs.map(|(i, j)| shares[i] * shares[j] * covariance[(n * one + i, n * other + j)]).sum()
         };
-        let told = |shares: &[f64], unit: &str| match (shape, hull) {
+        let report = |shares: &[f64], unit: &str| match (shape, hull) {
             (Shape::EachHull(_), None) => {
                 let hulls = self.data.hulls.len();
                 let values: Vec<f64> = (0..hulls).map(|hull| value(hull, shares)).collect();
@@ -116,13 +116,13 @@ impl Teller<'_> {
             }
         };
         let mut sizes = BTreeMap::new();
-        for (name, unit, shares) in mechanism.told_as {
-            sizes.insert((*name).to_owned(), told(shares, unit));
+        for (name, unit, shares) in mechanism.reported_as {
+            sizes.insert((*name).to_owned(), report(shares, unit));
         }
-        if mechanism.told_as.is_empty() {
+        if mechanism.reported_as.is_empty() {
             for (i, parameter) in mechanism.parameters.iter().enumerate() {
                 let shares: Vec<f64> = (0..n).map(|j| f64::from(u8::from(i == j))).collect();
-                sizes.insert(parameter.name.to_owned(), told(&shares, parameter.unit));
+                sizes.insert(parameter.name.to_owned(), report(&shares, parameter.unit));
             }
         }
         match shape {
@@ -199,7 +199,7 @@ impl Teller<'_> {
                 }
             })
             .collect();
-        let told = gains.iter().find(|gain| gain.quantity == campaign.gain.quantity).unwrap_or(&gains[0]).clone();
+        let gain = gains.iter().find(|gain| gain.quantity == campaign.gain.quantity).unwrap_or(&gains[0]).clone();
         let unexplained = campaign.unexplained.as_ref().map(|unexplained| {
             let quantity = NAMES.iter().position(|name| *name == unexplained.quantity).unwrap_or(0);
             Unexplained { rms: rms(&outcome.after.residual, self.rows(quantity, runs)), ..unexplained.clone() }
@@ -214,7 +214,7 @@ impl Teller<'_> {
             wrong: self.wrong(campaign, runs),
             causes,
             unexplained,
-            gain: told,
+            gain,
             gains,
             ..campaign.clone()
         }
@@ -306,18 +306,18 @@ fn tell_channel(sizes: &mut BTreeMap<String, Estimate>, channel: usize) {
 
 /// The mean of what hulls show, with the errors that they share; where they differ by more than that, by their scatter.
 fn mean(values: &[f64], covariance: &DMatrix<f64>, unit: &str) -> Estimate {
-    let seen: Vec<usize> = (0..values.len()).filter(|i| covariance[(*i, *i)] > 0.0).collect();
-    if seen.is_empty() {
+    let known: Vec<usize> = (0..values.len()).filter(|i| covariance[(*i, *i)] > 0.0).collect();
+    if known.is_empty() {
         return Estimate::normal(values.first().copied().unwrap_or(0.0), 0.0, unit);
     }
-    let weights: Vec<f64> = seen.iter().map(|i| covariance[(*i, *i)].recip()).collect();
+    let weights: Vec<f64> = known.iter().map(|i| covariance[(*i, *i)].recip()).collect();
     let all: f64 = weights.iter().sum();
-    let mean = seen.iter().zip(&weights).map(|(i, weight)| weight * values[*i]).sum::<f64>() / all;
-    let chi2: f64 = seen.iter().zip(&weights).map(|(i, weight)| weight * (values[*i] - mean).powi(2)).sum();
-    let scale = (chi2 / (seen.len() as f64 - 1.0).max(1.0)).max(1.0);
-    let pairs = (0..seen.len()).flat_map(|i| (0..seen.len()).map(move |j| (i, j)));
+    let mean = known.iter().zip(&weights).map(|(i, weight)| weight * values[*i]).sum::<f64>() / all;
+    let chi2: f64 = known.iter().zip(&weights).map(|(i, weight)| weight * (values[*i] - mean).powi(2)).sum();
+    let scale = (chi2 / (known.len() as f64 - 1.0).max(1.0)).max(1.0);
+    let pairs = (0..known.len()).flat_map(|i| (0..known.len()).map(move |j| (i, j)));
     let variance: f64 =
-        pairs.map(|(i, j)| weights[i] * weights[j] * covariance[(seen[i], seen[j])]).sum::<f64>() / (all * all);
+        pairs.map(|(i, j)| weights[i] * weights[j] * covariance[(known[i], known[j])]).sum::<f64>() / (all * all);
     Estimate::normal(mean, (scale * variance.max(0.0)).sqrt(), unit)
 }
 

@@ -3,7 +3,7 @@
 //! Readings are first held against themselves (signs, temperatures). Then the engine of [`glidepolar_inference`] races
 //! the [mechanisms] on all steady runs of all hulls together: each hull has its own a, b, c, d; balance, carriage and
 //! water are one for all. What no steady run can show, since a, b, c, d absorb it, stands in the baseline with the belief
-//! in it, so that no other mechanism is named in its place, and is said to be unseen.
+//! in it, so that no other mechanism is named in its place, and is said to be not_identifiable.
 //!
 //! Knows reduced runs; no files, no pages.
 
@@ -78,7 +78,7 @@ pub struct RunLeft {
 
 impl Diagnoses {
     /// Asks. `hulls` are the reduced hulls of these data.
-    pub fn of(data: &Data, hulls: &[HullResults], relevance: &Relevance) -> Diagnoses {
+    pub fn new(data: &Data, hulls: &[HullResults], relevance: &Relevance) -> Diagnoses {
         if data.runs.len() < LEAST_RUNS {
             let warning =
                 format!("no diagnosis: {} steady drift runs, at least {LEAST_RUNS} are needed", data.runs.len());
@@ -130,7 +130,7 @@ impl Diagnoses {
 }
 
 /// What these runs cannot show of the mechanisms that steady runs may show in general, with the reason.
-fn unseen(problem: &TankProblem<'_>, data: &Data) -> Vec<(&'static Mechanism, String)> {
+fn not_identifiable(problem: &TankProblem<'_>, data: &Data) -> Vec<(&'static Mechanism, String)> {
     IN_TANK
         .iter()
         .filter_map(|mechanism| {

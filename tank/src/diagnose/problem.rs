@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use super::data::{Data, SteadyData, Tared, ZeroTimes};
 use super::decorrelate::{Decorrelation, RunErrors};
 use super::drift::{Days, Drift};
-use super::mechanisms::{IN_TANK, Mechanism, Parameter, Reach, Usual};
+use super::mechanisms::{IN_TANK, Mechanism, Parameter, Reach, PriorSd};
 use super::model::{self, Setting, Term, Values};
 use super::reduced::{run_errors, settings, start_of};
 use super::zero_runs::allowed_rates;
@@ -89,7 +89,7 @@ impl<'a> TankProblem<'a> {
     pub fn new(data: &'a Data, hulls: &[HullResults], relevance: &'a Relevance) -> TankProblem<'a> {
         let mut order: Vec<usize> = (0..data.runs.len()).collect();
         order.sort_by(|a, b| data.runs[*a].time_s.total_cmp(&data.runs[*b].time_s));
-        let days = Days::of(data);
+        let days = Days::new(data);
         let coefficients: Vec<[f64; 4]> = hulls.iter().map(start_of).collect();
         let mut baseline = Vec::new();
         let (mut start, mut belief) = (Vec::new(), Vec::new());
@@ -111,10 +111,10 @@ impl<'a> TankProblem<'a> {
             Term::StrutAxial => ("strut_axial_m2", "m2", STRUT_BELIEF[0] * area),
             _ => ("strut_side_m2", "m2", STRUT_BELIEF[1] * area),
         }));
-        for (name, unit, usual) in absorbed {
+        for (name, unit, prior_sd) in absorbed {
             baseline.push((name, unit));
             start.push(0.0);
-            belief.push(usual);
+            belief.push(prior_sd);
         }
         let settings = settings(data);
         let errors = run_errors(data, &coefficients);
@@ -125,7 +125,7 @@ impl<'a> TankProblem<'a> {
             order,
             settings,
             days,
-            decorrelation: Decorrelation::of(&errors),
+            decorrelation: Decorrelation::new(&errors),
             baseline,
             start,
             belief,
@@ -327,9 +327,9 @@ impl<'a> TankProblem<'a> {
 
     fn add(&mut self, shape: Shape) {
         let mechanism = shape.mechanism();
-        let usual = |parameter: &Parameter| match parameter.usual {
-            Usual::Is(usual) => usual,
-            Usual::ShareOfChannel(channel, share) => share * self.largest(channel),
+        let prior_sd = |parameter: &Parameter| match parameter.prior_sd {
+            PriorSd::Is(prior_sd) => prior_sd,
+            PriorSd::ShareOfChannel(channel, share) => share * self.largest(channel),
         };
         let copies = if matches!(shape, Shape::EachHull(_)) { self.data.hulls.len() } else { 1 };
         let parameters: Vec<&Parameter> = (0..copies).flat_map(|_| mechanism.parameters).collect();
@@ -337,14 +337,14 @@ impl<'a> TankProblem<'a> {
             name: mechanism.name,
             parameters: parameters.iter().map(|p| (p.name, p.unit)).collect(),
             neutral: parameters.iter().map(|p| p.neutral).collect(),
-            usual: parameters.iter().map(|p| usual(p)).collect(),
+            prior_sd: parameters.iter().map(|p| prior_sd(p)).collect(),
             bounds: parameters.iter().map(|p| p.bounds).collect(),
             least: f64::NEG_INFINITY,
             shown: None,
             version: None,
         };
         if let Shape::Drift(_, channel) = shape {
-            candidate.usual[0] = 0.1 * self.largest(channel);
+            candidate.prior_sd[0] = 0.1 * self.largest(channel);
             if let Some(allowed) = allowed_rates(self.data, &self.days, channel, &TIME_CONSTANTS_H) {
                 candidate.bounds[0] = allowed;
             }

@@ -108,14 +108,14 @@ fn setting_rad(data: &Data, coefficients: &[[f64; 4]]) -> f64 {
         (run.hull, run.point.nominal_yaw_deg.to_bits(), run.point.nominal_speed_m_s.map(f64::to_bits))
     };
     let (mut sum, mut dof) = (0.0, 0);
-    let mut seen = vec![false; data.runs.len()];
+    let mut is_done = vec![false; data.runs.len()];
     for i in 0..data.runs.len() {
-        if seen[i] {
+        if is_done[i] {
             continue;
         }
         let alike: Vec<&SteadyData> = (i..data.runs.len())
             .filter(|j| key(&data.runs[*j]) == key(&data.runs[i]))
-            .inspect(|j| seen[*j] = true)
+            .inspect(|j| is_done[*j] = true)
             .map(|j| &data.runs[j])
             .collect();
         // The angle as recorded may differ between repeats, and the moment goes with it.

@@ -10,7 +10,7 @@ use crate::diagnose::{Diagnoses, RunLeft};
 use crate::results::Results;
 use crate::sweep::NAMES;
 
-/// Residuals that are told to be beyond the noise are so many of its standard deviations off, for the band in figures.
+/// Residuals that are channel to be beyond the noise are so many of its standard deviations off, for the band in figures.
 const TWO_SIDED: f64 = 1.96;
 
 /// One sentence for each of the four answers.
@@ -126,11 +126,11 @@ pub fn section(results: &Results) -> Option<Section> {
         let names: Vec<&str> = results.hulls.iter().map(|hull| hull.hull.id.as_str()).collect();
         section = section.figure(wrong_figure(diagnoses, &names));
         if !overall.causes.is_empty() {
-            let told = NAMES.iter().position(|name| *name == overall.gain.quantity).unwrap_or(0);
+            let channel = NAMES.iter().position(|name| *name == overall.gain.quantity).unwrap_or(0);
             section = section
                 .figure(cause_figure(diagnoses, &names, overall))
-                .figure(extension_figure(diagnoses, &names, told))
-                .figure(gain_figure(diagnoses, told));
+                .figure(extension_figure(diagnoses, &names, channel))
+                .figure(gain_figure(diagnoses, channel));
         }
     }
     if !overall.causes.is_empty() {
@@ -177,17 +177,17 @@ fn cause_figure(diagnoses: &Diagnoses, names: &[&str], overall: &Diagnosis) -> F
 }
 
 /// EXTENSION: the extended model through the measured points.
-fn extension_figure(diagnoses: &Diagnoses, names: &[&str], told: usize) -> Figure {
-    let name = NAMES[told];
+fn extension_figure(diagnoses: &Diagnoses, names: &[&str], channel: usize) -> Figure {
+    let name = NAMES[channel];
     let mut panel = Panel::new(Axis::new("Coefficient", name, ""));
     for (slot, hull) in names.iter().enumerate() {
         let mut runs: Vec<&RunLeft> = at_main_speed(diagnoses, slot);
         runs.sort_by(|a, b| a.yaw_deg.total_cmp(&b.yaw_deg));
         let xs: Vec<f64> = runs.iter().map(|run| run.yaw_deg).collect();
-        let modelled = runs.iter().map(|run| run.measured[told] - run.after[told]).collect();
+        let modelled = runs.iter().map(|run| run.measured[channel] - run.after[channel]).collect();
         panel = panel
             .layer(
-                Layer::points(xs.clone(), runs.iter().map(|run| run.measured[told]).collect()).label(*hull).slot(slot),
+                Layer::points(xs.clone(), runs.iter().map(|run| run.measured[channel]).collect()).label(*hull).slot(slot),
             )
             .layer(Layer::line(xs, modelled).label(*hull).slot(slot));
     }
@@ -197,12 +197,12 @@ fn extension_figure(diagnoses: &Diagnoses, names: &[&str], told: usize) -> Figur
 }
 
 /// GAIN: errors on runs that no fit saw, without and with the causes.
-fn gain_figure(diagnoses: &Diagnoses, told: usize) -> Figure {
-    let name = NAMES[told];
+fn gain_figure(diagnoses: &Diagnoses, channel: usize) -> Figure {
+    let name = NAMES[channel];
     let mut panel = Panel::new(Axis::new("held-out error", residual_of(name), "")).layer(Layer::at_y(0.0));
     for (slot, label) in ["without the causes", "with them"].into_iter().enumerate() {
         let xs = diagnoses.runs.iter().map(|run| run.yaw_deg).collect();
-        let ys = diagnoses.runs.iter().map(|run| run.held_out[slot][told]).collect();
+        let ys = diagnoses.runs.iter().map(|run| run.held_out[slot][channel]).collect();
         panel = panel.layer(Layer::points(xs, ys).label(label).slot(slot));
     }
     angle_figure("diagnosis-gain").panel(panel).caption(format!(
@@ -241,7 +241,7 @@ fn at_main_speed(diagnoses: &Diagnoses, hull: usize) -> Vec<&RunLeft> {
 fn causes_table(overall: &Diagnosis) -> Table {
     let mut table = Table::new(
         "Causes, strongest first: size with standard error, probability of such a gain by chance (corrected for the number of mechanisms), error on held-out runs without and with it.",
-        ["Cause", "size", "", "probability", "quantity", "without", "with", "cannot be told from"],
+        ["Cause", "size", "", "probability", "quantity", "without", "with", "cannot be channel from"],
     );
     for cause in &overall.causes {
         for (i, (name, size)) in cause.parameters.iter().enumerate() {

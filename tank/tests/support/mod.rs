@@ -20,7 +20,7 @@ pub struct Miss {
 }
 
 impl Miss {
-    pub fn of(name: &str, q: &Estimate, truth: f64) -> Self {
+    pub fn new(name: &str, q: &Estimate, truth: f64) -> Self {
         let covered = (q.ci95[0]..=q.ci95[1]).contains(&truth);
         Miss { name: name.to_owned(), value: q.value, se: q.se, covered, truth }
     }
@@ -70,7 +70,7 @@ pub fn misses(reduction: &Reduction, truth: &Truth) -> Vec<Miss> {
     for (hull, truth) in reduction.hulls.iter().zip(&truth.hulls) {
         assert_eq!(hull.id, truth.id);
         let mut add = |name: &str, q: &Estimate, truth: f64| {
-            misses.push(Miss::of(name, q, truth));
+            misses.push(Miss::new(name, q, truth));
         };
         let (fit, t) = (hull.fit.as_ref().unwrap(), truth.coefficients);
         add("a", &fit.a, t.a);
@@ -96,7 +96,7 @@ pub fn sweep_misses(results: &Results, truth: &Truth) -> Vec<Miss> {
     for (hull, truth) in results.hulls.iter().zip(&truth.hulls) {
         let slopes = glidepolar_tank::derivatives::from_sweep(&hull.hull, hull.fit.as_ref().unwrap());
         let truths = [("Yv, sweep", truth.dynamic.yv), ("Nv, sweep", truth.dynamic.nv)];
-        misses.extend(slopes.iter().zip(truths).map(|(q, (name, truth))| Miss::of(name, q, truth)));
+        misses.extend(slopes.iter().zip(truths).map(|(q, (name, truth))| Miss::new(name, q, truth)));
     }
     misses
 }

@@ -24,7 +24,7 @@ pub struct Graph {
 
 impl Graph {
     /// The graph of a crate's modules.
-    pub fn of(tree: &Tree) -> Graph {
+    pub fn new(tree: &Tree) -> Graph {
         let mut needs: BTreeMap<(PathBuf, PathBuf), BTreeSet<String>> = BTreeMap::new();
         for (place, module) in tree.0.iter().enumerate() {
             for path in &module.paths {
@@ -49,10 +49,10 @@ impl Graph {
         let reached: BTreeMap<&Path, BTreeSet<&Path>> =
             self.files.iter().map(|file| (file.as_path(), self.reached_from(file))).collect();
         let are_mutual = |a: &Path, b: &Path| reached[a].contains(b) && reached[b].contains(a);
-        let mut seen: BTreeSet<&Path> = BTreeSet::new();
+        let mut listed: BTreeSet<&Path> = BTreeSet::new();
         let mut circles = Vec::new();
         for file in &self.files {
-            if !reached[file.as_path()].contains(file.as_path()) || seen.contains(file.as_path()) {
+            if !reached[file.as_path()].contains(file.as_path()) || listed.contains(file.as_path()) {
                 continue;
             }
             let members: BTreeSet<&Path> =
@@ -67,7 +67,7 @@ impl Graph {
                 names: names.clone(),
             };
             circles.push(inside.map(edge).collect());
-            seen.extend(members);
+            listed.extend(members);
         }
         circles
     }
@@ -148,7 +148,7 @@ mod tests {
             fs::create_dir_all(path.parent().unwrap()).unwrap();
             fs::write(path, text).unwrap();
         }
-        let graph = Graph::of(&Tree::read(&folder.path().join("lib.rs")).unwrap());
+        let graph = Graph::new(&Tree::read(&folder.path().join("lib.rs")).unwrap());
         let name = |file: &Path| file.strip_prefix(folder.path()).unwrap().display().to_string();
         let members = |circle: Vec<Edge>| {
             let names: BTreeSet<String> = circle.iter().flat_map(|edge| [name(&edge.from), name(&edge.to)]).collect();

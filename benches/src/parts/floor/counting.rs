@@ -72,7 +72,7 @@ impl Tally {
         Tally(std::array::from_fn(|i| self.0[i] - before.0[i]))
     }
 
-    pub fn of(&self, kind: Kind) -> u64 {
+    pub fn count(&self, kind: Kind) -> u64 {
         self.0[kind as usize]
     }
 }

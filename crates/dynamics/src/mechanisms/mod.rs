@@ -31,7 +31,7 @@ pub struct Mechanism {
     pub parameters: &'static [&'static str],
     /// How far from neutral its size is usually found, a standard deviation in the unit of that parameter: generous, to
     /// keep a fit from sizes that nobody has seen.
-    pub usual: f64,
+    pub prior_sd: f64,
     /// The least size that nature has. A fit may go below it, and is then refused: held there, it would leave its place to
     /// something else that resembles it as little.
     pub least: f64,
@@ -42,11 +42,11 @@ pub struct Mechanism {
 }
 
 macro_rules! mechanism {
-    ($name:literal, $enters:ident, [$($parameter:literal),*], $usual:literal, $physics:literal, $source:literal, $regime:literal) => {
-        mechanism!($name, $enters, [$($parameter),*], $usual from f64::NEG_INFINITY, $physics, $source, $regime)
+    ($name:literal, $enters:ident, [$($parameter:literal),*], $prior_sd:literal, $physics:literal, $source:literal, $regime:literal) => {
+        mechanism!($name, $enters, [$($parameter),*], $prior_sd from f64::NEG_INFINITY, $physics, $source, $regime)
     };
-    ($name:literal, $enters:ident, [$($parameter:literal),*], $usual:literal from $least:expr, $physics:literal, $source:literal, $regime:literal) => {
-        Mechanism { name: $name, physics: $physics, source: $source, parameters: &[$($parameter),*], usual: $usual, least: $least, enters: Enters::$enters, regime: $regime }
+    ($name:literal, $enters:ident, [$($parameter:literal),*], $prior_sd:literal from $least:expr, $physics:literal, $source:literal, $regime:literal) => {
+        Mechanism { name: $name, physics: $physics, source: $source, parameters: &[$($parameter),*], prior_sd: $prior_sd, least: $least, enters: Enters::$enters, regime: $regime }
     };
 }
 

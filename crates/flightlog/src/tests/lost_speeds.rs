@@ -38,12 +38,12 @@ fn the_speed_of_one_descent_that_is_not_that_of_the_others_is_left_out() {
     let mut flown = [(25.0, 1.0); 20];
     flown[14].1 = 0.65;
     let mut observations = legs(&flown);
-    let told = take_out_lost_speeds(&mut observations);
+    let warnings = take_out_lost_speeds(&mut observations);
     assert_eq!(legs_without(&observations), [14]);
-    assert_eq!(told.len(), 1);
+    assert_eq!(warnings.len(), 1);
     assert!(
-        told[0].contains("descent of dive 8") && told[0].contains("35 % less") && told[0].contains("other 9"),
-        "{told:?}"
+        warnings[0].contains("descent of dive 8") && warnings[0].contains("35 % less") && warnings[0].contains("other 9"),
+        "{warnings:?}"
     );
 }
 

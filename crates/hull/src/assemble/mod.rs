@@ -159,7 +159,7 @@ pub fn build_up(parts: &Parts<'_>) -> Result<Buildup, AssembleError> {
         added_pitch_inertia_kg_m2: plus(sum.added_pitch_inertia_kg_m2, term.added_pitch_inertia_kg_m2),
         ..sum
     });
-    Ok(Buildup { pitch: PitchStability::of(parts, &total), terms, total })
+    Ok(Buildup { pitch: PitchStability::new(parts, &total), terms, total })
 }
 
 /// A surface in the vertical plane of motion; `flow` is the share of the angle of attack that reaches it.

@@ -29,7 +29,7 @@ pub struct PitchStability {
 }
 
 impl PitchStability {
-    pub(super) fn of(parts: &Parts<'_>, total: &Term) -> PitchStability {
+    pub(super) fn new(parts: &Parts<'_>, total: &Term) -> PitchStability {
         let (d, geometry) = (total.d_per_rad, &parts.hull.geometry);
         let pressure = 0.5 * parts.density_kg_m3 * parts.speed_m_s * parts.speed_m_s;
         let moment = (pressure * geometry.frontal_area_m2() * geometry.loa_m * d.value).max(0.0);
@@ -44,7 +44,7 @@ impl PitchStability {
     }
 
     /// In a sentence, and whether it is a warning.
-    pub fn told(&self, speed_m_s: f64) -> (bool, String) {
+    pub fn sentence(&self, speed_m_s: f64) -> (bool, String) {
         let slope = format!("moment slope d = {:.3} +- {:.3} per rad", self.d_per_rad.value, self.d_per_rad.se);
         match self.is_stable {
             Some(true) => (

@@ -35,7 +35,7 @@ const LAMB_RELATIVE_ERROR: f64 = 0.2;
 impl ReducedHull {
     /// Added masses in water of this density; `volume_m3` is the displaced volume \[m3\] that Lamb's factors refer to.
     pub fn added_mass(&self, density_kg_m3: f64, volume_m3: f64) -> AddedMass {
-        let lamb = LambFactors::of(self.geometry.slenderness());
+        let lamb = LambFactors::new(self.geometry.slenderness());
         let (length, diameter) = (self.geometry.loa_m, self.geometry.diameter_m);
         let displaced = density_kg_m3 * volume_m3;
         // Of the displaced water as a spheroid: m (l^2 + d^2)/20.

@@ -17,7 +17,7 @@ impl LambFactors {
     /// With the eccentricity `e = sqrt(1 - 1/f^2)` and `l = ln((1 + e)/(1 - e))`:
     /// `a0 = 2 (1 - e^2)/e^3 (l/2 - e)`, `b0 = 1/e^2 - (1 - e^2)/(2 e^3) l`, `k1 = a0/(2 - a0)`, `k2 = b0/(2 - b0)`,
     /// `k' = e^4 (b0 - a0)/((2 - e^2) (2 e^2 - (2 - e^2)(b0 - a0)))`.
-    pub fn of(slenderness: f64) -> Self {
+    pub fn new(slenderness: f64) -> Self {
         let e2 = 1.0 - 1.0 / (slenderness * slenderness);
         let e = e2.sqrt();
         let l = ((1.0 + e) / (1.0 - e)).ln();
@@ -45,7 +45,7 @@ mod tests {
             (10.5, 0.0192, 0.9631, 0.8916),
             (15.0, 0.0109, 0.9787, 0.9371),
         ] {
-            let lamb = LambFactors::of(f);
+            let lamb = LambFactors::new(f);
             assert!((lamb.k1 - k1).abs() < 6e-5, "{f}: {lamb:?}");
             assert!((lamb.k2 - k2).abs() < 6e-5, "{f}: {lamb:?}");
             assert!((lamb.k_prime - k_prime).abs() < 6e-5, "{f}: {lamb:?}");

@@ -43,7 +43,7 @@ struct AboutMomentCentre {
 }
 
 impl AboutMomentCentre {
-    fn of(campaign: &Campaign, row: &Row) -> Self {
+    fn new(campaign: &Campaign, row: &Row) -> Self {
         let (truth, hull) = campaign.hull();
         let (d, l) = (truth.dynamic, hull.loa_m);
         let l2 = 0.5 * density(row.temperature_c) * l * l;
@@ -89,7 +89,7 @@ fn sway_runs_show_mass_added_mass_and_damping() {
     let mass = truth.live.live_mass_kg;
     let ahead = hull.mc_m - truth.live.xg_m;
     for row in campaign.of_kind("sway") {
-        let about = AboutMomentCentre::of(&campaign, row);
+        let about = AboutMomentCentre::new(&campaign, row);
         let (omega, samples) = whole_cycles(&campaign, row);
         let y0 = row.amplitude_m.unwrap();
         let peak = y0 * omega;
@@ -143,7 +143,7 @@ fn yaw_runs_show_the_rotary_derivatives() {
     let live = truth.live;
     let ahead = hull.mc_m - live.xg_m;
     for row in campaign.of_kind("yaw") {
-        let about = AboutMomentCentre::of(&campaign, row);
+        let about = AboutMomentCentre::new(&campaign, row);
         let (omega, samples) = whole_cycles(&campaign, row);
         let p0 = row.amplitude_m.unwrap() * omega / row.speed;
         assert!((p0.atan().to_degrees() - row.yaw_amplitude_deg.unwrap()).abs() < 1e-3);
@@ -180,7 +180,7 @@ fn arcs_show_the_rotary_derivatives() {
     let ahead = hull.mc_m - live.xg_m;
     let mut count = 0;
     for row in campaign.of_kind("arc") {
-        let about = AboutMomentCentre::of(&campaign, row);
+        let about = AboutMomentCentre::new(&campaign, row);
         let [_, sf, ym] = campaign.mean_force(row);
         let r = row.speed / row.radius_m.unwrap();
         let (y, n) = (sf + live.live_mass_kg * row.speed * r, ym + live.live_mass_kg * ahead * row.speed * r);
