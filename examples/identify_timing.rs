@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use glidepolar::identify::inflections::inflections;
 use glidepolar::identify::{Question, Trim, Unsteady, by_dive, fit};
-use glidepolar::log::{Channel, Columns, Opened, Preparation, Settings, open};
+use glidepolar::log::{Channel, Columns, Opened, Preparation, PreparationSettings, open};
 use glidepolar::vehicle::Vehicle;
 
 /// Times of one task are the least of so many runs: what the machine does besides only adds.
@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let vehicle = Vehicle::load(vehicle)?;
     let start = Instant::now();
     let Opened::Series(mut series) = open(log, &chosen)? else { return Err("expected a time series".into()) };
-    let mut preparation = Preparation::new(Settings::default());
+    let mut preparation = Preparation::new(PreparationSettings::default());
     let mut observations = Vec::new();
     while let Some(piece) = series.next_piece(200_000)? {
         preparation.push(piece, &mut observations);

@@ -11,7 +11,7 @@ use crate::diagnose::{Check, Checked};
 use crate::input::{InputError, Place};
 use crate::log::{
     CHANNELS, Calibration, Channel, Columns, Condenser, FlightLog, LogFiles, MOST_OBSERVATIONS, Observation, Piece,
-    Preparation, Settings, Shorten, take_out_interpolated_speeds, take_out_lost_speeds,
+    Preparation, PreparationSettings, Shorten, take_out_interpolated_speeds, take_out_lost_speeds,
 };
 use crate::vehicle::Vehicle;
 
@@ -41,7 +41,7 @@ pub fn noted(notes: &[String]) -> String {
 pub struct Request {
     /// Which columns hold the channels.
     pub columns: Columns,
-    /// Half window of the filter for vertical velocity \[s\]; none: that of [`Settings`].
+    /// Half window of the filter for vertical velocity \[s\]; none: that of [`PreparationSettings`].
     pub half_window_s: Option<f64>,
     /// In-situ density where the log gives none \[kg/m3\].
     pub density_kg_m3: Option<f64>,
@@ -105,8 +105,12 @@ pub struct Progress {
 const PIECE_ROWS: usize = 50_000;
 
 /// What a log is prepared by that is flown with this vehicle.
-pub fn settings(vehicle: &Vehicle, density_kg_m3: Option<f64>) -> Settings {
-    Settings { density_kg_m3, gravity_m_s2: vehicle.glide_parameters().gravity_m_s2, ..Settings::default() }
+pub fn settings(vehicle: &Vehicle, density_kg_m3: Option<f64>) -> PreparationSettings {
+    PreparationSettings {
+        density_kg_m3,
+        gravity_m_s2: vehicle.glide_parameters().gravity_m_s2,
+        ..PreparationSettings::default()
+    }
 }
 
 /// A table of glides, each with a density.
@@ -230,7 +234,7 @@ pub struct Gathering {
 
 impl Gathering {
     /// Begins with nothing.
-    pub fn new(settings: Settings, how: Shorten) -> Self {
+    pub fn new(settings: PreparationSettings, how: Shorten) -> Self {
         Gathering {
             preparation: Preparation::new(settings),
             condenser: Condenser::new(how, MOST_OBSERVATIONS),
@@ -308,7 +312,7 @@ impl Gathering {
             return error("no density, nor temperature with salinity or conductivity".to_owned())
                 .help("give it with --density");
         }
-        let leg_dbar = Settings::default().least_leg_dbar;
+        let leg_dbar = PreparationSettings::default().least_leg_dbar;
         error(format!("no descent or ascent of more than {leg_dbar} dbar with pitch, ballast volume and density on it"))
             .help("is it the log of a dive, with pressure in decibar, or depth in metres?")
     }

@@ -306,7 +306,7 @@ fn ok(status: c_int) -> Result<()> {
 }
 
 /// The glider's library, and what its model description says of it.
-pub struct Glider {
+pub struct FmuGlider {
     pub fmu: Fmu,
     pub ballast_command: u32,
     pub moving_mass_command: u32,
@@ -348,16 +348,16 @@ pub fn in_space(root: &Path, library: &Path, standard: Standard) -> Result<Fmu> 
     Fmu::load(library, standard, &token)
 }
 
-impl Glider {
+impl FmuGlider {
     /// Loads the glider's library; its model description is read from the checkout.
-    pub fn load(root: &Path, library: &Path, standard: Standard) -> Result<Glider> {
+    pub fn load(root: &Path, library: &Path, standard: Standard) -> Result<FmuGlider> {
         let (text, token) = description(&root.join("modelDescription"), standard)?;
         let reference = |name: &str| -> Result<u32> {
             let after = text.split(&format!("name=\"{name}\" valueReference=\"")).nth(1);
             let digits = after.and_then(|after| after.split('"').next());
             Ok(digits.with_context(|| format!("no variable {name}"))?.parse()?)
         };
-        Ok(Glider {
+        Ok(FmuGlider {
             fmu: Fmu::load(library, standard, &token)?,
             ballast_command: reference("ballast_command_m3")?,
             moving_mass_command: reference("moving_mass_command_m")?,

@@ -7,14 +7,14 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, ensure};
 use glidepolar::dynamics::{Actuation, Modes, Parameters, derivative};
 use glidepolar::glide::start;
-use glidepolar::identify::{Dive, Fit, Question, by_dive, evaluate, fit};
+use glidepolar::identify::{Dive, JointFit, Question, by_dive, evaluate, fit};
 use glidepolar_tank::{Options, reduce_campaign};
 use serde_json::{Value, json};
 
 use crate::arguments::{Job, Work};
 use crate::child::{memory, peak_memory};
 use crate::data;
-use crate::fmi::{GLIDER_STATES, Glider, Interface, Standard, TOLERANCE};
+use crate::fmi::{FmuGlider, GLIDER_STATES, Interface, Standard, TOLERANCE};
 
 /// Does a job.
 pub fn run(work: &Work) -> Result<()> {
@@ -93,7 +93,7 @@ fn fit_samples(root: &Path, n: usize) -> Result<Value> {
 }
 
 /// One pass over all samples with the slopes of all free parameters, as a step of the fit makes it; its seconds.
-pub fn whole_pass<'a>(found: &'a Fit, dives: &'a mut [Dive]) -> impl FnMut() -> f64 + 'a {
+pub fn whole_pass<'a>(found: &'a JointFit, dives: &'a mut [Dive]) -> impl FnMut() -> f64 + 'a {
     let mut grams = found.grams.clone();
     move || {
         let begin = Instant::now();
@@ -104,7 +104,7 @@ pub fn whole_pass<'a>(found: &'a Fit, dives: &'a mut [Dive]) -> impl FnMut() -> 
 
 /// n instances alive at once.
 fn instances(root: &Path, library: &Path, n: usize) -> Result<Value> {
-    let glider = Glider::load(root, library, Standard::Fmi3)?;
+    let glider = FmuGlider::load(root, library, Standard::Fmi3)?;
     drop(glider.fmu.begin(Interface::CoSimulation, TOLERANCE)?);
     let before = memory();
     let mut alive = Vec::with_capacity(n);
@@ -120,7 +120,7 @@ fn instances(root: &Path, library: &Path, n: usize) -> Result<Value> {
 }
 
 fn rates(root: &Path, library: &Path, standard: Standard, n: usize) -> Result<Value> {
-    let glider = Glider::load(root, library, standard)?;
+    let glider = FmuGlider::load(root, library, standard)?;
     let instance = glider.fmu.begin(Interface::ModelExchange, TOLERANCE)?;
     let (mut states, mut rates) = ([0.0; GLIDER_STATES], [0.0; GLIDER_STATES]);
     instance.states(&mut states)?;
@@ -132,7 +132,7 @@ fn rates(root: &Path, library: &Path, standard: Standard, n: usize) -> Result<Va
 }
 
 fn steps(root: &Path, library: &Path, standard: Standard, n: usize) -> Result<Value> {
-    let glider = Glider::load(root, library, standard)?;
+    let glider = FmuGlider::load(root, library, standard)?;
     let instance = glider.fmu.begin(Interface::CoSimulation, TOLERANCE)?;
     for i in 0..n {
         instance.do_step(i as f64, 1.0)?;

@@ -8,7 +8,7 @@ use glidepolar_fmu::fmi3::*;
 use glidepolar_fmu::model::vehicle::Vehicle;
 use glidepolar_fmu::model::{Kind, Model, Slot};
 use glidepolar_ode::Integrator;
-use glidepolar_spatial::{Body, Glider, Inputs, Lateral, State, Steering};
+use glidepolar_spatial::{Body, Inputs, Lateral, SpatialGlider, State, Steering};
 use support::*;
 
 const SPACE: Model = Model::Space;
@@ -40,7 +40,7 @@ fn a_turn_is_the_library_s_whatever_the_communication_step() {
     inputs.rudder_command_rad = 0.2;
     (inputs.current_east_m_s, inputs.current_north_shear_1_s) = (0.1, 1e-4);
     let (mut time, mut integrator) = (0.0, Integrator::new(1e-12));
-    let own = Glider::new(body, Steering::Direct, inputs);
+    let own = SpatialGlider::new(body, Steering::Direct, inputs);
     own.fly(&mut integrator, &mut time, &mut state, 300.0).unwrap();
     assert!(state.heading_rad > 1.0, "it turns to starboard: {state:?}");
     for step in [300.0, 10.0, 0.5] {

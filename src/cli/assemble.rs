@@ -124,7 +124,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if is_warning {
         warn([&pitch]);
     }
-    let report = Report { schema: "glidepolar.assemble/1", vehicle: vehicle.name.clone(), build, sensor };
+    let report = AssembleReport { schema: "glidepolar.assemble/1", vehicle: vehicle.name.clone(), build, sensor };
     if a.output.shows_tables() {
         report.print();
         if !is_warning {
@@ -346,7 +346,7 @@ fn key_values<'a>(option: &str, text: &'a str, known: &[&str]) -> Result<Vec<(&'
 
 /// The result as JSON gives it.
 #[derive(Debug, Serialize)]
-struct Report {
+struct AssembleReport {
     schema: &'static str,
     vehicle: String,
     build: Buildup,
@@ -369,7 +369,7 @@ struct Endurance {
     distance_km: [Estimate; 2],
 }
 
-impl Report {
+impl AssembleReport {
     fn print(&self) {
         println!("{}: on frontal area and length, value +- standard error", self.vehicle);
         println!(

@@ -12,7 +12,7 @@ use crate::estimate::Estimate;
 use crate::glide::{Attitude, at_pitch};
 use crate::identify::{Request, Trim, identify};
 use crate::plan::{Consumers, Dive, per_dive};
-use crate::report::{Axis, Cell, Figure, InputFile, Layer, Panel, Report as Page, Section, Table};
+use crate::report::{Axis, Cell, Figure, InputFile, Layer, Panel, Report, Section, Table};
 use crate::simulate::mission::LegOrder;
 use crate::vehicle::{Vehicle, builtin};
 
@@ -71,7 +71,7 @@ pub(super) fn run(a: &Arguments) -> Result<(), CliError> {
     let smallest = gliders.iter().map(|(_, vehicle)| engine(vehicle)).fold(f64::INFINITY, f64::min);
     let net_mass_kg = a.net_mass_kg.unwrap_or(smallest);
     let compared = gliders.iter().map(|(name, vehicle)| Compared::new(name, vehicle, net_mass_kg, a.depth_m)).collect();
-    let report = Report {
+    let report = CompareReport {
         schema: "glidepolar.compare/1",
         net_mass_kg,
         density_kg_m3: DENSITY_KG_M3,
@@ -240,7 +240,7 @@ fn dive(vehicle: &Vehicle, p: &Parameters<f64>, net_mass_kg: f64, depth_m: f64) 
 
 /// The comparison as JSON gives it.
 #[derive(Debug, Serialize)]
-struct Report {
+struct CompareReport {
     schema: &'static str,
     net_mass_kg: f64,
     density_kg_m3: f64,
@@ -253,7 +253,7 @@ fn or_dash(value: Option<f64>, decimals: usize) -> String {
     value.map_or_else(|| "-".to_owned(), |value| format!("{value:.decimals$}"))
 }
 
-impl Report {
+impl CompareReport {
     /// What is compared, line by line: a name with its unit, and a text for each glider.
     fn lines(&self) -> Vec<(String, Vec<String>)> {
         let line =
@@ -295,7 +295,7 @@ impl Report {
         }
     }
 
-    fn page(&self, gliders: &[(String, Vehicle)]) -> Page {
+    fn page(&self, gliders: &[(String, Vehicle)]) -> Report {
         let names: Vec<&str> = self.gliders.iter().map(|glider| glider.what.as_str()).collect();
         let mut columns = vec!["Figure".to_owned()];
         columns.extend(names.iter().map(|name| (*name).to_owned()));
@@ -321,7 +321,7 @@ impl Report {
             "Descents at a net mass of {:.3} kg, pitch 5 to 60 deg. A line from the origin is a glide path.",
             self.net_mass_kg
         ));
-        let mut page = Page::new("Gliders side by side", names.join(", "));
+        let mut page = Report::new("Gliders side by side", names.join(", "));
         for warning in &self.warnings {
             page = page.warning(warning.clone());
         }

@@ -71,7 +71,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
             polar(&parameters, &water, net_mass_kg.unwrap_or_else(|| default_net_mass_kg(&parameters, &water)))?
         }
     };
-    let report = Report::new(&vehicle, &parameters, &water, &glides);
+    let report = GlideReport::new(&vehicle, &parameters, &water, &glides);
     if arguments.output.shows_tables() {
         report.print();
     }
@@ -121,7 +121,7 @@ fn polar(
 
 /// The result as JSON gives it. Angles in degrees and radians.
 #[derive(Debug, Serialize)]
-struct Report {
+struct GlideReport {
     schema: &'static str,
     vehicle: String,
     water_density_kg_m3: f64,
@@ -264,7 +264,7 @@ impl Row {
     }
 }
 
-impl Report {
+impl GlideReport {
     fn new(
         vehicle: &Vehicle,
         parameters: &Parameters<f64>,
@@ -281,7 +281,7 @@ impl Report {
             }
             _ => None,
         };
-        Report {
+        GlideReport {
             schema: "glidepolar.glide/1",
             vehicle: vehicle.name.clone(),
             water_density_kg_m3: water.density_kg_m3,

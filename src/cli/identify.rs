@@ -7,12 +7,12 @@ use clap::{Args, ValueEnum};
 use super::reading::Reading;
 use super::{CliError, Output, identify_page, identify_write, log_vehicle, print_notes, vehicle_input, warn};
 use crate::identify::{
-    ExternalValue, Given, Identification, IdentifyError, Report, Request, Trim, Unsteady, identify, paper_form,
+    ExternalValue, Given, Identification, IdentifyError, IdentifyReport, Request, Trim, Unsteady, identify, paper_form,
 };
 use crate::log::Shorten;
 use crate::output::OutputFolder;
 use crate::reading::PreparedLog;
-use crate::report::{InputFile, Report as Page};
+use crate::report::{InputFile, Report};
 use crate::vehicle::Vehicle;
 use glidepolar_turning::{ByLeg, Turning, turning};
 
@@ -156,7 +156,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
 const CONTRADICTS_SE: f64 = 3.0;
 
 /// Whether the lift slope that was fitted is another than the vehicle's own.
-fn other_lift_slope(vehicle: &Vehicle, report: &Report) -> Option<String> {
+fn other_lift_slope(vehicle: &Vehicle, report: &IdentifyReport) -> Option<String> {
     let fitted = report.parameters.get("a")?.as_ref().filter(|_| !report.pinned.contains_key("a"))?;
     let keys = ["hydro.descent.a_per_rad", "hydro.a_per_rad"];
     let own = keys.iter().find_map(|key| vehicle.get(key))?;
@@ -218,7 +218,7 @@ fn iterative(
 }
 
 /// The page with what was read.
-fn write_page(arguments: &Arguments, page: Page, folder: OutputFolder) -> Result<(), CliError> {
+fn write_page(arguments: &Arguments, page: Report, folder: OutputFolder) -> Result<(), CliError> {
     let mut page = page.input(vehicle_input(&arguments.vehicle)?);
     for log in &arguments.logs {
         page = page.input(InputFile::read(log)?);
@@ -262,7 +262,7 @@ impl From<IdentifyError> for CliError {
     }
 }
 
-fn print(report: &Report, found: &Identification) {
+fn print(report: &IdentifyReport, found: &Identification) {
     let kind = if report.unsteady.is_some() { "samples" } else { "steady samples" };
     println!("{} glides, {} {kind}, {} dives", report.n_glides, report.n_samples, found.dives.len());
     if let Some(speed) = report.rows.get("speed").filter(|rows| rows.rows > 0) {

@@ -5,10 +5,10 @@ use crate::identify::identifiability::profile;
 use crate::identify::paper_form::IterativeReport;
 use crate::identify::pitch_balance::{PitchBalance, predicted_pitch_rad};
 use crate::identify::polar_points::{PolarPoint, polar_points};
-use crate::identify::{Dive, Identification, Report, residuals};
+use crate::identify::{Dive, Identification, IdentifyReport, residuals};
 use crate::log::{Calibration, Observation};
 use crate::output::{OutputError, OutputFolder};
-use crate::report::{Cell, Report as Page, Section, Table, significant};
+use crate::report::{Cell, Report, Section, Table, significant};
 use crate::vehicle::Vehicle;
 
 use super::{housekeeping, identify_figures as figures, identify_write};
@@ -20,11 +20,11 @@ const PROFILE_AT_SE: [f64; 9] = [-3.0, -2.25, -1.5, -0.75, 0.0, 0.75, 1.5, 2.25,
 pub(super) fn of_joint(
     vehicle: &Vehicle,
     found: &Identification,
-    report: &Report,
+    report: &IdentifyReport,
     observations: &[Observation],
     calibration: Option<&Calibration>,
     folder: &mut OutputFolder,
-) -> Result<Page, OutputError> {
+) -> Result<Report, OutputError> {
     let parameters = &found.best_fit().parameters;
     let points = polar_points(parameters, observations);
     folder.add("glides.csv", glides_csv(&points))?;
@@ -32,7 +32,7 @@ pub(super) fn of_joint(
     folder.add("correlation.csv", correlation_csv(report))?;
     folder.add("residuals.csv", residuals_csv(parameters, &found.dives))?;
 
-    let mut page = Page::new("Identification", format!("{}, {} glides", vehicle.name, report.n_glides));
+    let mut page = Report::new("Identification", format!("{}, {} glides", vehicle.name, report.n_glides));
     page.warnings.extend(report.warnings.iter().cloned());
     page.findings.extend(answers(parameters, &points));
     page.findings.extend(findings(report));
@@ -78,12 +78,12 @@ pub(super) fn of_iterative(
     vehicle: &Vehicle,
     report: &IterativeReport,
     folder: &mut OutputFolder,
-) -> Result<Page, OutputError> {
+) -> Result<Report, OutputError> {
     let own = report.campaigns.iter().take(2);
     let points: Vec<PolarPoint> = own.flat_map(|campaign| campaign.glides.iter().map(PolarPoint::from)).collect();
     folder.add("glides.csv", glides_csv(&points))?;
     let mut page =
-        Page::new("Identification, iterative scheme", format!("{}, {} glides", vehicle.name, report.n_glides));
+        Report::new("Identification, iterative scheme", format!("{}, {} glides", vehicle.name, report.n_glides));
     page.warnings.extend(report.warnings.iter().cloned());
     let mut table = Table::new(
         "The tank paper's scheme over all glides of a leg, from three first guesses.",
@@ -145,7 +145,7 @@ fn answers(parameters: &Parameters<f64>, points: &[PolarPoint]) -> Vec<String> {
 fn pilots_constants(
     vehicle: &Vehicle,
     found: &Identification,
-    report: &Report,
+    report: &IdentifyReport,
     calibration: Option<&Calibration>,
 ) -> Section {
     let lines = identify_write::for_seagliders(vehicle, found, report, calibration);
@@ -162,7 +162,7 @@ fn pilots_constants(
     Section::new("For the pilot: constants to type in").table(table)
 }
 
-fn findings(report: &Report) -> Vec<String> {
+fn findings(report: &IdentifyReport) -> Vec<String> {
     let fit = &report.fit;
     let mm = |value: f64| significant(value * 1e3, 3);
     let mut findings = vec![format!(
@@ -201,7 +201,7 @@ fn findings(report: &Report) -> Vec<String> {
     findings
 }
 
-fn parameter_table(report: &Report) -> Table {
+fn parameter_table(report: &IdentifyReport) -> Table {
     let mut table = Table::new(
         format!(
             "Baseline: {}. Standard errors leave out one dive at a time, and hold the errors of what is held.",
@@ -224,7 +224,7 @@ fn parameter_table(report: &Report) -> Table {
     table
 }
 
-fn correlation_table(report: &Report) -> Table {
+fn correlation_table(report: &IdentifyReport) -> Table {
     let names = &report.correlation.names;
     let mut table = Table::new(
         format!("Correlations; condition number {}.", significant(report.condition_number, 3)),
@@ -236,7 +236,7 @@ fn correlation_table(report: &Report) -> Table {
     table
 }
 
-fn quality_table(report: &Report) -> Table {
+fn quality_table(report: &IdentifyReport) -> Table {
     let fit = &report.fit;
     let mut table = Table::new(
         format!("Residuals [mm/s]. Vertical velocity: {}.", fit.w_filter),
@@ -325,7 +325,7 @@ fn glides_csv(points: &[PolarPoint]) -> Vec<u8> {
     csv(&GLIDE_COLUMNS, points.iter().map(|point| glide_row(point).map(number).to_vec()))
 }
 
-fn parameters_csv(report: &Report) -> Vec<u8> {
+fn parameters_csv(report: &IdentifyReport) -> Vec<u8> {
     let header = ["parameter", "value", "se", "ci95_low", "ci95_high", "unit", "identifiable", "held"];
     let rows = report.parameters.iter().filter_map(|(name, quantity)| {
         let q = quantity.as_ref()?;
@@ -339,7 +339,7 @@ fn parameters_csv(report: &Report) -> Vec<u8> {
     csv(&header, rows)
 }
 
-fn correlation_csv(report: &Report) -> Vec<u8> {
+fn correlation_csv(report: &IdentifyReport) -> Vec<u8> {
     let names: Vec<&str> =
         std::iter::once("parameter").chain(report.correlation.names.iter().map(String::as_str)).collect();
     let rows = report.correlation.names.iter().zip(&report.correlation.matrix);

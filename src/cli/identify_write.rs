@@ -6,7 +6,7 @@ use super::CliError;
 use crate::dynamics::{PARAMETERS, Parameters};
 use crate::identify::names::{long_name, short_name};
 use crate::identify::pitch_balance::PitchBalance;
-use crate::identify::{Fit, Identification, Report};
+use crate::identify::{Identification, IdentifyReport, JointFit};
 use crate::input::InputError;
 use crate::log::Calibration;
 use crate::vehicle::Vehicle;
@@ -35,7 +35,11 @@ const OF_MOMENTS: [&str; 4] = ["d_per_rad", "ballast_forward_m", "cg_below_cb_m"
 ///
 /// # Errors
 /// Where a figure has no place in a vehicle file.
-pub(super) fn identified(vehicle: &Vehicle, found: &Identification, report: &Report) -> Result<Vehicle, CliError> {
+pub(super) fn identified(
+    vehicle: &Vehicle,
+    found: &Identification,
+    report: &IdentifyReport,
+) -> Result<Vehicle, CliError> {
     let mut identified = vehicle.clone();
     // What the trim took for the mass belongs to the vehicle as well, or it would fly at another weight.
     let trimmed_kg = found.baseline.hull_mass_kg - vehicle.glide_parameters().hull_mass_kg;
@@ -96,7 +100,7 @@ fn write_balance(vehicle: &mut Vehicle, balance: &PitchBalance) -> Result<(), In
     Ok(())
 }
 
-fn fitted_names(fit: &Fit) -> String {
+fn fitted_names(fit: &JointFit) -> String {
     fit.free.iter().map(|&row| short_name(PARAMETERS[row].name)).collect::<Vec<_>>().join(", ")
 }
 
@@ -143,7 +147,7 @@ struct Constant {
 pub(super) fn print_for_seagliders(
     vehicle: &Vehicle,
     found: &Identification,
-    report: &Report,
+    report: &IdentifyReport,
     calibration: Option<&Calibration>,
 ) {
     let lines = for_seagliders(vehicle, found, report, calibration);
@@ -162,7 +166,7 @@ pub(super) fn print_for_seagliders(
 pub(super) fn for_seagliders(
     vehicle: &Vehicle,
     found: &Identification,
-    report: &Report,
+    report: &IdentifyReport,
     calibration: Option<&Calibration>,
 ) -> Vec<[String; 4]> {
     if !vehicle.name.to_lowercase().contains("seaglider") {
@@ -187,7 +191,7 @@ fn is_described_by(vehicle: &Vehicle, own: &Calibration) -> bool {
 
 /// `VOLMAX` and `C_VBD` as such: the largest volume that explains the fitted weight, and the counts at which the glider is
 /// neutral in the water of `RHO`.
-fn absolute(p: &Parameters<f64>, report: &Report, own: &Calibration) -> Vec<Constant> {
+fn absolute(p: &Parameters<f64>, report: &IdentifyReport, own: &Calibration) -> Vec<Constant> {
     let Some(Some(offset)) = report.parameters.get("ballast_offset_kg") else { return Vec::new() };
     let cc_per_kg = 1e6 / p.reference_density_kg_m3;
     let mut found = Vec::new();
@@ -205,7 +209,7 @@ fn absolute(p: &Parameters<f64>, report: &Report, own: &Calibration) -> Vec<Cons
     found
 }
 
-fn constants(p: &Parameters<f64>, report: &Report, own: Option<&Calibration>) -> Vec<Constant> {
+fn constants(p: &Parameters<f64>, report: &IdentifyReport, own: Option<&Calibration>) -> Vec<Constant> {
     let per_l2 = p.frontal_area_m2 / (p.length_m * p.length_m);
     let degree = PI / 180.0;
     let reference_Pa = 0.5 * p.reference_density_kg_m3 * REFERENCE_SPEED_M_S * REFERENCE_SPEED_M_S;

@@ -94,7 +94,7 @@ pub(super) fn run(
         let input = InputFile::read(file)?;
         Ok(mission_page::page(&vehicle.name, &mission, &flight, &trace, input).write(folder)?)
     })?;
-    let report = Report::new(vehicle, &mission, &flight);
+    let report = MissionReport::new(vehicle, &mission, &flight);
     if frame.output.shows_tables() {
         report.print();
     }
@@ -234,7 +234,7 @@ fn legs_table(legs: &[Leg]) -> String {
 
 /// The mission as JSON gives it.
 #[derive(Debug, Serialize)]
-struct Report<'a> {
+struct MissionReport<'a> {
     schema: &'static str,
     vehicle: &'a str,
     mission: &'a str,
@@ -304,13 +304,13 @@ fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
     (n > 0).then(|| 0.5 * (values[(n - 1) / 2] + values[n / 2]))
 }
 
-impl<'a> Report<'a> {
+impl<'a> MissionReport<'a> {
     fn new(vehicle: &'a Vehicle, mission: &'a Mission, flight: &'a Flight) -> Self {
         let by = |turn: Turn| flight.legs.iter().filter(move |leg| leg.ended_by == turn).count();
         let mut turns = flight.legs.iter().filter(|leg| matches!(leg.ended_by, Turn::MaxDepth | Turn::Altimeter));
         let first = turns.next();
         let has = |key: &str| vehicle.get(key).is_some_and(|value| value > 0.0);
-        Report {
+        MissionReport {
             schema: "glidepolar.mission/1",
             vehicle: &vehicle.name,
             mission: &mission.name,

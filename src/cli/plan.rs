@@ -118,7 +118,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         }
         page.write(arguments.output.folder(out)?)?;
     }
-    let report = Report { schema: "glidepolar.plan/1", vehicle: vehicle.name.clone(), calibration, plan };
+    let report = PlanReport { schema: "glidepolar.plan/1", vehicle: vehicle.name.clone(), calibration, plan };
     if arguments.output.shows_tables() {
         report.print();
     }
@@ -261,7 +261,7 @@ impl From<PlanError> for CliError {
 
 /// The result as JSON gives it.
 #[derive(Debug, Serialize)]
-struct Report {
+struct PlanReport {
     schema: &'static str,
     vehicle: String,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -292,7 +292,7 @@ struct Plan {
     warnings: Vec<String>,
 }
 
-impl Report {
+impl PlanReport {
     fn print(&self) {
         if let Some(Calibration { pump, dives, .. }) = &self.calibration {
             println!("{}: {} strokes of the pump, {} dives", self.vehicle, pump.strokes, dives.dives);

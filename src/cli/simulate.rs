@@ -12,7 +12,7 @@ use crate::dynamics::Actuation;
 use crate::input::InputError;
 use crate::report::InputFile;
 use crate::simulate::space::Origin;
-use crate::simulate::{COLUMNS, Row, Schedule, Settings, fly};
+use crate::simulate::{COLUMNS, Row, Schedule, SimulationSettings, fly};
 use crate::spatial::Steering;
 use crate::spatial::steering::with_gains;
 use crate::vehicle::Vehicle;
@@ -183,12 +183,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     arguments.output.write_json(&summary)
 }
 
-fn in_space(arguments: &Arguments, vehicle: &Vehicle, settings: &Settings) -> Result<(), CliError> {
+fn in_space(arguments: &Arguments, vehicle: &Vehicle, settings: &SimulationSettings) -> Result<(), CliError> {
     if settings.actuation != Actuation::Servo {
         return Err(CliError::Usage("--3d knows servos only: leave --actuation out".to_owned()));
     }
     let body = with_gains(&vehicle.body()?);
-    let in_space = crate::simulate::space::Settings {
+    let in_space = crate::simulate::space::SpaceSettings {
         steering: arguments.steering.into(),
         stop_s: settings.stop_s,
         interval_s: settings.interval_s,
@@ -200,7 +200,7 @@ fn in_space(arguments: &Arguments, vehicle: &Vehicle, settings: &Settings) -> Re
     space::history(&vehicle.name, &body, arguments.inputs.as_deref(), &in_space, arguments.csv.as_deref(), places)
 }
 
-fn settings(arguments: &Arguments) -> Result<Settings, CliError> {
+fn settings(arguments: &Arguments) -> Result<SimulationSettings, CliError> {
     let stop_s = arguments.stop.unwrap_or(STOP_S);
     let interval_s = arguments.interval.unwrap_or(INTERVAL_S);
     for (name, value) in [("--stop", stop_s), ("--interval", interval_s), ("--tolerance", arguments.tolerance)] {
@@ -211,7 +211,7 @@ fn settings(arguments: &Arguments) -> Result<Settings, CliError> {
     if stop_s / interval_s > MAX_ROWS {
         return Err(CliError::Usage(format!("--stop {stop_s} with --interval {interval_s} makes too many rows")));
     }
-    Ok(Settings { actuation: arguments.actuation.into(), stop_s, interval_s, tolerance: arguments.tolerance })
+    Ok(SimulationSettings { actuation: arguments.actuation.into(), stop_s, interval_s, tolerance: arguments.tolerance })
 }
 
 fn push(table: &mut String, row: &Row) {

@@ -12,7 +12,7 @@ use crate::input::InputError;
 use crate::report::InputFile;
 use crate::simulate::Schedule;
 use crate::simulate::mission::{Account, LegKind, Mission, RouteMoment, fly_route};
-use crate::simulate::space::{COLUMNS, INPUT_NAMES, Row, Settings, column, fly};
+use crate::simulate::space::{COLUMNS, INPUT_NAMES, Row, SpaceSettings, column, fly};
 use crate::spatial::Body;
 use crate::vehicle::Vehicle;
 
@@ -26,7 +26,7 @@ pub(super) fn history(
     vehicle: &str,
     body: &Body<f64>,
     inputs: Option<&Path>,
-    settings: &Settings,
+    settings: &SpaceSettings,
     csv: Option<&Path>,
     (out, input, output): (Option<&Path>, InputFile, &Output),
 ) -> Result<(), CliError> {
@@ -106,7 +106,7 @@ pub(super) fn mission(
         let page = mission_page(&vehicle.name, &mission, &account, &trace).input(InputFile::read(file)?);
         Ok(page.write(frame.output.folder(folder)?)?)
     })?;
-    let report = Report {
+    let report = SpaceReport {
         schema: "glidepolar.mission-space/1",
         vehicle: &vehicle.name,
         mission: &mission.name,
@@ -230,7 +230,7 @@ impl Summary {
 
 /// A mission as JSON gives it.
 #[derive(Debug, Serialize)]
-struct Report<'a> {
+struct SpaceReport<'a> {
     schema: &'static str,
     vehicle: &'a str,
     mission: &'a str,
@@ -238,7 +238,7 @@ struct Report<'a> {
     account: &'a Account,
 }
 
-impl Report<'_> {
+impl SpaceReport<'_> {
     fn print(&self) {
         let a = self.account;
         println!(

@@ -15,7 +15,7 @@ use super::{CliError, Output};
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
 use crate::glide::start;
 use crate::input::{InputError, Place, nearest, printable};
-use crate::simulate::{COLUMNS, Row, Schedule, Settings, fly_from};
+use crate::simulate::{COLUMNS, Row, Schedule, SimulationSettings, fly_from};
 
 /// A table of more numbers than this is no sweep for one machine.
 const MOST_NUMBERS: usize = 50_000_000;
@@ -26,7 +26,7 @@ pub(super) fn run(
     parameters: &Parameters<f64>,
     file: &Path,
     schedule: &Schedule,
-    settings: &Settings,
+    settings: &SimulationSettings,
     csv: Option<&Path>,
     output: &Output,
 ) -> Result<(), CliError> {

@@ -17,7 +17,7 @@ use crate::log::{CHANNELS, Channel, DBAR_PA, FlightLog, LogFiles, Piece, Shorten
 use crate::reading::{Gathering, no_rows, settings};
 use crate::report::{InputFile, Report as Page};
 use crate::track::comparison::{self, Comparison, Stored};
-use crate::track::{DiveTrack, Drift, Fix, Sample, Settings, Track, reckon};
+use crate::track::{DiveTrack, Drift, Fix, Sample, Track, TrackSettings, reckon};
 use crate::vehicle::Vehicle;
 
 /// Samples read at a time.
@@ -120,11 +120,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
             Some(moved.glide_parameters())
         })
         .collect();
-    let settings = Settings {
+    let settings = TrackSettings {
         declination_rad: declination_deg.to_radians(),
         heading_error_rad: a.heading_error_deg.to_radians(),
         speed_error: a.speed_error_percent.unwrap_or_else(|| unknown_polar_percent(&vehicle)) / 100.0,
-        ..Settings::default()
+        ..TrackSettings::default()
     };
     let mut track = reckon(&vehicle.glide_parameters(), &moved, &samples, &settings);
     let table = match &a.fixes {
@@ -179,7 +179,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     for (path, table) in tables.iter().flatten() {
         a.output.write(path, table.as_bytes())?;
     }
-    let report = Report {
+    let report = TrackReport {
         schema: "glidepolar.track/1",
         vehicle: &vehicle.name,
         dives: &track.dives,
@@ -416,7 +416,7 @@ fn log_table(log: &FlightLog, track: &Track, samples: &[Sample]) -> String {
 
 /// The result as JSON gives it.
 #[derive(Debug, Serialize)]
-struct Report<'a> {
+struct TrackReport<'a> {
     schema: &'static str,
     vehicle: &'a str,
     dives: &'a [DiveTrack],
@@ -426,7 +426,7 @@ struct Report<'a> {
     warnings: Vec<String>,
 }
 
-impl Report<'_> {
+impl TrackReport<'_> {
     fn print(&self) {
         println!("{}: ways through the water and currents, +- standard error", self.vehicle);
         println!("  dive   hours     east [km]        north [km]       current east      current north [m/s]");

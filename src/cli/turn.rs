@@ -80,7 +80,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if cases.iter().all(|case| case.turns.is_empty()) {
         return Err(CliError::Failed(no_turn(&cases[0].setting)));
     }
-    let report = Report::new(&vehicle, sweep.as_ref(), &cases);
+    let report = TurnReport::new(&vehicle, sweep.as_ref(), &cases);
     warn(warnings(&vehicle, &body, &cases));
     if arguments.output.shows_tables() {
         report.print();
@@ -263,7 +263,7 @@ impl Sweep {
 
 /// The result as JSON gives it.
 #[derive(Debug, Serialize)]
-struct Report {
+struct TurnReport {
     schema: &'static str,
     vehicle: String,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -299,7 +299,7 @@ struct Row {
     rudder_rad: f64,
 }
 
-impl Report {
+impl TurnReport {
     fn new(vehicle: &Vehicle, sweep: Option<&Sweep>, cases: &[Case]) -> Self {
         let row = |setting: &Setting, turn: &Turn| Row {
             roll_rad: turn.roll_rad,
@@ -317,7 +317,7 @@ impl Report {
             roll_mass_rad: setting.roll_mass_rad,
             rudder_rad: setting.rudder_rad,
         };
-        Report {
+        TurnReport {
             schema: "glidepolar.turn/1",
             vehicle: vehicle.name.clone(),
             sweep: sweep.map(|s| SweepRow { name: s.name, from: s.from, to: s.to, values: s.values }),

@@ -12,7 +12,7 @@ use super::external_values::{ExternalValue, Pin, considered, from_outside, other
 use super::holdout::{HeldOut, hold_out};
 use super::identifiability::{ProfilePoint, is_identified, profile};
 use super::inflections::{Inflections, UNSTEADY_ONLY, Unsteady, inflections};
-use super::joint::{Fit, IdentifyError, Question, fit};
+use super::joint::{IdentifyError, JointFit, Question, fit};
 use super::names::{long_name, short_name};
 use super::pitch_balance::{PitchBalance, pitch_balance};
 use super::residuals::{Score, ScoreSums, residuals};
@@ -55,7 +55,7 @@ pub struct Identification {
     /// The baseline.
     pub baseline: Parameters<f64>,
     /// The fit.
-    pub fit: Fit,
+    pub fit: JointFit,
     /// The same question, to be asked again.
     pub question: Question,
     /// Steady samples, dive by dive.
@@ -287,7 +287,7 @@ fn without_speed(
 }
 
 /// The error of the model as the steady fit has it, for another list of free parameters.
-fn model_error_of(free: &[usize], fitted: &Fit) -> Vec<f64> {
+fn model_error_of(free: &[usize], fitted: &JointFit) -> Vec<f64> {
     if fitted.model_error.is_empty() {
         return Vec::new();
     }
@@ -296,7 +296,7 @@ fn model_error_of(free: &[usize], fitted: &Fit) -> Vec<f64> {
 }
 
 /// Says that a parameter depends on the weighing.
-fn depends_on_weighing(fitted: &Fit, reweighed: &Disagreement, position: usize) -> String {
+fn depends_on_weighing(fitted: &JointFit, reweighed: &Disagreement, position: usize) -> String {
     let (info, by_time) = (&PARAMETERS[fitted.free[position]], fitted.value(fitted.free[position]));
     let shown = |value: f64| if value.abs() < 1e-2 { format!("{value:.2e}") } else { format!("{value:.3}") };
     format!(
@@ -326,7 +326,7 @@ fn score(parameters: &Parameters<f64>, dives: &[Dive]) -> Score {
 }
 
 /// The tank paper's own comparison: each leg fitted with the trim as it is, then both with one offset.
-fn legs_apart(question: &Question, joint: &Fit, dives: &[Dive]) -> Option<LegsApart> {
+fn legs_apart(question: &Question, joint: &JointFit, dives: &[Dive]) -> Option<LegsApart> {
     let offset = parameter_index("ballast_offset_kg")?;
     let leg = |descends: bool| -> Option<(f64, Score)> {
         let mut of_leg: Vec<Dive> =
@@ -356,7 +356,7 @@ fn legs_apart(question: &Question, joint: &Fit, dives: &[Dive]) -> Option<LegsAp
 }
 
 /// What the error of a held lift slope does to the speed, in a sentence.
-fn speed_warning(fitted: &Fit, propagated: &Propagated, dives: &[Dive]) -> String {
+fn speed_warning(fitted: &JointFit, propagated: &Propagated, dives: &[Dive]) -> String {
     let mean_speed = |parameters: &Parameters<f64>| {
         let speeds = dives.iter().flat_map(|dive| residuals(parameters, &dive.observations));
         let (n, sum) = speeds
@@ -378,7 +378,7 @@ fn speed_warning(fitted: &Fit, propagated: &Propagated, dives: &[Dive]) -> Strin
     )
 }
 
-fn warn(warnings: &mut Vec<String>, fitted: &Fit, dives: &[Dive], has_speed: bool) {
+fn warn(warnings: &mut Vec<String>, fitted: &JointFit, dives: &[Dive], has_speed: bool) {
     if !has_speed {
         warnings.push(
             "no measured speed: vertical velocity alone; speeds and glide angles rest on the pinned lift slope".into(),

@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, DVector};
 use super::blocks::Blocks;
 use super::considered::{Considered, Propagated};
 use super::evaluate::MOST_FREE;
-use super::joint::Fit;
+use super::joint::JointFit;
 use glidepolar_inference::covariance::inverse_symmetric;
 use glidepolar_inference::gram::Gram;
 
@@ -22,7 +22,7 @@ const NOT_FELT: f64 = 1e-6;
 
 /// Propagates the errors of fixed parameters to the standard errors of a fit. A row that was free is not fixed; an error that these
 /// samples do not feel is left out.
-pub(super) fn propagate(fit: &mut Fit, samples: &mut dyn Blocks, considered: &[Considered]) {
+pub(super) fn propagate(fit: &mut JointFit, samples: &mut dyn Blocks, considered: &[Considered]) {
     let mut held: Vec<usize> = considered.iter().flat_map(|one| &one.along).map(|&(row, _)| row).collect();
     held.sort_unstable();
     held.dedup();
@@ -49,7 +49,7 @@ pub(super) fn propagate(fit: &mut Fit, samples: &mut dyn Blocks, considered: &[C
 }
 
 /// How the free parameters answer to each of these rows, one column a row.
-fn slopes(fit: &Fit, samples: &mut dyn Blocks, held: &[usize]) -> DMatrix<f64> {
+fn slopes(fit: &JointFit, samples: &mut dyn Blocks, held: &[usize]) -> DMatrix<f64> {
     let n = fit.free.len();
     let mut slopes = DMatrix::zeros(n, held.len());
     for (part, at) in held.chunks(MOST_FREE - n).zip((0..).step_by(MOST_FREE - n)) {
@@ -65,7 +65,7 @@ fn slopes(fit: &Fit, samples: &mut dyn Blocks, held: &[usize]) -> DMatrix<f64> {
 
 /// The errors of a fit as those of parameters considered in the next, correlated as they are: one for each principal direction of the scatter
 /// between dives, one for each thing that it held, and one for the model.
-pub(super) fn considered_of(fit: &Fit) -> Vec<Considered> {
+pub(super) fn considered_of(fit: &JointFit) -> Vec<Considered> {
     let n = fit.free.len();
     // Scaled to a unit diagonal: the parameters' units differ by ten orders of magnitude.
     let scale = DVector::from_fn(n, |i, _| fit.covariance[(i, i)].max(0.0).sqrt());

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::data::{Dive, Stretch};
 use super::model::Prediction;
 use crate::dynamics::Parameters;
-use crate::glide::Glider;
+use crate::glide::SteadyGlider;
 use crate::log::Observation;
 use glidepolar_inference::gram::Gram;
 
@@ -124,7 +124,7 @@ pub fn evaluate(
 ) -> Tally {
     // Fewer than six slopes are no quicker: two and three take twice as long, as the compiler lays them out.
     by_size!(free.len(), [6, 8, 10, 12, 16, 24, 32], N => {
-        let lifted = Glider::new(with_derivatives::<N>(parameters, free));
+        let lifted = SteadyGlider::new(with_derivatives::<N>(parameters, free));
         by_block(dives, grams, |dive, gram| dive_rows(&lifted, free.len(), weights, dive, gram, every))
     })
 }
@@ -169,7 +169,7 @@ pub(super) fn with_derivatives<const N: usize>(
 }
 
 fn dive_rows<const N: usize>(
-    glider: &Glider<DualSVec64<N>>,
+    glider: &SteadyGlider<DualSVec64<N>>,
     n: usize,
     weights: Weights,
     dive: &mut Dive,

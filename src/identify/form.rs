@@ -8,7 +8,7 @@ use super::campaign::{Identification, LegsApart};
 use super::external_values::Pin;
 use super::identifiability::{ProfilePoint, is_identified};
 use super::inflections::Comparison;
-use super::joint::Fit;
+use super::joint::JointFit;
 use super::names::{long_name, short_name};
 use super::pitch_balance::{PitchBalance, PitchBalanceSummary};
 use super::speeds::Rows;
@@ -21,7 +21,7 @@ use glidepolar_turning::Turning;
 
 /// The result in the form of `identify --json`.
 #[derive(Debug, Clone, Serialize)]
-pub struct Report {
+pub struct IdentifyReport {
     /// Name and version of the form.
     pub schema: &'static str,
     /// `joint` or `iterative`.
@@ -129,12 +129,12 @@ impl Identification {
     }
 
     /// The fit that counts: the unsteady one where it was asked for.
-    pub fn best_fit(&self) -> &Fit {
+    pub fn best_fit(&self) -> &JointFit {
         self.inflections.as_ref().map_or(&self.fit, |flown| &flown.fit)
     }
 
     /// In the form of `identify --json`; `w_filter` says how the vertical velocity was measured.
-    pub fn report(&self, vehicle: &Vehicle, w_filter: String, notes: Vec<String>) -> Report {
+    pub fn report(&self, vehicle: &Vehicle, w_filter: String, notes: Vec<String>) -> IdentifyReport {
         let fit = self.best_fit();
         let n = fit.free.len();
         let mut pinned = self.pinned.clone();
@@ -168,7 +168,7 @@ impl Identification {
         };
         let legs: std::collections::BTreeSet<u32> =
             self.dives.iter().flat_map(|dive| dive.observations.iter().map(|o| o.leg)).collect();
-        Report {
+        IdentifyReport {
             schema: "glidepolar.identify/1",
             method: "joint",
             vehicle: vehicle.name.clone(),
@@ -214,7 +214,7 @@ impl Identification {
 
     fn tell(
         &self,
-        fit: &Fit,
+        fit: &JointFit,
         parameters: &mut BTreeMap<String, Option<Estimate>>,
         identifiable: &mut BTreeMap<String, bool>,
     ) {

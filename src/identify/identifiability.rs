@@ -10,14 +10,14 @@
 use serde::Serialize;
 
 use super::data::Dive;
-use super::joint::{Fit, IdentifyError, Question, fit};
+use super::joint::{IdentifyError, JointFit, Question, fit};
 use super::residuals::{Residual, residuals};
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
 
 /// How far a parameter must be known to count as identified: half of its 95 % interval against its own size, or
 /// against what is usual where its natural value is none. Given what is held: whether these data tell it, not how well it is
 /// known in the end.
-pub fn is_identified(fit: &Fit, position: usize) -> bool {
+pub fn is_identified(fit: &JointFit, position: usize) -> bool {
     let row = fit.free[position];
     let half = 2.0 * fit.scatter_se(position);
     let info = &PARAMETERS[row];

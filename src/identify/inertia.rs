@@ -14,7 +14,7 @@
 
 use super::model::{Inertia, predict, surroundings, true_pitch_rad};
 use crate::dynamics::Parameters;
-use crate::glide::Glider;
+use crate::glide::SteadyGlider;
 use crate::log::Observation;
 
 /// A step longer than this, and than one and a half usual ones, is a gap \[s\]: what lies beyond it, as where the pump ran, is
@@ -90,7 +90,7 @@ struct Steady {
 }
 
 fn steady(parameters: &Parameters<f64>, observations: &[&Observation]) -> Vec<Option<Steady>> {
-    let glider = Glider::new(*parameters);
+    let glider = SteadyGlider::new(*parameters);
     let mass_kg = parameters.mass_kg() + parameters.added_mass_1_kg;
     let mut guess = None;
     let of_one = |observed: &&Observation| {
@@ -187,7 +187,7 @@ mod tests {
     #[test]
     fn a_glide_that_changes_speed_is_the_balance_of_forces_written_out() {
         let (_, p) = glider();
-        let glider = Glider::new(p);
+        let glider = SteadyGlider::new(p);
         // Steadily slower, and slower through a thermocline that is passed in two minutes.
         let steadily = |t: f64| (0.3 - 1e-4 * t, -1e-4);
         let once = |t: f64| {
@@ -215,7 +215,7 @@ mod tests {
     #[test]
     fn a_bin_in_which_the_speed_changes_is_the_mean_of_what_happened_in_it() {
         let (_, p) = glider();
-        let glider = Glider::new(p);
+        let glider = SteadyGlider::new(p);
         let leg = leg(&p, 5.0, |t| {
             let tanh = ((t - 390.0) / 15.0).tanh();
             (0.3 - 0.06 * tanh, -0.06 / 15.0 * (1.0 - tanh * tanh))

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::joint::{Fit, IdentifyError, Question, refine};
+use super::joint::{IdentifyError, JointFit, Question, refine};
 use super::residuals::{Residual, Score, ScoreSums, residuals};
 use super::unsteady::{Passage, passages};
 use crate::dynamics::Parameters;
@@ -24,7 +24,7 @@ pub const UNSTEADY_ONLY: [&str; 3] = ["added_mass_1_kg", "added_mass_3_kg", "mov
 #[derive(Debug, Clone)]
 pub struct Inflections {
     /// The fit.
-    pub fit: Fit,
+    pub fit: JointFit,
     /// The dives as flown.
     pub passages: Vec<Passage>,
     /// All samples below the waves, inflections included.

@@ -5,7 +5,7 @@
 //! ```
 //! over bins about a minute long; `t` is the time that a bin stands for and `s` the scatter of a quantity, estimated from the
 //! residuals and the fit repeated, as is the inertia along each leg. That residuals are correlated is left to the standard
-//! errors ([`Fit::covariance`]): weights by their correlation gain little where the model is right, and lose where it is
+//! errors ([`JointFit::covariance`]): weights by their correlation gain little where the model is right, and lose where it is
 //! not. Levenberg-Marquardt from several starts, on a part of the bins first.
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
@@ -104,7 +104,7 @@ pub enum IdentifyError {
 
 /// The result of a fit.
 #[derive(Debug, Clone)]
-pub struct Fit {
+pub struct JointFit {
     /// All parameters, the fitted ones in place.
     pub parameters: Parameters<f64>,
     /// Rows of [`PARAMETERS`] that were free.
@@ -130,7 +130,7 @@ pub struct Fit {
     pub converged: bool,
 }
 
-impl Fit {
+impl JointFit {
     /// A fitted parameter's place among the free ones.
     pub fn position(&self, name: &str) -> Option<usize> {
         let row = parameter_index(name)?;
@@ -183,7 +183,7 @@ const BINS_OF_A_START: usize = 400;
 ///
 /// # Errors
 /// Without samples, or where the baseline is no description of this glider at all.
-pub fn fit(question: &Question, dives: &mut [Dive]) -> Result<Fit, IdentifyError> {
+pub fn fit(question: &Question, dives: &mut [Dive]) -> Result<JointFit, IdentifyError> {
     let mut dives = dives;
     let mut solver = Solver::new(question, &mut dives)?;
     // Coarse: every start on a part of the bins, then the best one with the scatter and the inertia that it shows.
@@ -201,7 +201,7 @@ pub fn fit(question: &Question, dives: &mut [Dive]) -> Result<Fit, IdentifyError
 ///
 /// # Errors
 /// As [`fit`].
-pub(super) fn refine(question: &Question, samples: &mut dyn Blocks) -> Result<Fit, IdentifyError> {
+pub(super) fn refine(question: &Question, samples: &mut dyn Blocks) -> Result<JointFit, IdentifyError> {
     let mut solver = Solver::new(question, samples)?;
     solver.weights = scatter(solver.tally(&question.baseline, 1), solver.weights);
     solver.finish(question.baseline)
@@ -259,7 +259,7 @@ impl<'a> Solver<'a> {
     }
 
     /// From a start nearby, on all samples.
-    fn finish(mut self, start: Parameters<f64>) -> Result<Fit, IdentifyError> {
+    fn finish(mut self, start: Parameters<f64>) -> Result<JointFit, IdentifyError> {
         let parameters = self.minimise(&start, 1, 1e-4);
         let tally = self.tally(&parameters, 1);
         let samples = self.samples.samples();
@@ -267,7 +267,7 @@ impl<'a> Solver<'a> {
             return Err(IdentifyError::CannotFly { unflyable: tally.unflyable, samples });
         }
         let n = self.question.free.len();
-        Ok(Fit {
+        Ok(JointFit {
             parameters,
             free: self.question.free.clone(),
             weights: self.weights,

@@ -8,7 +8,7 @@
 
 use crate::Number;
 use crate::dynamics::{Parameters, Surroundings};
-use crate::glide::{Attitude, Deflection, Glider};
+use crate::glide::{Attitude, Deflection, SteadyGlider};
 use crate::log::{DBAR_PA, Observation};
 
 /// What the inertia of one sample adds to its balance.
@@ -42,7 +42,7 @@ pub struct Prediction<T> {
 
 /// The prediction for one sample; nothing where the glider cannot glide at all at this pitch and net mass.
 pub fn predict<T: Number>(
-    glider: &Glider<T>,
+    glider: &SteadyGlider<T>,
     observed: &Observation,
     inertia: &Inertia,
     guess: Option<[f64; 2]>,

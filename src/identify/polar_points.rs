@@ -9,7 +9,7 @@ use super::model::{predict, surroundings};
 use super::paper::{MeanGlide, SolvedGlide};
 use super::ranges;
 use crate::dynamics::Parameters;
-use crate::glide::Glider;
+use crate::glide::SteadyGlider;
 use crate::log::Observation;
 
 /// A glide as a point of the polar.
@@ -60,11 +60,11 @@ impl From<&SolvedGlide> for PolarPoint {
 
 /// The points of all legs with a steady sample at which a glide exists.
 pub fn polar_points(parameters: &Parameters<f64>, observations: &[Observation]) -> Vec<PolarPoint> {
-    let glider = Glider::new(*parameters);
+    let glider = SteadyGlider::new(*parameters);
     ranges(observations, |o| o.leg).into_iter().filter_map(|range| point(&glider, &observations[range])).collect()
 }
 
-fn point(glider: &Glider<f64>, leg: &[Observation]) -> Option<PolarPoint> {
+fn point(glider: &SteadyGlider<f64>, leg: &[Observation]) -> Option<PolarPoint> {
     let p = &glider.parameters;
     let (mut n, mut sums, mut speeds) = (0usize, [0.0; 6], (0usize, 0.0));
     let mut guess = None;

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::inertia::inertia;
 use super::model::predict;
 use crate::dynamics::Parameters;
-use crate::glide::Glider;
+use crate::glide::SteadyGlider;
 use crate::log::Observation;
 
 /// One sample beside its prediction. Measured less predicted; NaN where there is none.
@@ -33,7 +33,7 @@ impl Residual {
 
 /// The residual of every observation, steady or not; NaN where no glide exists.
 pub fn residuals(parameters: &Parameters<f64>, observations: &[Observation]) -> Vec<Residual> {
-    let glider = Glider::new(*parameters);
+    let glider = SteadyGlider::new(*parameters);
     let mut guess = None;
     observations
         .iter()

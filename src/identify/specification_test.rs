@@ -10,8 +10,8 @@ use num_dual::DualSVec64;
 
 use super::data::{Dive, Stretch};
 use super::evaluate::{by_size, with_derivatives};
-use super::joint::Fit;
-use crate::glide::Glider;
+use super::joint::JointFit;
+use crate::glide::SteadyGlider;
 use crate::noise::{Lasting, Series, estimate, whiten};
 use glidepolar_inference::gram::Gram;
 use glidepolar_inference::specification_test::{Disagreement, LEAST_BLOCKS, compare};
@@ -20,7 +20,7 @@ use glidepolar_inference::specification_test::{Disagreement, LEAST_BLOCKS, compa
 const MOST_BINS: usize = 20_000;
 
 /// The other weighing of a fit, if any of its free parameters depends on that.
-pub(super) fn reweighed(fit: &Fit, dives: &mut [Dive]) -> Option<Disagreement> {
+pub(super) fn reweighed(fit: &JointFit, dives: &mut [Dive]) -> Option<Disagreement> {
     let bins: usize = dives.iter().map(|dive| dive.bins.len()).sum();
     let every = bins.div_ceil(MOST_BINS).max(1);
     let by_time: Vec<Gram> = fit.grams.iter().step_by(every).cloned().collect();
@@ -34,7 +34,7 @@ pub(super) fn reweighed(fit: &Fit, dives: &mut [Dive]) -> Option<Disagreement> {
 }
 
 /// Residuals and slopes at the fit, whitened by the noise of each quantity, into one matrix a dive.
-fn weighed_by_noise(fit: &Fit, dives: &mut [&mut Dive]) -> Option<Vec<Gram>> {
+fn weighed_by_noise(fit: &JointFit, dives: &mut [&mut Dive]) -> Option<Vec<Gram>> {
     let n = fit.free.len();
     let mut grams = vec![Gram::new(n); dives.len()];
     for quantity in rows(fit, dives) {
@@ -72,10 +72,10 @@ struct Rows {
 }
 
 /// Downward velocity, and speed where it took part.
-fn rows(fit: &Fit, dives: &mut [&mut Dive]) -> [Rows; 2] {
+fn rows(fit: &JointFit, dives: &mut [&mut Dive]) -> [Rows; 2] {
     let (mut sink, mut speed) = (Rows::default(), Rows::default());
     by_size!(fit.free.len(), [6, 12, 32], N => {
-        let lifted = Glider::new(with_derivatives::<N>(&fit.parameters, &fit.free));
+        let lifted = SteadyGlider::new(with_derivatives::<N>(&fit.parameters, &fit.free));
         for (dive, of_dive) in dives.iter_mut().enumerate() {
             for Stretch { bin, inside, guess, .. } in of_dive.stretches(1) {
                 let Some(predicted) = inside.predict(&lifted, bin, *guess) else { continue };

@@ -17,7 +17,7 @@ use super::inertia::{gap_s, inertia_between_gaps};
 use super::model::{Inertia, Prediction, predict};
 use crate::Number;
 use crate::dynamics::Parameters;
-use crate::glide::Glider;
+use crate::glide::SteadyGlider;
 use crate::log::{DBAR_PA, Observation};
 
 /// Length of a part \[s\], of longer bins the twelfth: what a log of long bins meets, it meets slowly.
@@ -53,7 +53,12 @@ impl Inside {
     pub const NOTHING: Inside = Inside { inertia: Inertia::NONE, sink_m_s: 0.0, speed_m_s: 0.0 };
 
     /// What the instruments should have read on average over the bin; nothing where the glider cannot glide at all.
-    pub fn predict<T: Number>(&self, glider: &Glider<T>, bin: &Bin, guess: Option<[f64; 2]>) -> Option<Prediction<T>> {
+    pub fn predict<T: Number>(
+        &self,
+        glider: &SteadyGlider<T>,
+        bin: &Bin,
+        guess: Option<[f64; 2]>,
+    ) -> Option<Prediction<T>> {
         let at_mean = predict(glider, &bin.mean, &self.inertia, guess)?;
         Some(Prediction {
             sink_m_s: at_mean.sink_m_s + self.sink_m_s,
@@ -178,7 +183,7 @@ impl Parts {
             true => vec![Inertia::NONE; self.means.len()],
             false => inertia_between_gaps(parameters, self.gap_s, &self.means),
         };
-        let glider = Glider::new(*parameters);
+        let glider = SteadyGlider::new(*parameters);
         let mut guess = None;
         let mut fly = |observed: &Observation, inertia: &Inertia| {
             let found = predict(&glider, observed, inertia, guess)?;

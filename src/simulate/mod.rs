@@ -14,7 +14,7 @@ pub use schedule::Schedule;
 
 /// How a time history is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
+pub struct SimulationSettings {
     /// Who moves moving mass and ballast.
     pub actuation: Actuation,
     /// End of the history \[s\].
@@ -58,7 +58,7 @@ pub type Row = [f64; COLUMNS.len()];
 pub fn fly(
     parameters: &Parameters<f64>,
     schedule: &Schedule,
-    settings: &Settings,
+    settings: &SimulationSettings,
     on_row: impl FnMut(&Row) -> bool,
 ) -> Result<(), IntegrationError> {
     fly_from(&start(parameters), parameters, schedule, settings, on_row)
@@ -72,7 +72,7 @@ pub fn fly_from(
     begin: &Start,
     parameters: &Parameters<f64>,
     schedule: &Schedule,
-    settings: &Settings,
+    settings: &SimulationSettings,
     mut on_row: impl FnMut(&Row) -> bool,
 ) -> Result<(), IntegrationError> {
     let mut state = begin.state;

@@ -5,7 +5,7 @@ use glidepolar_ode::{IntegrationError, Integrator};
 
 use super::schedule::Schedule;
 use crate::glide::start;
-use crate::spatial::{Body, Glider, Inputs, State, Steering};
+use crate::spatial::{Body, Inputs, SpatialGlider, State, Steering};
 
 /// The inputs' names, in the order of [`Inputs::as_array`].
 pub const INPUT_NAMES: &[&str] = Inputs::<f64>::NAMES;
@@ -94,7 +94,7 @@ fn radii_m(latitude_deg: f64) -> [f64; 2] {
 
 /// How a run is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
+pub struct SpaceSettings {
     /// Who gives rudder and roll mass their set-points.
     pub steering: Steering,
     /// End \[s\].
@@ -115,12 +115,12 @@ pub struct Settings {
 pub fn fly(
     body: &Body<f64>,
     schedule: &Schedule,
-    settings: &Settings,
+    settings: &SpaceSettings,
     mut on_row: impl FnMut(&Row) -> bool,
 ) -> Result<(), IntegrationError> {
     let begin = start(&body.plane);
     let (mut state, otherwise) = (State::in_glide(&begin.state), Inputs::in_glide(&begin.inputs));
-    let mut glider = Glider::new(*body, settings.steering, otherwise);
+    let mut glider = SpatialGlider::new(*body, settings.steering, otherwise);
     let mut integrator = Integrator::new(settings.tolerance);
     let (mut time, mut rows) = (0.0, 0u64);
     let mut until = give(&mut glider, schedule, time, &otherwise);
@@ -145,7 +145,7 @@ pub fn fly(
 }
 
 /// Gives the glider the inputs that hold from a time on. Returns when their course changes next.
-fn give(glider: &mut Glider, schedule: &Schedule, time_s: f64, otherwise: &Inputs<f64>) -> f64 {
+fn give(glider: &mut SpatialGlider, schedule: &Schedule, time_s: f64, otherwise: &Inputs<f64>) -> f64 {
     let Some(course) = schedule.from(time_s, otherwise.as_array()) else { return f64::INFINITY };
     glider.inputs = Inputs::from_array(course.values);
     glider.input_rates = course.rates.map(Inputs::from_array);
@@ -154,7 +154,7 @@ fn give(glider: &mut Glider, schedule: &Schedule, time_s: f64, otherwise: &Input
 }
 
 /// One row: the state and what follows from it.
-pub fn row(glider: &Glider, time_s: f64, s: &State<f64>, origin: Origin) -> Row {
+pub fn row(glider: &SpatialGlider, time_s: f64, s: &State<f64>, origin: Origin) -> Row {
     let out = glider.outputs(time_s, s);
     let [latitude, longitude] = origin.place_deg(s.north_m, s.east_m);
     [
@@ -218,7 +218,7 @@ mod tests {
         let body = Vehicle::load("slocum-graver").unwrap().body().unwrap();
         let text = "time,rudder_command_rad\n0,0\n50,0\n50,0.2\n150,0.2\n150,0\n";
         let schedule = Schedule::of_names(INPUT_NAMES, text, Path::new("inputs.csv")).unwrap();
-        let settings = Settings {
+        let settings = SpaceSettings {
             steering: Steering::Direct,
             stop_s: 300.0,
             interval_s: 50.0,

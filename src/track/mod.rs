@@ -42,7 +42,7 @@ pub struct Sample {
 
 /// How to reckon.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
+pub struct TrackSettings {
     /// True less magnetic heading, positive to the east \[rad\].
     pub declination_rad: f64,
     /// Standard error of the heading, the same through a dive \[rad\].
@@ -55,10 +55,16 @@ pub struct Settings {
     pub longest_gap_s: f64,
 }
 
-impl Default for Settings {
+impl Default for TrackSettings {
     fn default() -> Self {
         let heading_error_rad = 3f64.to_radians();
-        Settings { declination_rad: 0.0, heading_error_rad, speed_error: 0.0, surface_m: 2.0, longest_gap_s: 300.0 }
+        TrackSettings {
+            declination_rad: 0.0,
+            heading_error_rad,
+            speed_error: 0.0,
+            surface_m: 2.0,
+            longest_gap_s: 300.0,
+        }
     }
 }
 
@@ -134,7 +140,7 @@ pub fn reckon(
     parameters: &Parameters<f64>,
     moved: &[Parameters<f64>],
     samples: &[Sample],
-    settings: &Settings,
+    settings: &TrackSettings,
 ) -> Track {
     let mut track = Track::default();
     let mut before: Option<(Sample, [f64; 2])> = None;
@@ -194,7 +200,7 @@ pub fn reckon(
 }
 
 /// Standard errors of the dive that has ended.
-fn finish(track: &mut Track, sums: &[[f64; 2]], settings: &Settings) {
+fn finish(track: &mut Track, sums: &[[f64; 2]], settings: &TrackSettings) {
     let Some(dive) = track.dives.last_mut() else {
         return;
     };
@@ -213,7 +219,7 @@ fn trapezoid(a: [f64; 2], b: [f64; 2], duration_s: f64) -> [f64; 2] {
 }
 
 /// Speed, and velocity east and north, through the water; NaN and nothing where no glide balances.
-fn through_water(p: &Parameters<f64>, sample: &Sample, settings: &Settings) -> (f64, [f64; 2]) {
+fn through_water(p: &Parameters<f64>, sample: &Sample, settings: &TrackSettings) -> (f64, [f64; 2]) {
     if !(sample.depth_m > settings.surface_m && sample.heading_rad.is_finite() && sample.pitch_rad.is_finite()) {
         return (f64::NAN, [0.0; 2]);
     }

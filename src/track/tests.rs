@@ -32,7 +32,7 @@ fn horizontal_m_s(p: &Parameters<f64>) -> f64 {
 #[test]
 fn a_straight_glide_goes_where_it_points() {
     let p = glider();
-    let settings = Settings { declination_rad: -10f64.to_radians(), ..Settings::default() };
+    let settings = TrackSettings { declination_rad: -10f64.to_radians(), ..TrackSettings::default() };
     let track = reckon(&p, &[], &samples(100.0, 1), &settings);
     let way = horizontal_m_s(&p) * 3600.0;
     let dive = &track.dives[0];
@@ -47,7 +47,8 @@ fn a_straight_glide_goes_where_it_points() {
 fn an_uncertain_polar_errs_along_the_way() {
     let p = glider();
     let moved = Parameters { b: p.b * 1.1, ..p };
-    let track = reckon(&p, &[moved], &samples(0.0, 1), &Settings { heading_error_rad: 0.0, ..Settings::default() });
+    let track =
+        reckon(&p, &[moved], &samples(0.0, 1), &TrackSettings { heading_error_rad: 0.0, ..TrackSettings::default() });
     let expected = (horizontal_m_s(&p) - horizontal_m_s(&moved)).abs() * 3600.0;
     assert!((track.dives[0].north_se_m / expected - 1.0).abs() < 1e-9, "{:?}", track.dives[0]);
 }
@@ -55,7 +56,7 @@ fn an_uncertain_polar_errs_along_the_way() {
 #[test]
 fn fixes_around_a_dive_give_the_current_that_carried_it() {
     let p = glider();
-    let mut track = reckon(&p, &[], &samples(90.0, 2), &Settings::default());
+    let mut track = reckon(&p, &[], &samples(90.0, 2), &TrackSettings::default());
     // 0.1 m/s east and -0.05 m/s north on top, in degrees at 43 S, where a minute of latitude is 1851.3 m.
     let way = horizontal_m_s(&p) * 3600.0;
     let mut fixes = vec![Fix { time_s: 0.0, lat_deg: -43.0, lon_deg: 179.99 }];
@@ -87,7 +88,7 @@ fn turns_and_gaps_are_counted_and_not_flown() {
     for sample in &mut log[200..] {
         sample.time_s += 1000.0;
     }
-    let track = reckon(&p, &[], &log, &Settings::default());
+    let track = reckon(&p, &[], &log, &TrackSettings::default());
     let dive = &track.dives[0];
     assert_eq!(dive.without_glide, 10);
     assert_eq!(dive.gaps_s, 1010.0);
@@ -108,7 +109,7 @@ fn degrees_become_metres_of_the_ellipsoid() {
 #[test]
 fn positions_in_the_middle_of_dives_give_the_current_between_them() {
     let p = glider();
-    let track = reckon(&p, &[], &samples(90.0, 3), &Settings::default());
+    let track = reckon(&p, &[], &samples(90.0, 3), &TrackSettings::default());
     // Fixes in the middle of each dive on the equator, carried by 0.08 east and 0.03 north.
     let middle = |dive: u32| f64::from(dive) * 4000.0 + 1800.0;
     let fix = |dive: u32| {

@@ -63,7 +63,7 @@ pub fn test(sweep: &Sweep, rows: &[usize]) -> Adequacy {
 }
 
 /// Errors of prediction in closed form: `r_i / (1 - h_i)` with the leverage `h_i`.
-fn left_out_rms(design: &DMatrix<f64>, fit: &crate::regression::Fit) -> Option<f64> {
+fn left_out_rms(design: &DMatrix<f64>, fit: &crate::regression::Regression) -> Option<f64> {
     let n = design.nrows();
     let mut sum = 0.0;
     for i in 0..n {

@@ -7,7 +7,7 @@ use glidepolar_input::printable;
 use crate::adequacy::{self, Adequacy};
 use crate::angle_regression::{Basis, problem, scatter};
 use crate::outlier::{self, Outlier};
-use crate::regression::{self, Fit, Scatter};
+use crate::regression::{self, Regression, Scatter};
 use crate::series::distinct;
 use crate::sweep::{NAMES, Sweep};
 use crate::zero_drift::{self, Slope};
@@ -20,7 +20,7 @@ pub struct SweepFit {
     /// Indices of the points that entered.
     pub rows: Vec<usize>,
     /// CL, CD, CM.
-    pub fits: [Fit; 3],
+    pub fits: [Regression; 3],
     /// a, b, c, d with intervals.
     pub estimates: HullFit,
     /// Slopes of CL and CM at zero drift, from all points.
@@ -135,7 +135,7 @@ pub fn fit(sweep: &Sweep, range_deg: f64) -> Result<SweepFit, NoFit> {
 }
 
 /// Angles that are so narrow, and slopes so steep, as radians taken for degrees make them.
-fn in_radians(sweep: &Sweep, fits: &[Fit; 3]) -> Option<NoFit> {
+fn in_radians(sweep: &Sweep, fits: &[Regression; 3]) -> Option<NoFit> {
     let widest_deg = sweep.points.iter().map(|point| point.yaw_deg.abs()).fold(0.0, f64::max);
     let slopes = [("a", fits[0].parameters[0]), ("d", fits[2].parameters[0])];
     let (name, per_rad) = slopes.into_iter().find(|(_, slope)| slope.abs() > STEEPEST_PER_RAD)?;
@@ -145,7 +145,7 @@ fn in_radians(sweep: &Sweep, fits: &[Fit; 3]) -> Option<NoFit> {
 /// The model: functions of the angle for CL, CD, CM.
 pub const MODEL: [Basis; 3] = [&[|x| x], &[|_| 1.0, |x| x * x], &[|x| x]];
 
-fn coefficients(sweep: &Sweep, rows: &[usize]) -> Option<[Fit; 3]> {
+fn coefficients(sweep: &Sweep, rows: &[usize]) -> Option<[Regression; 3]> {
     let solve = |i: usize| problem(sweep, rows, i, MODEL[i]).solve(scatter(sweep));
     let (lift, mut drag, moment) = (solve(0)?, solve(1)?, solve(2)?);
     if sweep.has_errors() {
@@ -163,11 +163,11 @@ fn coefficients(sweep: &Sweep, rows: &[usize]) -> Option<[Fit; 3]> {
 }
 
 /// Standard deviation of the angle to which runs are set, as the moment shows it \[rad\].
-fn setting_rad(moment: &Fit) -> f64 {
+fn setting_rad(moment: &Regression) -> f64 {
     moment.between_runs / moment.parameters[0].abs()
 }
 
-fn estimates(fits: &[Fit; 3], range_deg: f64) -> HullFit {
+fn estimates(fits: &[Regression; 3], range_deg: f64) -> HullFit {
     HullFit {
         range_deg,
         a: fits[0].estimate(0, "1/rad"),
@@ -178,7 +178,7 @@ fn estimates(fits: &[Fit; 3], range_deg: f64) -> HullFit {
 }
 
 /// Runs asked for at the same angle and speed are repeats of each other.
-fn lack_of_fit(sweep: &Sweep, rows: &[usize], fit: &Fit) -> Option<LackOfFit> {
+fn lack_of_fit(sweep: &Sweep, rows: &[usize], fit: &Regression) -> Option<LackOfFit> {
     let key = |i: usize| {
         let point = &sweep.points[rows[i]];
         (point.nominal_yaw_deg, point.nominal_speed_m_s)
@@ -240,7 +240,7 @@ fn ranges(sweep: &Sweep, range_deg: f64) -> Vec<RangePoint> {
 }
 
 /// The exponent `s` of `b ~ q^s`, by adding `b ln(q/q0)` to the drag model, linear for small exponents.
-fn drag_exponent(sweep: &Sweep, rows: &[usize], drag: &Fit) -> Option<Estimate> {
+fn drag_exponent(sweep: &Sweep, rows: &[usize], drag: &Regression) -> Option<Estimate> {
     let pressures: Option<Vec<f64>> = rows.iter().map(|i| sweep.points[*i].dynamic_pressure_Pa).collect();
     let logs: Vec<f64> = pressures?.into_iter().map(f64::ln).collect();
     let mean = logs.iter().sum::<f64>() / logs.len() as f64;

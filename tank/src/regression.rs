@@ -51,7 +51,7 @@ const FEW_DOF: usize = 3;
 
 /// The solution.
 #[derive(Debug, Clone)]
-pub struct Fit {
+pub struct Regression {
     /// Parameters.
     pub parameters: DVector<f64>,
     /// Covariance of the parameters, shared errors included.
@@ -76,7 +76,7 @@ pub struct Fit {
 
 impl Problem {
     /// Solves it; none if there are no degrees of freedom left or the parameters cannot be told apart.
-    pub fn solve(&self, scatter: Scatter) -> Option<Fit> {
+    pub fn solve(&self, scatter: Scatter) -> Option<Regression> {
         let (n, p) = self.design.shape();
         let given = if let Scatter::Given { dof } = scatter { Some(dof) } else { None };
         if n < p || n == p && given.is_none() {
@@ -116,7 +116,7 @@ impl Problem {
                 if sum > 0.0 { total * total / sum } else { dof as f64 }
             })
             .collect();
-        Some(Fit {
+        Some(Regression {
             parameters,
             covariance,
             own_covariance,
@@ -168,7 +168,7 @@ impl Problem {
     }
 }
 
-impl Fit {
+impl Regression {
     /// A parameter with its 95 % interval.
     pub fn estimate(&self, index: usize, unit: &str) -> Estimate {
         let se = self.covariance[(index, index)].max(0.0).sqrt();

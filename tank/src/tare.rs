@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use crate::influence::{self, Influence};
 use crate::motion::Motion;
-use crate::regression::{Fit, Problem, Scatter, Shared};
+use crate::regression::{Problem, Regression, Scatter, Shared};
 use crate::run_variance;
 use crate::series::distinct;
 
@@ -31,7 +31,7 @@ pub struct Tare {
 #[derive(Debug, Clone)]
 struct Channel {
     terms: Vec<Term>,
-    fit: Fit,
+    fit: Regression,
     /// What a change of force in each run does to the terms.
     response: DMatrix<f64>,
     /// Of the covariance of the terms.
@@ -197,7 +197,13 @@ impl Programme {
     }
 }
 
-fn fit(channel: usize, terms: &[Term], runs: &[TareRun], reference_speed_m_s: f64, zero_dof: f64) -> Option<Fit> {
+fn fit(
+    channel: usize,
+    terms: &[Term],
+    runs: &[TareRun],
+    reference_speed_m_s: f64,
+    zero_dof: f64,
+) -> Option<Regression> {
     let n = runs.len();
     let argument =
         |run: &TareRun| Argument { sine: run.yaw_rad.sin(), log_speed: (run.speed_m_s / reference_speed_m_s).ln() };

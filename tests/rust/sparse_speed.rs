@@ -2,7 +2,7 @@
 //! known. A few seeds run always; `cargo test -p glidepolar-tests --release --test sparse_speed -- --ignored --nocapture`
 //! prints the coverage over forty.
 
-use glidepolar::diagnose::sea::{Settings as DiagnosisSettings, diagnose_log};
+use glidepolar::diagnose::sea::{DiagnosisSettings, diagnose_log};
 use glidepolar::dynamics::Parameters;
 use glidepolar::identify::{Identification, Request, Trim, identify};
 use glidepolar::log::Observation;

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use anyhow::Result;
-use glidepolar::diagnose::sea::{SeaProblem, Settings};
+use glidepolar::diagnose::sea::{DiagnosisSettings, SeaProblem};
 use glidepolar::diagnose::{Candidate, Evidence, Point, Problem, diagnose};
 use glidepolar::identify::{Question, by_dive, fit};
 
@@ -33,8 +33,10 @@ pub fn measure(context: &Context<'_>) -> Result<Part> {
 fn measure(context: &Context<'_>, part: &mut Part, log: &Log, goal: f64) -> Result<()> {
     let observations = log.read(context.root())?;
     let baseline = log.baseline(&observations)?;
-    let problem =
-        Watched { problem: SeaProblem::new(&observations, &baseline, Settings::default())?, looked: Cell::new(0) };
+    let problem = Watched {
+        problem: SeaProblem::new(&observations, &baseline, DiagnosisSettings::default())?,
+        looked: Cell::new(0),
+    };
     let (found, _) = diagnose(&problem);
     let looked = problem.looked.get();
     let start = problem.start();
@@ -46,7 +48,7 @@ fn measure(context: &Context<'_>, part: &mut Part, log: &Log, goal: f64) -> Resu
         rounds,
         [
             Contender::timed("diagnosis", 1, || {
-                let problem = SeaProblem::new(&observations, &baseline, Settings::default())?;
+                let problem = SeaProblem::new(&observations, &baseline, DiagnosisSettings::default())?;
                 std::hint::black_box(diagnose(&problem));
                 Ok(())
             }),

@@ -7,7 +7,7 @@ use serde_json::json;
 use super::Context;
 use crate::arguments::Sized;
 use crate::contest::{Contender, contest};
-use crate::fmi::{Glider, Interface, LEG_S, Standard, TOLERANCE};
+use crate::fmi::{FmuGlider, Interface, LEG_S, Standard, TOLERANCE};
 use crate::peer::Peer;
 use crate::report::{Goal, Part, Row, Unit};
 
@@ -26,7 +26,8 @@ pub fn measure(context: &Context<'_>) -> Result<Part> {
         full: &[100, 1_000, 10_000, 100_000],
     });
     for &missions in sizes {
-        let rounds = if missions >= 100_000 { 2 } else { context.choice.size(Sized { quick: 1, standard: 5, full: 7 }) };
+        let rounds =
+            if missions >= 100_000 { 2 } else { context.choice.size(Sized { quick: 1, standard: 5, full: 7 }) };
         let fly_all = || (0..missions).into_par_iter().try_for_each(|mission| fly(&glider, mission));
         let [alone, both] = contest(
             rounds,
@@ -47,7 +48,7 @@ pub fn measure(context: &Context<'_>) -> Result<Part> {
     Ok(part)
 }
 
-fn fly(glider: &Glider, mission: usize) -> Result<()> {
+fn fly(glider: &FmuGlider, mission: usize) -> Result<()> {
     let instance = glider.fmu.instantiate(Interface::CoSimulation)?;
     instance.set([glider.ballast_offset], [1e-3 * (mission % 7) as f64])?;
     instance.begin(TOLERANCE)?;
@@ -56,7 +57,7 @@ fn fly(glider: &Glider, mission: usize) -> Result<()> {
     Ok(())
 }
 
-fn beside_dask(context: &Context<'_>, part: &mut Part, glider: &Glider) -> Result<()> {
+fn beside_dask(context: &Context<'_>, part: &mut Part, glider: &FmuGlider) -> Result<()> {
     let missions = context.choice.size(Sized { quick: 20, standard: 400, full: 2_000 });
     let mut peer = Peer::start(context.python(), context.root(), "fmpy_ensemble.py", &[context.fmu(Standard::Fmi3)?])?;
     let two = rayon::ThreadPoolBuilder::new().num_threads(2).build()?;

@@ -14,7 +14,7 @@ use super::{Context, floor};
 use crate::arguments::Sized;
 use crate::child;
 use crate::contest::{Contender, Samples, contest};
-use crate::fmi::{Fmu, GLIDER_STATES, Glider, Interface, LEG_S, LEGS_PER_DAY, SPACE_STATES, Standard, TOLERANCE};
+use crate::fmi::{Fmu, GLIDER_STATES, FmuGlider, Interface, LEG_S, LEGS_PER_DAY, SPACE_STATES, Standard, TOLERANCE};
 use crate::peer::{Peer, number};
 use crate::report::{Goal, Part, Row, Unit, figures};
 
@@ -60,7 +60,7 @@ fn compile_oscillator(context: &Context<'_>) -> Result<PathBuf> {
 }
 
 /// One call, one right-hand side, one instance: beside the oscillator.
-fn calls(context: &Context<'_>, part: &mut Part, name: &str, glider: &Glider, oscillator: Option<&Fmu>) -> Result<()> {
+fn calls(context: &Context<'_>, part: &mut Part, name: &str, glider: &FmuGlider, oscillator: Option<&Fmu>) -> Result<()> {
     let n = context.choice.size(Sized { quick: 2_000, standard: 50_000, full: 200_000 });
     let rounds = context.choice.rounds();
     let absent = || anyhow::anyhow!("the van der Pol FMU is missing");
@@ -147,8 +147,8 @@ fn calls(context: &Context<'_>, part: &mut Part, name: &str, glider: &Glider, os
 }
 
 /// A right-hand side of the glider in space, beside that in the plane.
-fn space_beside_plane(context: &Context<'_>, part: &mut Part, name: &str, plane: &Glider, space: &Fmu) -> Result<()> {
-    let n = context.choice.size(Sized { quick: 2_000, usual: 50_000, full: 200_000 });
+fn space_beside_plane(context: &Context<'_>, part: &mut Part, name: &str, plane: &FmuGlider, space: &Fmu) -> Result<()> {
+    let n = context.choice.size(Sized { quick: 2_000, standard: 50_000, full: 200_000 });
     let instances = [&plane.fmu, space]
         .map(|fmu| fmu.begin(Interface::ModelExchange, TOLERANCE))
         .into_iter()
@@ -219,7 +219,7 @@ fn voyages(context: &Context<'_>, part: &mut Part) -> Result<()> {
     let legs = (days * LEGS_PER_DAY).floor() as usize;
     let rounds = context.choice.size(Sized { quick: 1, standard: 3, full: 7 });
     let (three, two) = (context.glider(Standard::Fmi3)?, context.glider(Standard::Fmi2)?);
-    let fly = |glider: &Glider, step_s: f64| -> Result<()> {
+    let fly = |glider: &FmuGlider, step_s: f64| -> Result<()> {
         let instance = glider.fmu.begin(Interface::CoSimulation, TOLERANCE)?;
         glider.fly(&instance, legs, step_s)
     };

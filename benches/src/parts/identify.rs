@@ -8,7 +8,7 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, ensure};
 use glidepolar::dynamics::Parameters;
 use glidepolar::dynamics::parameters::DRAG_REFERENCE_SPEED_M_S;
-use glidepolar::identify::{Dive, Fit, Inside, Question, by_dive, fit};
+use glidepolar::identify::{Dive, Inside, JointFit, Question, by_dive, fit};
 use glidepolar::log::{DBAR_PA, Observation};
 use serde_json::{Value, json};
 
@@ -83,7 +83,7 @@ fn steady(context: &Context<'_>, part: &mut Part, log: &Log) -> Result<()> {
 }
 
 /// Whether the peer found the same: the largest difference, in standard errors of this fit.
-fn agreement(found: &Fit, free: &[&str], answer: &Value) -> Result<String> {
+fn agreement(found: &JointFit, free: &[&str], answer: &Value) -> Result<String> {
     let theirs: BTreeMap<String, f64> = serde_json::from_value(answer["values"].clone())?;
     let mut worst = 0.0_f64;
     for name in free {
@@ -106,7 +106,7 @@ fn agreement(found: &Fit, free: &[&str], answer: &Value) -> Result<String> {
 }
 
 /// What SciPy needs to minimise the very same sum.
-fn write_bins(file: &Path, question: &Question, dives: &[Dive], found: &Fit) -> Result<()> {
+fn write_bins(file: &Path, question: &Question, dives: &[Dive], found: &JointFit) -> Result<()> {
     let baseline: &Parameters<f64> = &question.baseline;
     let bins: Vec<(&Observation, Inside, f64)> = dives
         .iter()

@@ -18,7 +18,7 @@ use anyhow::{Context as _, Result};
 
 use crate::arguments::{Choice, PartName, Run};
 use crate::contest::Samples;
-use crate::fmi::{self, Fmu, Glider, Standard};
+use crate::fmi::{self, Fmu, FmuGlider, Standard};
 use crate::machine::Machine;
 use crate::page;
 use crate::report::{Part, Row, Unit};
@@ -104,8 +104,8 @@ impl Context<'_> {
         archive.as_deref().context("the FMU was not packed")
     }
 
-    pub fn glider(&self, standard: Standard) -> Result<Glider> {
-        Glider::load(self.root(), self.library()?, standard)
+    pub fn glider(&self, standard: Standard) -> Result<FmuGlider> {
+        FmuGlider::load(self.root(), self.library()?, standard)
     }
 
     /// The same library as the glider in space.

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use glidepolar_flightlog::{
-    Channel, Columns, Condenser, LogFiles, MOST_OBSERVATIONS, Piece, Preparation, Settings, Shorten,
+    Channel, Columns, Condenser, LogFiles, MOST_OBSERVATIONS, Piece, Preparation, PreparationSettings, Shorten,
 };
 
 fn main() -> ExitCode {
@@ -32,7 +32,8 @@ fn stream() -> Result<(), Box<dyn std::error::Error>> {
     if round_bytes == 0 {
         return Err("no file, or only empty ones".into());
     }
-    let mut preparation = Preparation::new(Settings { density_kg_m3: Some(1027.0), ..Settings::default() });
+    let mut preparation =
+        Preparation::new(PreparationSettings { density_kg_m3: Some(1027.0), ..PreparationSettings::default() });
     let mut condenser = Condenser::new(Shorten::Means, MOST_OBSERVATIONS);
     let mut batch = Vec::new();
     let (mut bytes, mut samples, mut shift_s, mut last_s) = (0.0, 0usize, 0.0, f64::NAN);

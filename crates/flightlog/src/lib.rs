@@ -66,7 +66,7 @@ pub use observation::{DBAR_PA, Observation};
 pub use open::{LogPieces, Opened, open};
 pub use prepare::{Preparation, Prepared};
 pub use segment::{Leg, legs};
-pub use settings::Settings;
+pub use settings::PreparationSettings;
 pub use vertical_velocity::{Velocity, filter_window, vertical_velocity};
 
 #[cfg(test)]

@@ -8,7 +8,7 @@
 
 use super::channels::{Channel, FlightLog};
 use super::clean::median;
-use super::settings::Settings;
+use super::settings::PreparationSettings;
 
 /// Rate of the ballast volume from which on its pump is taken to run \[cc/s\].
 const BALLAST_MOVES_CC_S: f64 = 0.5;
@@ -29,7 +29,7 @@ const BEYOND_NOISE: f64 = 5.0;
 const MEDIAN_DIFFERENCE: f64 = 0.953_9;
 
 /// Rows at which a motor moves or has just moved.
-pub(super) fn motors(log: &FlightLog, settings: &Settings) -> Vec<bool> {
+pub(super) fn motors(log: &FlightLog, settings: &PreparationSettings) -> Vec<bool> {
     let time = log.column(Channel::Time);
     let mut moving = vec![false; log.len()];
     let mut mark = |from_s: f64, to_s: f64| {

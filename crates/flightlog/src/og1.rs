@@ -46,7 +46,8 @@ pub(super) fn read(path: &Path, columns: &Columns, warnings: &mut Vec<String>) -
             },
         };
         let conversion = columns.unit(channel).map_or_else(|| stated(path, &file, channel, &name), Ok)?;
-        let mut column: Vec<f64> = values(path, &file, &name)?.into_iter().map(|value| conversion.convert(value)).collect();
+        let mut column: Vec<f64> =
+            values(path, &file, &name)?.into_iter().map(|value| conversion.convert(value)).collect();
         flagged(path, &file, &name, &mut column, warnings);
         let rows = *rows.get_or_insert(column.len());
         if is_angle(channel) && columns.unit(channel).is_none() && conversion != Conversion::NONE {

@@ -9,7 +9,7 @@ use super::density::{densities_kg_m3, practical_salinity};
 use super::motors::motors;
 use super::observation::{DBAR_PA, Observation};
 use super::segment::{Leg, legs};
-use super::settings::Settings;
+use super::settings::PreparationSettings;
 use super::vertical_velocity::vertical_velocity;
 
 /// So near to the usual pitch of the first minutes of its leg a glider has turned into it \[rad\].
@@ -31,7 +31,7 @@ pub struct Prepared {
 /// A preparation under way.
 #[derive(Debug, Clone)]
 pub struct Preparation {
-    settings: Settings,
+    settings: PreparationSettings,
     notes: Notes,
     waiting: FlightLog,
     first_time_s: f64,
@@ -52,7 +52,7 @@ struct Counters {
 
 impl Preparation {
     /// Starts one.
-    pub fn new(settings: Settings) -> Self {
+    pub fn new(settings: PreparationSettings) -> Self {
         Preparation {
             settings,
             notes: Notes::default(),
@@ -328,7 +328,7 @@ fn known(pressure: &[f64]) -> (Vec<usize>, Vec<f64>) {
 }
 
 /// Pressure, or what the depth says where there is none: `rho g z` with the density of the row, 1025 kg/m3 without.
-fn pressure_dbar(log: &FlightLog, settings: &Settings) -> Vec<f64> {
+fn pressure_dbar(log: &FlightLog, settings: &PreparationSettings) -> Vec<f64> {
     (0..log.len())
         .map(|i| {
             let pressure = log.at(Channel::Pressure, i);
@@ -387,7 +387,7 @@ fn teos10(log: &FlightLog) -> Vec<[f64; 2]> {
 }
 
 /// In-situ density: as recorded, or by TEOS-10, or as the user gave it.
-fn density_kg_m3(log: &FlightLog, teos10: &[[f64; 2]], settings: &Settings) -> Vec<f64> {
+fn density_kg_m3(log: &FlightLog, teos10: &[[f64; 2]], settings: &PreparationSettings) -> Vec<f64> {
     let recorded = |i| log.at(Channel::Density, i);
     let mut density: Vec<f64> =
         (0..log.len()).map(|i| if recorded(i).is_finite() { recorded(i) } else { teos10[i][0] }).collect();

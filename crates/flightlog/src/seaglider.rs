@@ -293,13 +293,7 @@ fn water(
 }
 
 /// What the file states of a unit, else the basestation's own.
-fn stated(
-    path: &Path,
-    file: &NcFile,
-    channel: Channel,
-    name: &str,
-    own: Conversion,
-) -> Result<Conversion, InputError> {
+fn stated(path: &Path, file: &NcFile, channel: Channel, name: &str, own: Conversion) -> Result<Conversion, InputError> {
     let unit = units(file, name);
     // The basestation states none of its engineering units, and wrong ones of others (`g/m^3` beside kg/m3).
     let is_own = CHANNELS_OF_FILES.iter().any(|(_, names, _)| names.contains(&name));

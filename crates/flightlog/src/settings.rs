@@ -2,7 +2,7 @@
 
 /// What the preparation goes by.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Settings {
+pub struct PreparationSettings {
     /// Density where the log gives none \[kg/m3\].
     pub density_kg_m3: Option<f64>,
     /// Acceleration of gravity \[m/s2\].
@@ -26,9 +26,9 @@ pub struct Settings {
     pub longest_gap_s: f64,
 }
 
-impl Default for Settings {
+impl Default for PreparationSettings {
     fn default() -> Self {
-        Settings {
+        PreparationSettings {
             density_kg_m3: None,
             gravity_m_s2: 9.81,
             half_window_s: 4.0,

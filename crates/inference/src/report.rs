@@ -192,7 +192,9 @@ pub(super) fn rejected(
         .map(|name| {
             let versions = (0..candidates.len()).filter(|i| candidates[*i].name == name);
             let best = versions
-                .filter(|i| iteration.regressors[*i].columns.iter().any(|column| iteration.score.is_identifiable(*column)))
+                .filter(|i| {
+                    iteration.regressors[*i].columns.iter().any(|column| iteration.score.is_identifiable(*column))
+                })
                 .map(|i| {
                     let mut set = extended.included.clone();
                     set.push(i);
@@ -218,7 +220,8 @@ pub(super) fn rejected(
                 .filter(|cause| cause.indistinguishable_from.iter().any(|other| other == name))
                 .map(|cause| cause.cause.as_str())
                 .collect();
-            let shown = iteration.regressors[index].columns.first().map_or(0.0, |column| iteration.score.remaining(*column));
+            let shown =
+                iteration.regressors[index].columns.first().map_or(0.0, |column| iteration.score.remaining(*column));
             let held_out = with.held_out();
             let predicts = holdout::advantage(&extended.evidence, &extended.noises, &extended.held_out(), &held_out)
                 >= problem.least_advantage();

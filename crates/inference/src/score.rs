@@ -35,7 +35,7 @@ pub struct Score {
 
 /// A set's fit: how much it explains, its values and their covariance.
 #[derive(Debug, Clone)]
-pub struct Fit {
+pub struct ScoreFit {
     /// Fall of the sum of squares, in units of the noise.
     pub gain: f64,
     /// Step of each parameter from the point of linearisation.
@@ -68,7 +68,7 @@ pub fn whiten(evidence: &Evidence, noises: &[Noise], columns: &mut DMatrix<f64>)
     }
 }
 
-impl Fit {
+impl ScoreFit {
     /// Standard error of a step.
     pub fn se(&self, i: usize) -> f64 {
         self.covariance[(i, i)].max(0.0).sqrt()
@@ -158,10 +158,10 @@ impl Score {
     }
 
     /// The fit of these columns together; directions that the data do not see take no part.
-    pub fn fit(&self, set: &[usize]) -> Fit {
+    pub fn fit(&self, set: &[usize]) -> ScoreFit {
         let k = set.len();
         if k == 0 {
-            return Fit { gain: 0.0, step: DVector::zeros(0), covariance: DMatrix::zeros(0, 0) };
+            return ScoreFit { gain: 0.0, step: DVector::zeros(0), covariance: DMatrix::zeros(0, 0) };
         }
         let gram = DMatrix::from_fn(k, k, |i, j| self.gram[(set[i], set[j])]);
         let moments = DVector::from_fn(k, |i, _| self.moments[set[i]]);
@@ -175,7 +175,7 @@ impl Score {
         let step = &covariance * &moments;
         let gain = step.dot(&moments);
         let scale = |i: usize| self.sizes[set[i]].recip();
-        Fit {
+        ScoreFit {
             gain,
             step: DVector::from_fn(k, |i, _| step[i] * scale(i)),
             covariance: DMatrix::from_fn(k, k, |i, j| covariance[(i, j)] * scale(i) * scale(j)),

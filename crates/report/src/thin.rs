@@ -141,7 +141,9 @@ pub(super) fn markers(places: &[Pixel], most: usize) -> Vec<usize> {
     loop {
         let mut taken = std::collections::HashSet::new();
         let chosen: Vec<usize> = (0..places.len())
-            .filter(|&i| taken.len() <= most && taken.insert(((places[i].0 / cell) as i64, (places[i].1 / cell) as i64)))
+            .filter(|&i| {
+                taken.len() <= most && taken.insert(((places[i].0 / cell) as i64, (places[i].1 / cell) as i64))
+            })
             .collect();
         if chosen.len() <= most || cell > 64.0 {
             return chosen;

@@ -2,7 +2,7 @@
 
 use glidepolar_ode::{IntegrationError, Integrator};
 
-use super::glider::Glider;
+use super::glider::SpatialGlider;
 use super::lateral::Body;
 use super::state::{Inputs, State};
 use super::steering::Steering;
@@ -18,7 +18,7 @@ pub fn fly(
     state: &mut State<f64>,
     tolerance: f64,
 ) -> Result<(), IntegrationError> {
-    let glider = Glider::new(*body, Steering::Direct, *inputs);
+    let glider = SpatialGlider::new(*body, Steering::Direct, *inputs);
     let mut time_s = from_s;
     glider.fly(&mut Integrator::new(tolerance), &mut time_s, state, to_s)
 }

@@ -38,7 +38,7 @@ pub type Direction = Jet<{ N_FELT + 1 }>;
 
 /// A glider with everything that its motion depends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Glider {
+pub struct SpatialGlider {
     /// The numbers of the equations.
     pub body: Body<f64>,
     /// Who gives rudder and roll mass their set-points.
@@ -51,10 +51,10 @@ pub struct Glider {
     pub inputs_at_s: f64,
 }
 
-impl Glider {
+impl SpatialGlider {
     /// A glider with inputs that stand still.
     pub fn new(body: Body<f64>, steering: Steering, inputs: Inputs<f64>) -> Self {
-        Glider { body, steering, inputs, input_rates: None, inputs_at_s: 0.0 }
+        SpatialGlider { body, steering, inputs, input_rates: None, inputs_at_s: 0.0 }
     }
 
     /// The inputs at a time and place, with the set-points of the autopilot.
@@ -102,7 +102,7 @@ impl Glider {
     }
 }
 
-impl System<N_STATES, N_FELT, N_EVENTS> for Glider {
+impl System<N_STATES, N_FELT, N_EVENTS> for SpatialGlider {
     const NOMINALS: [f64; N_STATES] = NOMINAL_VALUES;
     const FIRST_FELT: usize = FIRST_FELT;
     const COUNTED_IN_ERROR: usize = N_STATES - N_MEMORY;

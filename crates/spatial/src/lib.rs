@@ -5,7 +5,7 @@
 //! - [`derivative`]: the right-hand side, generic over the number; [`outputs`]: what follows from a state.
 //! - [`turn`]: steady turns, all that are found, with eigenvalues.
 //! - [`Steering`]: heading control by rudder or roll mass.
-//! - [`Glider`], [`fly`]: the same equations carried through time.
+//! - [`SpatialGlider`], [`fly`]: the same equations carried through time.
 //!
 //! Coefficients of lift, drag and pitching moment, net mass, mechanisms, servos and contact with surface and seabed are
 //! those of the vertical plane and are asked of `dynamics`; in the plane both sets of equations give the same
@@ -27,7 +27,7 @@ mod vector;
 
 pub use equations::{Outputs, derivative, next_bend_s, outputs, servo_corners};
 pub use fly::fly;
-pub use glider::Glider;
+pub use glider::SpatialGlider;
 pub use lateral::{Body, LATERAL, Lateral, N_LATERAL, RateLaw};
 pub use state::{Inputs, N_INPUTS, N_STATES, NOMINALS, State};
 pub use steering::Steering;

@@ -112,7 +112,7 @@ pub fn turning(observations: &[Observation]) -> Option<Turning> {
     let leg = |descends: bool| all.iter().filter(move |s| s.descends == descends);
     let mut warnings = Vec::new();
     let model = Model::new(&all);
-    let fit = Fit::new(&model.design(&all), &rates(&all), &clusters(&all));
+    let fit = RateFit::new(&model.design(&all), &rates(&all), &clusters(&all));
     let of_column = |column: Column, unit: &str| {
         let at = model.columns.iter().position(|known| *known == column)?;
         fit.as_ref().map(|fit| fit.estimate(at, unit))
@@ -300,13 +300,13 @@ impl Model {
 }
 
 /// Least squares with standard errors by clusters.
-struct Fit {
+struct RateFit {
     values: DVector<f64>,
     covariance: DMatrix<f64>,
     clusters: usize,
 }
 
-impl Fit {
+impl RateFit {
     /// None where the columns depend on each other, or there are too few clusters.
     fn new(design: &DMatrix<f64>, measured: &DVector<f64>, clusters: &[u32]) -> Option<Self> {
         let names: BTreeSet<u32> = clusters.iter().copied().collect();
@@ -314,7 +314,7 @@ impl Fit {
             return None;
         }
         let fit = Linear::fit(design.clone(), measured)?;
-        Some(Fit { covariance: fit.cluster_covariance(clusters), values: fit.values, clusters: names.len() })
+        Some(RateFit { covariance: fit.cluster_covariance(clusters), values: fit.values, clusters: names.len() })
     }
 
     fn se(&self, at: usize) -> f64 {
@@ -352,7 +352,7 @@ fn clusters(all: &[Stretch]) -> Vec<u32> {
 }
 
 /// A straight line of one quantity over another, both legs together; none where the other one hardly varies.
-fn line(all: &[Stretch], over: impl Fn(&Stretch) -> f64, of: impl Fn(&Stretch) -> f64, varies: f64) -> Option<Fit> {
+fn line(all: &[Stretch], over: impl Fn(&Stretch) -> f64, of: impl Fn(&Stretch) -> f64, varies: f64) -> Option<RateFit> {
     let known: Vec<&Stretch> = all.iter().filter(|s| over(s).is_finite() && of(s).is_finite()).collect();
     let xs: Vec<f64> = known.iter().map(|s| over(s)).collect();
     if known.len() < LEAST_STRETCHES / 2 || sd(&xs) < varies {
@@ -361,7 +361,7 @@ fn line(all: &[Stretch], over: impl Fn(&Stretch) -> f64, of: impl Fn(&Stretch) -
     let design = DMatrix::from_fn(known.len(), 2, |i, j| if j == 0 { 1.0 } else { xs[i] });
     let measured = DVector::from_iterator(known.len(), known.iter().map(|s| of(s)));
     let clusters: Vec<u32> = known.iter().map(|s| s.dive).collect();
-    Fit::new(&design, &measured, &clusters)
+    RateFit::new(&design, &measured, &clusters)
 }
 
 /// Where the turn rate is zero along a control.
@@ -371,7 +371,7 @@ fn zero_of(all: &[Stretch], control: impl Fn(&Stretch) -> f64, varies: f64, unit
 }
 
 /// True rudder less the reading: the mean of the legs' turn rates without rudder and roll, over the rate per rudder.
-fn rudder_offset(fit: &Fit, model: &Model) -> Option<Estimate> {
+fn rudder_offset(fit: &RateFit, model: &Model) -> Option<Estimate> {
     let below = model.columns.iter().position(|column| *column == Column::Rudder)?;
     let constants: Vec<usize> =
         (0..model.columns.len()).filter(|i| matches!(model.columns[*i], Column::Constant(_))).collect();
@@ -388,7 +388,7 @@ fn held_rudder(all: &[Stretch], model: &Model) -> Option<Estimate> {
         return None;
     }
     let design = DMatrix::from_iterator(all.len(), 1, rudders);
-    Some(Fit::new(&design, &rates(all), &clusters(all))?.estimate(0, "1/s"))
+    Some(RateFit::new(&design, &rates(all), &clusters(all))?.estimate(0, "1/s"))
 }
 
 /// The mean of a quantity, by dives.
@@ -397,7 +397,7 @@ fn mean(all: &[Stretch], of: impl Fn(&Stretch) -> f64, unit: &str) -> Option<Est
     let clusters: Vec<u32> = known.iter().map(|s| s.dive).collect();
     let design = DMatrix::from_element(known.len(), 1, 1.0);
     let measured = DVector::from_iterator(known.len(), known.iter().map(|s| of(s)));
-    Some(Fit::new(&design, &measured, &clusters)?.estimate(0, unit))
+    Some(RateFit::new(&design, &measured, &clusters)?.estimate(0, unit))
 }
 
 fn legs_differ(all: &[Stretch]) -> Option<String> {
@@ -465,7 +465,7 @@ fn holdout(all: &[Stretch], model: &Model) -> Option<ByLeg<f64>> {
         let (kept, held_out): (Vec<Stretch>, Vec<Stretch>) = all.iter().partition(|s| is_odd(s) == odd);
         // A half may have fewer dives than standard errors need; values need none.
         let every: Vec<u32> = (0..kept.len() as u32).collect();
-        let fit = Fit::new(&model.design(&kept), &rates(&kept), &every)?;
+        let fit = RateFit::new(&model.design(&kept), &rates(&kept), &every)?;
         let predicted = model.design(&held_out) * &fit.values;
         for (s, predicted) in held_out.iter().zip(predicted.iter()) {
             errors[usize::from(!s.descends)].push(s.rate_rad_s - predicted);

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use glidepolar_flightlog::{Columns, LogFiles, Observation, Piece, Preparation, Settings};
+use glidepolar_flightlog::{Columns, LogFiles, Observation, Piece, Preparation, PreparationSettings};
 use glidepolar_inference::estimate::Estimate;
 use glidepolar_turning::{Turning, turning};
 
@@ -20,7 +20,8 @@ fn data() -> Option<PathBuf> {
 fn read(files: &[PathBuf]) -> Turning {
     let columns = Columns::default();
     let mut log = LogFiles::open(files, &columns).expect("a log");
-    let mut preparation = Preparation::new(Settings { density_kg_m3: Some(1027.0), ..Settings::default() });
+    let mut preparation =
+        Preparation::new(PreparationSettings { density_kg_m3: Some(1027.0), ..PreparationSettings::default() });
     let mut all: Vec<Observation> = Vec::new();
     while let Some(piece) = log.next_piece(50_000).expect("a piece") {
         if let Piece::Series(piece) = piece {

@@ -40,7 +40,7 @@ pub struct Voyage<'a> {
 
 /// Flies a voyage and shows every step to `observe`.
 pub fn fly(voyage: &Voyage, mut observe: impl FnMut(&Instant)) {
-    let mut glider = Glider::afloat(voyage);
+    let mut glider = SimulatedGlider::afloat(voyage);
     let steps = (voyage.duration_s / STEP_S).round() as u64;
     for step in 0..=steps {
         let now = glider.look(step as f64 * STEP_S);
@@ -49,7 +49,7 @@ pub fn fly(voyage: &Voyage, mut observe: impl FnMut(&Instant)) {
     }
 }
 
-struct Glider<'a> {
+struct SimulatedGlider<'a> {
     voyage: &'a Voyage<'a>,
     pilot: Pilot<'a>,
     random: crate::random::Stream,
@@ -71,7 +71,7 @@ struct Glider<'a> {
     dive: u32,
 }
 
-impl<'a> Glider<'a> {
+impl<'a> SimulatedGlider<'a> {
     fn afloat(voyage: &'a Voyage<'a>) -> Self {
         let mut random = stream(voyage.seed, Part::Path);
         let Ocean { turbulence_m_s, turbulence_time_s, .. } = *voyage.ocean;

@@ -1,6 +1,6 @@
 //! Flight logs: CSV and NetCDF, up to samples that a fit can use, and the fit.
 
-use glidepolar::log::{Channel, Columns, LogFiles, Opened, Preparation, Settings, open};
+use glidepolar::log::{Channel, Columns, LogFiles, Opened, Preparation, PreparationSettings, open};
 use glidepolar_virtual_sea::{Options, generate};
 
 use crate::Target;
@@ -59,7 +59,8 @@ fn read(name: &str, data: &[u8]) {
         }
     }
     let Ok(Opened::Series(mut series)) = open(&path, &Columns::default()) else { return };
-    let mut preparation = Preparation::new(Settings { density_kg_m3: Some(1025.0), ..Settings::default() });
+    let mut preparation =
+        Preparation::new(PreparationSettings { density_kg_m3: Some(1025.0), ..PreparationSettings::default() });
     let mut observations = Vec::new();
     while let Ok(Some(piece)) = series.next_piece(PIECE_ROWS) {
         preparation.push(piece, &mut observations);

@@ -92,7 +92,8 @@ fn a_density_that_the_log_shows_to_be_wrong_is_corrected_by_every_command_and_it
         }
     }
     // What follows is what follows from the density as it should have been.
-    let drag = |rows: &[Row]| run_command(COMMANDS[0], rows).expect("a fit")["parameters"]["b"]["value"].as_f64().expect("b");
+    let drag =
+        |rows: &[Row]| run_command(COMMANDS[0], rows).expect("a fit")["parameters"]["b"]["value"].as_f64().expect("b");
     let true_density = changed(|row| row[4] = in_situ_density_kg_m3(35.0, 10.0, row[1], f64::NAN, f64::NAN));
     let (corrected, expected) = (drag(&changed(|row| row[4] = surface)), drag(&true_density));
     assert!((corrected / expected - 1.0).abs() < 1e-6, "{corrected} beside {expected}");

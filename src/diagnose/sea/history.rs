@@ -356,7 +356,7 @@ pub fn lagged(time_s: &[f64], values: &[f64], constant_s: f64) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::diagnose::Problem;
-    use crate::diagnose::sea::{SeaProblem, Settings};
+    use crate::diagnose::sea::{DiagnosisSettings, SeaProblem};
     use crate::dynamics::Surroundings;
     use crate::glide::{Attitude, at_pitch};
     use crate::vehicle::Vehicle;
@@ -413,7 +413,8 @@ mod tests {
     #[test]
     fn every_column_is_the_change_of_what_is_read_with_the_size() {
         let parameters = Vehicle::load("slocum-graver").expect("a vehicle").glide_parameters();
-        let problem = SeaProblem::new(&log(&parameters), &parameters, Settings::default()).expect("enough bins");
+        let problem =
+            SeaProblem::new(&log(&parameters), &parameters, DiagnosisSettings::default()).expect("enough bins");
         let start = problem.start();
         let before = problem.evidence(&start);
         let sizes = [1e-11, 3e-4, 0.5, 0.02, 0.1, 1.0, 1e-3];

@@ -2,7 +2,7 @@
 
 use super::consistency::{self, DensityError};
 use super::empirical;
-use super::{SeaError, SeaProblem, Settings};
+use super::{DiagnosisSettings, SeaError, SeaProblem};
 use crate::diagnose::engine;
 use crate::diagnose::findings::{Cause, Check, Checked, Verdict};
 use crate::diagnose::holdout;
@@ -38,7 +38,7 @@ pub fn diagnose_log(
     vehicle: &Parameters<f64>,
     trim: Trim,
     observations: &[Observation],
-    settings: Settings,
+    settings: DiagnosisSettings,
 ) -> Result<SeaDiagnosis, SeaError> {
     // A vehicle that carries a bias of the density has its density corrected by the model: what is corrected here comes on top.
     let carried_kg_m3 = vehicle.density_bias_kg_m3;
@@ -314,7 +314,10 @@ mod tests {
         let log = flight(&truth, 0.8);
         let diagnose = |carried: f64, log: &[Observation]| {
             let vehicle = Parameters { density_bias_kg_m3: carried, ..truth };
-            diagnose_log(&vehicle, Trim::Vehicle, log, Settings::default()).expect("a diagnosis").outcome.diagnosis
+            diagnose_log(&vehicle, Trim::Vehicle, log, DiagnosisSettings::default())
+                .expect("a diagnosis")
+                .outcome
+                .diagnosis
         };
         let others = |diagnosis: &crate::diagnose::Diagnosis| -> Vec<String> {
             let causes = diagnosis.causes.iter().map(|cause| cause.cause.clone());

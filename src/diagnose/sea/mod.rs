@@ -38,7 +38,7 @@ pub use vehicle_log::{LiftSlope, Request, VehicleLogError, diagnose_vehicle, ext
 
 /// What is fitted to which data.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Settings {
+pub struct DiagnosisSettings {
     /// Whether measured speed is used where there is any.
     pub use_speed: bool,
     /// What is done about the lift slope.
@@ -49,9 +49,9 @@ pub struct Settings {
     pub max_bins: usize,
 }
 
-impl Default for Settings {
+impl Default for DiagnosisSettings {
     fn default() -> Self {
-        Settings { use_speed: true, lift: Lift::Fitted, relevance: Relevance::default(), max_bins: 900 }
+        DiagnosisSettings { use_speed: true, lift: Lift::Fitted, relevance: Relevance::default(), max_bins: 900 }
     }
 }
 
@@ -177,7 +177,7 @@ impl SeaProblem {
     pub fn new(
         observations: &[Observation],
         parameters: &Parameters<f64>,
-        settings: Settings,
+        settings: DiagnosisSettings,
     ) -> Result<SeaProblem, SeaError> {
         // What the vehicle says of the ratio of its legs stays as it is: one polar is fitted, and each leg has its share of it.
         let mut usable: Vec<Observation> = observations.iter().copied().filter(is_usable).collect();

@@ -4,7 +4,7 @@ use nalgebra::{Const, U1};
 use num_dual::{Derivative, DualSVec64};
 
 use crate::dynamics::{Parameters, parameter_index};
-use crate::glide::Glider;
+use crate::glide::SteadyGlider;
 use crate::identify::{Bin, Inside, median_step_s};
 
 /// Parameters that are varied in one pass; more take another pass.
@@ -52,8 +52,8 @@ pub struct Vehicle {
 
 /// The vehicle with some of the directions in it.
 struct Pass {
-    before: Glider<Dual>,
-    after: Glider<Dual>,
+    before: SteadyGlider<Dual>,
+    after: SteadyGlider<Dual>,
 }
 
 impl Vehicle {
@@ -89,12 +89,12 @@ impl Pass {
         }
         // The slope along a jump is wanted on both sides of it: the caller knows which rows a jump reaches.
         p.step_time_s = Dual::from(f64::NEG_INFINITY);
-        let after = Glider::new(p);
+        let after = SteadyGlider::new(p);
         if let Some(row) = parameter_index("drag_step") {
             let step = *p.at(row);
             *p.at(row) = step - step.re;
         }
-        Pass { before: Glider::new(p), after }
+        Pass { before: SteadyGlider::new(p), after }
     }
 }
 
@@ -109,7 +109,7 @@ impl Sloped {
 
 /// Whether the vehicle flies at all as this bin says.
 pub fn flies(parameters: &Parameters<f64>, bin: &Bin) -> bool {
-    Inside::NOTHING.predict(&Glider::new(*parameters), bin, None).is_some()
+    Inside::NOTHING.predict(&SteadyGlider::new(*parameters), bin, None).is_some()
 }
 
 /// Largest share of the drag that the inertia may have where a glide counts as steady.

@@ -1,7 +1,7 @@
 //! A log against a vehicle, as a user asks for it: what is known of the lift slope, the trim that suits the vehicle, the
 //! diagnosis, the extended vehicle. Commands, tests and benchmarks call the same functions. Knows no files.
 
-use super::{Lift, SeaDiagnosis, SeaError, Settings, diagnose_log};
+use super::{DiagnosisSettings, Lift, SeaDiagnosis, SeaError, diagnose_log};
 use crate::diagnose::{Point, Problem, Relevance};
 use crate::dynamics::parameter_index;
 use crate::identify::external_values::built_up_lift_slope;
@@ -72,7 +72,7 @@ pub fn diagnose_vehicle(
         },
     };
     let trim = request.trim.unwrap_or_else(|| Trim::for_vehicle(&vehicle));
-    let settings = Settings { lift, relevance: request.relevance.clone(), ..Settings::default() };
+    let settings = DiagnosisSettings { lift, relevance: request.relevance.clone(), ..DiagnosisSettings::default() };
     let mut found = diagnose_log(&vehicle.glide_parameters(), trim, observations, settings)?;
     found.outcome.diagnosis.warnings.extend(warnings);
     Ok((vehicle, found))

@@ -1,7 +1,7 @@
 //! Where the fit of the balance begins: the same balance as a linear regression. Knows no errors.
 
 use crate::dynamics::{Parameters, parameter_index};
-use crate::glide::Glider;
+use crate::glide::SteadyGlider;
 use crate::identify::data::Dive;
 use crate::identify::joint::Question;
 use crate::identify::model::Inertia;
@@ -18,7 +18,7 @@ pub(super) fn first_guess(
     moment: bool,
 ) -> Option<Parameters<f64>> {
     let mut gram = Gram::new(4);
-    let glider = Glider::new(*polar);
+    let glider = SteadyGlider::new(*polar);
     for o in dives.iter().flat_map(|dive| &dive.observations) {
         let pitch: f64 = true_pitch_rad(polar, o.pitch_rad);
         let Some(flown) = predict(&glider, o, &Inertia::NONE, None).filter(|_| pitch.cos() > 0.1) else { continue };

@@ -26,7 +26,7 @@ use super::data::Dive;
 use super::evaluate::{Scatter, Weights};
 use super::external_values::{Pin, from_outside};
 use super::identifiability::subsampled;
-use super::joint::{Fit, IdentifyError, Question, refine};
+use super::joint::{IdentifyError, JointFit, Question, refine};
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
 use crate::log::Observation;
 use crate::vehicle::Vehicle;
@@ -51,7 +51,7 @@ const LEAST_SAMPLES: usize = 8;
 #[derive(Debug, Clone)]
 pub struct PitchBalance {
     /// The fit; its parameters hold the polar, too.
-    pub fit: Fit,
+    pub fit: JointFit,
     /// Pitch, measured less predicted, root mean square \[rad\].
     pub pitch_rms_rad: f64,
     /// The same with d = 0, the rest fitted again; nothing where no pitch balances then \[rad\].
@@ -114,7 +114,7 @@ pub fn pitch_balance(
         let question = Question { several_starts: false, use_speed: false, ..Question::new(start, &ROWS)? };
         Ok((refine(&question, &mut samples)?, question))
     });
-    let tried: Vec<Result<(Fit, Question), IdentifyError>> = tried.collect();
+    let tried: Vec<Result<(JointFit, Question), IdentifyError>> = tried.collect();
     if tried.is_empty() {
         return Ok(None);
     }

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::identify::joint::Fit;
+use crate::identify::joint::JointFit;
 use glidepolar_inference::covariance::inverse_symmetric;
 use glidepolar_inference::gram::Gram;
 
@@ -11,7 +11,7 @@ use glidepolar_inference::gram::Gram;
 const INSEPARABLE: f64 = 0.9995;
 
 /// A parameter that the data do not identify, and why; the last of [`ROWS`](super::ROWS) first.
-pub(super) fn not_identifiable(fit: &Fit) -> Option<(usize, String)> {
+pub(super) fn not_identifiable(fit: &JointFit) -> Option<(usize, String)> {
     let normal = Gram::sum(fit.free.len(), &fit.grams).normal_matrix();
     for name in ["ballast_forward_m", "d_per_rad"] {
         let Some(position) = fit.position(name) else { continue };

@@ -16,7 +16,7 @@ use crate::Number;
 use crate::simulate::space::{Row, row};
 use crate::spatial::glider::{FIRST_FELT, N_FELT, N_MEMORY, NOMINAL_VALUES, slopes};
 use crate::spatial::steering::{shortest, with_gains};
-use crate::spatial::{Body, Glider, Inputs, N_STATES, State, Steering, derivative, next_bend_s};
+use crate::spatial::{Body, Inputs, N_STATES, SpatialGlider, State, Steering, derivative, next_bend_s};
 
 /// Events: the lower turn, the upper end, the seabed.
 const LOWER: usize = 0;
@@ -452,7 +452,7 @@ impl<'a> Pilot<'a> {
 
     fn moment(&self) -> RouteMoment {
         let inputs = self.course.inputs(&self.state);
-        let glider = Glider::new(self.course.body, Steering::Direct, inputs);
+        let glider = SpatialGlider::new(self.course.body, Steering::Direct, inputs);
         let out = glider.outputs(self.time_s, &self.state);
         RouteMoment {
             row: row(&glider, self.time_s, &self.state, self.course.mission.route.origin),

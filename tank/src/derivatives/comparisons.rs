@@ -10,7 +10,7 @@ use crate::campaign::{Kind, Run};
 use crate::fits::SweepFit;
 use crate::harmonics::{Harmonics, Series};
 use crate::hull::Hull;
-use crate::regression::{Fit, Scatter, student_p_value};
+use crate::regression::{Regression, Scatter, student_p_value};
 use crate::shared::Common;
 use crate::zero_drift::Slope;
 
@@ -18,8 +18,8 @@ use crate::zero_drift::Slope;
 /// inertia.
 pub(super) fn single_runs(
     model: &Model,
-    y: &Fit,
-    n: &Fit,
+    y: &Regression,
+    n: &Regression,
     observations: &[&Observation],
     oscillations: &[(&Run, &Harmonics)],
 ) -> Vec<SingleRun> {
@@ -34,7 +34,7 @@ pub(super) fn single_runs(
         if determinant == 0.0 {
             continue;
         }
-        let solve = |fit: &Fit, coefficient: usize| {
+        let solve = |fit: &Regression, coefficient: usize| {
             let common = |column: usize| model.index(column).map_or(0.0, |index| fit.parameters[index]);
             // The run's residual on top of the common derivatives.
             let (ra, rb) = (fit.residuals[i], fit.residuals[j]);

@@ -23,7 +23,7 @@ use crate::campaign::{Kind, Run};
 use crate::fits::SweepFit;
 use crate::harmonics::Harmonics;
 use crate::hull::Hull;
-use crate::regression::{Fit, Shared};
+use crate::regression::{Regression, Shared};
 use crate::shared::Common;
 use crate::steady_run::SteadyRun;
 use model::Model;
@@ -200,7 +200,7 @@ const MOVED_M: f64 = 1e-4;
 fn centre_errors(
     hull: &Hull,
     model: &Model,
-    fits: &[Fit; 2],
+    fits: &[Regression; 2],
     observations: &[Observation],
     observe: &dyn Fn(&Hull) -> Vec<Observation>,
 ) -> Vec<[Shared; 2]> {

@@ -7,7 +7,7 @@ use super::Form;
 use super::observations::Observation;
 use crate::campaign::Kind;
 use crate::influence::Influence;
-use crate::regression::{Fit, Problem, Scatter, Shared};
+use crate::regression::{Problem, Regression, Scatter, Shared};
 use crate::shared::Common;
 
 /// Amplitudes must differ by this factor to tell a nonlinear term.
@@ -43,7 +43,7 @@ impl Model {
     }
 
     /// What a fit expects of an observation.
-    pub(super) fn value(&self, fit: &Fit, observation: &Observation) -> f64 {
+    pub(super) fn value(&self, fit: &Regression, observation: &Observation) -> f64 {
         self.columns().into_iter().zip(fit.parameters.iter()).map(|(c, p)| observation.regressors[c] * p).sum()
     }
 
@@ -108,7 +108,7 @@ pub(super) fn problem(common: &Common, model: &Model, observations: &[&Observati
 }
 
 /// Y' and N'.
-pub(super) fn solve(common: &Common, model: &Model, observations: &[&Observation]) -> Option<[Fit; 2]> {
+pub(super) fn solve(common: &Common, model: &Model, observations: &[&Observation]) -> Option<[Regression; 2]> {
     solve_with(common, model, observations, &[])
 }
 
@@ -118,7 +118,7 @@ pub(super) fn solve_with(
     model: &Model,
     observations: &[&Observation],
     further: &[[Shared; 2]],
-) -> Option<[Fit; 2]> {
+) -> Option<[Regression; 2]> {
     let one = |coefficient: usize| {
         let mut problem = problem(common, model, observations, coefficient);
         problem.shared.extend(further.iter().map(|errors| errors[coefficient].clone()));
@@ -129,8 +129,8 @@ pub(super) fn solve_with(
 
 /// By name. Without sway runs what goes with `rdot` cannot be moved to the centre of buoyancy: `vdot` there is
 /// `rdot` times the lever.
-pub(super) fn named(model: &Model, y: &Fit, n: &Fit) -> Option<DynamicDerivatives> {
-    let of = |fit: &Fit, column: usize| {
+pub(super) fn named(model: &Model, y: &Regression, n: &Regression) -> Option<DynamicDerivatives> {
+    let of = |fit: &Regression, column: usize| {
         let known = column != RDOT || model.swaying;
         model.index(column).filter(|_| known).map(|index| fit.estimate(index, "1"))
     };
@@ -147,7 +147,7 @@ pub(super) fn named(model: &Model, y: &Fit, n: &Fit) -> Option<DynamicDerivative
 }
 
 /// Coefficients of the nonlinear terms, with their names.
-pub(super) fn nonlinear(model: &Model, y: &Fit, n: &Fit) -> Vec<(String, Estimate)> {
+pub(super) fn nonlinear(model: &Model, y: &Regression, n: &Regression) -> Vec<(String, Estimate)> {
     let mut found = Vec::new();
     for (symbol, form, first) in [("v", model.v, V + 1), ("r", model.r, R + 1)] {
         let name = match form {

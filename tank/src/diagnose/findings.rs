@@ -12,7 +12,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::data::Data;
 use super::mechanisms::Reach;
 use super::problem::{Shape, TankProblem};
-use super::{Diagnoses, HullDiagnosis, runs_left, not_identifiable};
+use super::{Diagnoses, HullDiagnosis, not_identifiable, runs_left};
 use crate::hull_results::HullResults;
 use crate::sweep::NAMES;
 

@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use super::data::{Data, SteadyData, Tared, ZeroTimes};
 use super::decorrelate::{Decorrelation, RunErrors};
 use super::drift::{Days, Drift};
-use super::mechanisms::{IN_TANK, Mechanism, Parameter, Reach, PriorSd};
+use super::mechanisms::{IN_TANK, Mechanism, Parameter, PriorSd, Reach};
 use super::model::{self, Setting, Term, Values};
 use super::reduced::{run_errors, settings, start_of};
 use super::zero_runs::allowed_rates;

@@ -187,7 +187,9 @@ fn extension_figure(diagnoses: &Diagnoses, names: &[&str], channel: usize) -> Fi
         let modelled = runs.iter().map(|run| run.measured[channel] - run.after[channel]).collect();
         panel = panel
             .layer(
-                Layer::points(xs.clone(), runs.iter().map(|run| run.measured[channel]).collect()).label(*hull).slot(slot),
+                Layer::points(xs.clone(), runs.iter().map(|run| run.measured[channel]).collect())
+                    .label(*hull)
+                    .slot(slot),
             )
             .layer(Layer::line(xs, modelled).label(*hull).slot(slot));
     }

@@ -53,25 +53,25 @@ pub fn at_pitch<T: Number>(
     attitude: Attitude<T>,
 ) -> Result<SteadyGlide<T>, GlideError> {
     let straight = Deflection { roll_rad: T::constant(0.0), rudder_rad: T::constant(0.0) };
-    let flight = Glider::new(*parameters).flight(water, attitude, straight, None)?;
+    let flight = SteadyGlider::new(*parameters).flight(water, attitude, straight, None)?;
     let alpha = flight.angle_of_attack_rad;
     Ok(complete(parameters, water, alpha, attitude.pitch_rad - alpha, flight.speed_m_s))
 }
 
 /// A glider that is asked often, as fits do: its parameters in every kind of number that the solution needs.
 #[derive(Debug, Clone, Copy)]
-pub struct Glider<T> {
+pub struct SteadyGlider<T> {
     /// Its parameters.
     pub parameters: Parameters<T>,
     plain: Parameters<f64>,
     with_slopes: Parameters<Dual64>,
 }
 
-impl<T: Number> Glider<T> {
+impl<T: Number> SteadyGlider<T> {
     /// A glider of these parameters.
     pub fn new(parameters: Parameters<T>) -> Self {
         let plain = parameters.map(T::value);
-        Glider { parameters, plain, with_slopes: plain.map(Dual64::from) }
+        SteadyGlider { parameters, plain, with_slopes: plain.map(Dual64::from) }
     }
 
     /// As [`at_pitch`]: rolled and steering, from a first guess where one is known, angle of attack and speed alone.

@@ -19,7 +19,7 @@ use crate::forces::Flow;
 use crate::{Parameters, Surroundings};
 use glidepolar_number::Number;
 
-pub use by_pitch::{Attitude, Deflection, Flight, Glider, at_pitch};
+pub use by_pitch::{Attitude, Deflection, Flight, SteadyGlider, at_pitch};
 pub use closed_form::{PathLimits, at_path, shallowest};
 pub use start::{Start, start, start_in};
 

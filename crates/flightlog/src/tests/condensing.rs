@@ -4,7 +4,7 @@ use super::preparing::saw_tooth;
 use super::*;
 
 pub(super) fn observations(yos: usize) -> Vec<Observation> {
-    let mut preparation = Preparation::new(Settings::default());
+    let mut preparation = Preparation::new(PreparationSettings::default());
     let mut out = Vec::new();
     preparation.push(saw_tooth(yos), &mut out);
     preparation.finish(&mut out);

@@ -42,7 +42,9 @@ fn the_speed_of_one_descent_that_is_not_that_of_the_others_is_left_out() {
     assert_eq!(legs_without(&observations), [14]);
     assert_eq!(warnings.len(), 1);
     assert!(
-        warnings[0].contains("descent of dive 8") && warnings[0].contains("35 % less") && warnings[0].contains("other 9"),
+        warnings[0].contains("descent of dive 8")
+            && warnings[0].contains("35 % less")
+            && warnings[0].contains("other 9"),
         "{warnings:?}"
     );
 }

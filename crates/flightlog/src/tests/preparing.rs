@@ -25,7 +25,7 @@ pub(super) fn saw_tooth(yos: usize) -> FlightLog {
 }
 
 fn prepared(log: FlightLog) -> (Vec<Observation>, Vec<String>) {
-    let mut preparation = Preparation::new(Settings::default());
+    let mut preparation = Preparation::new(PreparationSettings::default());
     let mut out = Vec::new();
     preparation.push(log, &mut out);
     preparation.finish(&mut out);
@@ -55,7 +55,7 @@ fn pieces_of_any_size_give_the_same_observations() {
     let whole = prepared(saw_tooth(4)).0;
     for rows in [50, 333, 1000] {
         let log = saw_tooth(4);
-        let mut preparation = Preparation::new(Settings::default());
+        let mut preparation = Preparation::new(PreparationSettings::default());
         let mut out = Vec::new();
         for first in (0..log.len()).step_by(rows) {
             let mut piece = log.tail(first);
@@ -122,7 +122,7 @@ fn spikes_go_and_gaps_cut_a_leg() {
 #[test]
 fn values_in_another_unit_are_counted_before_they_are_taken_out() {
     let shares = |change: fn(usize, &mut FlightLog)| {
-        let mut preparation = Preparation::new(Settings::default());
+        let mut preparation = Preparation::new(PreparationSettings::default());
         for first in [0, 600] {
             let mut piece = saw_tooth(2).tail(first);
             piece.retain(&(0..piece.len()).map(|i| i < 600).collect::<Vec<_>>());

@@ -161,7 +161,7 @@ pub struct Polar {
 
 /// The glider.
 #[derive(Debug, Clone)]
-pub struct Glider {
+pub struct DrawnGlider {
     area_m2: f64,
     mass_kg: f64,
     volume_m3: f64,
@@ -176,9 +176,9 @@ pub struct Glider {
     rate_cc_s: f64,
 }
 
-impl Glider {
+impl DrawnGlider {
     /// Draws a glider and ballasts it for the water in the middle of the dive.
-    pub fn draw(random: &mut Stream, sea: &Sea) -> Glider {
+    pub fn draw(random: &mut Stream, sea: &Sea) -> DrawnGlider {
         let fat = chance(random, 0.4);
         let mut of = |thin: (f64, f64), fat_one: (f64, f64)| {
             let (low, high) = if fat { fat_one } else { thin };
@@ -199,7 +199,7 @@ impl Glider {
         let stretched = 1.0 - compressibility_per_pa * sea.pressure_dbar(middle_m) * 1e4 + expansion_per_k * (c - 15.0);
         let trim_kg = between(random, -0.02, 0.02);
         let added_kg = [mass_kg * between(random, 0.04, 0.1), mass_kg * between(random, 0.9, 1.2)];
-        Glider {
+        DrawnGlider {
             area_m2,
             mass_kg,
             volume_m3: (mass_kg + trim_kg) / density / stretched,
@@ -291,7 +291,7 @@ pub struct Plan {
 
 impl Plan {
     /// Draws a plan of some eight to sixteen hours.
-    pub fn draw(random: &mut Stream, glider: &Glider, bottom_m: f64) -> Plan {
+    pub fn draw(random: &mut Stream, glider: &DrawnGlider, bottom_m: f64) -> Plan {
         let dives = ((between(random, 7.0, 14.0) * 3600.0 / (2.0 * bottom_m / 0.17)) as usize).clamp(4, 60);
         // Either one glide for all, or each leg its own.
         let varied = chance(random, 0.6);
@@ -353,7 +353,7 @@ pub struct Instant {
 /// Flies the plan and shows every step to `observe`.
 pub fn fly(
     sea: &Sea,
-    glider: &Glider,
+    glider: &DrawnGlider,
     motion: Motion,
     plan: &Plan,
     random: &mut Stream,

@@ -16,7 +16,7 @@ use crate::log::Log;
 use crate::ocean::{GRAVITY_M_S2, density_eos80};
 use crate::random::{Part, Stream, between, chance, stream};
 pub use colour::{Colour, Noise};
-pub use flight::{Glider, Motion, Plan, Polar, Sea, Shear};
+pub use flight::{DrawnGlider, Motion, Plan, Polar, Sea, Shear};
 
 /// A log with its vehicle file and what was drawn.
 #[derive(Debug, Clone)]
@@ -72,7 +72,7 @@ pub fn generate(seed: u64, speed: bool) -> World {
     };
     let sea = Sea::draw(random, bottom_m);
     let random = &mut stream(seed, Part::Vehicle);
-    let glider = Glider::draw(random, &sea);
+    let glider = DrawnGlider::draw(random, &sea);
     let motion = match (3.0 * between(random, 0.0, 1.0)) as u32 {
         0 => Motion::QuasiSteady,
         1 => Motion::Surge,
@@ -191,7 +191,7 @@ impl Reading {
     }
 }
 
-fn describe(sea: &Sea, glider: &Glider, motion: Motion, plan: &Plan, instruments: &Instruments) -> String {
+fn describe(sea: &Sea, glider: &DrawnGlider, motion: Motion, plan: &Plan, instruments: &Instruments) -> String {
     let mut text = format!("{motion:?}; ");
     let _ = write!(
         text,
