@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use glidepolar_inference::order::central_value;
 use serde::Serialize;
 
 use super::mission_page::{self, Trace};
@@ -299,9 +300,7 @@ impl Legs {
 
 fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    let n = values.len();
-    (n > 0).then(|| 0.5 * (values[(n - 1) / 2] + values[n / 2]))
+    (!values.is_empty()).then(|| central_value(&mut values))
 }
 
 impl<'a> MissionReport<'a> {

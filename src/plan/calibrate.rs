@@ -7,7 +7,7 @@
 //!
 //! How well a held-out dive is predicted is found by leaving each out in turn, of both fits. Knows no files.
 
-use glidepolar_inference::linear::Linear;
+use glidepolar_inference::regression::{Problem, Regression, Scatter};
 use nalgebra::{DMatrix, DVector};
 
 use crate::estimate::Estimate;
@@ -107,7 +107,7 @@ pub fn fit_pump(strokes: &[Stroke]) -> Result<PumpFit, CalibrationError> {
         strokes: strokes.len(),
         pump_J_per_dbar_cc: estimate(&fit, 0, "J/(dbar.cm3)"),
         pump_J_per_cc: estimate(&fit, 1, "J/cm3"),
-        efficiency: IDEAL_J_PER_DBAR_CC / fit.values[0],
+        efficiency: IDEAL_J_PER_DBAR_CC / fit.parameters[0],
         relative_rms: fit.rms() / mean,
     })
 }
@@ -142,7 +142,7 @@ fn left_out(strokes: &[Stroke], dives: &[DiveCount], of: impl Fn(&DiveCount) -> 
         let dives_kept: Vec<DiveCount> = dives.iter().filter(|dive| dive.dive != left.dive).copied().collect();
         let pump = pump_fit(&strokes_kept)?;
         let fit = dive_fit(strokes, &dives_kept, &pump, &of)?;
-        let predicted = fit.values.dot(&DVector::from(row(strokes, left, &pump).to_vec()));
+        let predicted = fit.parameters.dot(&DVector::from(row(strokes, left, &pump).to_vec()));
         sum += ((predicted - of(left)) / of(left)).powi(2);
     }
     Ok((sum / dives.len() as f64).sqrt())
@@ -156,14 +156,14 @@ fn of_the_mean(dives: &[DiveCount]) -> f64 {
 }
 
 /// `1, E_pump, T` of a dive: pressures and volumes as flown, energy by the constants.
-fn row(strokes: &[Stroke], dive: &DiveCount, pump: &Linear) -> [f64; 3] {
+fn row(strokes: &[Stroke], dive: &DiveCount, pump: &Regression) -> [f64; 3] {
     let of_dive = strokes.iter().filter(|stroke| stroke.dive == dive.dive);
-    let (k1, k2) = (pump.values[0], pump.values[1]);
+    let (k1, k2) = (pump.parameters[0], pump.parameters[1]);
     let energy_J: f64 = of_dive.map(|stroke| (k1 * stroke.pressure_dbar + k2) * stroke.volume_cc).sum();
     [1.0, energy_J, dive.duration_s]
 }
 
-fn pump_fit(strokes: &[Stroke]) -> Result<Linear, CalibrationError> {
+fn pump_fit(strokes: &[Stroke]) -> Result<Regression, CalibrationError> {
     let rows = strokes.iter().map(|stroke| [stroke.pressure_dbar * stroke.volume_cc, stroke.volume_cc]);
     fit(rows, strokes.iter().map(|stroke| stroke.energy_J), "strokes of the pump")
 }
@@ -171,9 +171,9 @@ fn pump_fit(strokes: &[Stroke]) -> Result<Linear, CalibrationError> {
 fn dive_fit(
     strokes: &[Stroke],
     dives: &[DiveCount],
-    pump: &Linear,
+    pump: &Regression,
     of: impl Fn(&DiveCount) -> f64,
-) -> Result<Linear, CalibrationError> {
+) -> Result<Regression, CalibrationError> {
     fit(dives.iter().map(|dive| row(strokes, dive, pump)), dives.iter().map(of), "dives")
 }
 
@@ -181,15 +181,15 @@ fn fit<const N: usize>(
     rows: impl Iterator<Item = [f64; N]>,
     values: impl Iterator<Item = f64>,
     what: &'static str,
-) -> Result<Linear, CalibrationError> {
+) -> Result<Regression, CalibrationError> {
     let rows: Vec<f64> = rows.flatten().collect();
     let design = DMatrix::from_row_slice(rows.len() / N, N, &rows);
     let values = DVector::from_iterator(design.nrows(), values);
-    Linear::fit(design, &values).ok_or(CalibrationError::TooAlike { what })
+    Problem::plain(design, values).solve(Scatter::Equal).ok_or(CalibrationError::TooAlike { what })
 }
 
-fn estimate(fit: &Linear, i: usize, unit: &str) -> Estimate {
-    Estimate::normal(fit.values[i], fit.covariance()[(i, i)].sqrt(), unit)
+fn estimate(fit: &Regression, i: usize, unit: &str) -> Estimate {
+    Estimate::normal(fit.parameters[i], fit.covariance[(i, i)].sqrt(), unit)
 }
 
 fn need(what: &'static str, found: usize, needed: usize) -> Result<(), CalibrationError> {

@@ -1,8 +1,6 @@
 //! Is the three-parameter model of the right kind? Other forms on the same points, compared by how well each predicts a
 //! point that it did not see (leave one out).
 
-use nalgebra::DMatrix;
-
 use crate::angle_regression::{Basis, problem, scatter};
 use crate::sweep::Sweep;
 
@@ -54,25 +52,10 @@ pub fn test(sweep: &Sweep, rows: &[usize]) -> Adequacy {
                 let fit = problem.solve(scatter(sweep))?;
                 Some(Candidate {
                     form,
-                    left_out_rms: left_out_rms(&problem.design, &fit)?,
+                    left_out_rms: fit.left_out_rms(&problem.design)?,
                     parameters: (0..basis.len()).map(|j| (fit.parameters[j], fit.covariance[(j, j)].sqrt())).collect(),
                 })
             })
             .collect()
     })
-}
-
-/// Errors of prediction in closed form: `r_i / (1 - h_i)` with the leverage `h_i`.
-fn left_out_rms(design: &DMatrix<f64>, fit: &crate::regression::Regression) -> Option<f64> {
-    let n = design.nrows();
-    let mut sum = 0.0;
-    for i in 0..n {
-        let leverage = (design.row(i) * fit.gain.column(i))[(0, 0)];
-        // A point that alone decides a parameter cannot be predicted from the others.
-        if leverage > 1.0 - 1e-9 {
-            return None;
-        }
-        sum += (fit.residuals[i] / (1.0 - leverage)).powi(2);
-    }
-    Some((sum / n as f64).sqrt())
 }

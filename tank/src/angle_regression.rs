@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::regression::{Problem, Scatter};
 use crate::sweep::Sweep;
+use glidepolar_inference::regression::{Problem, Scatter};
 
 /// Functions of the angle in radians, one per parameter.
 pub type Basis = &'static [fn(f64) -> f64];

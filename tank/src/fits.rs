@@ -7,10 +7,10 @@ use glidepolar_input::printable;
 use crate::adequacy::{self, Adequacy};
 use crate::angle_regression::{Basis, problem, scatter};
 use crate::outlier::{self, Outlier};
-use crate::regression::{self, Regression, Scatter};
 use crate::series::distinct;
 use crate::sweep::{NAMES, Sweep};
 use crate::zero_drift::{self, Slope};
+use glidepolar_inference::regression::{self, Regression, Scatter};
 
 /// The fits of one hull.
 #[derive(Debug, Clone)]

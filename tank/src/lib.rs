@@ -26,7 +26,6 @@ pub mod output;
 pub mod points;
 pub mod readings;
 mod reduce;
-pub mod regression;
 pub mod results;
 mod run_variance;
 pub mod series;

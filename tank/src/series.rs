@@ -5,6 +5,7 @@
 //! 36, 541-559: equal-weighted cosines): vibration at higher frequencies stays out of it, slow drifts stay in. The effective
 //! number of samples is the variance of the samples over that of their mean. Knows no quantity.
 
+use glidepolar_inference::order;
 use nalgebra::{Matrix3, Vector3};
 
 /// Lowest cosine transforms of a record that are kept.
@@ -111,13 +112,7 @@ pub fn distinct(values: impl Iterator<Item = f64>, same: impl Fn(f64, f64) -> bo
 
 /// Median; not a number where there are no values.
 pub fn median(values: &[f64]) -> f64 {
-    if values.is_empty() {
-        return f64::NAN;
-    }
-    let mut sorted = values.to_vec();
-    let middle = sorted.len() / 2;
-    let (_, value, _) = sorted.select_nth_unstable_by(middle, f64::total_cmp);
-    *value
+    order::median(&mut values.to_vec())
 }
 
 /// Standard deviation from the median absolute deviation, as for a normal distribution.

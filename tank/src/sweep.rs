@@ -1,7 +1,7 @@
 //! A hull's steady drift points: what the fits start from, wherever the points came from.
 
 use crate::influence::Influence;
-use crate::regression::Shared;
+use glidepolar_inference::regression::Shared;
 
 /// The three coefficients, in the order in which everything here keeps them.
 pub const NAMES: [&str; 3] = ["CL", "CD", "CM"];

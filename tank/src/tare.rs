@@ -9,9 +9,9 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use crate::influence::{self, Influence};
 use crate::motion::Motion;
-use crate::regression::{Problem, Regression, Scatter, Shared};
 use crate::run_variance;
 use crate::series::distinct;
+use glidepolar_inference::regression::{Problem, Regression, Scatter, Shared};
 
 /// The strut's force.
 #[derive(Debug, Clone)]

@@ -5,8 +5,8 @@ use glidepolar_hull::hull_tests::{Estimate, Slope};
 use nalgebra::{DMatrix, DVector};
 
 use crate::fits::SweepFit;
-use crate::regression::invert;
 use crate::sweep::Sweep;
+use glidepolar_inference::covariance::inverse_if_independent;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// The straight line of one coefficient.
@@ -49,8 +49,8 @@ fn line(hulls: &[(f64, &Sweep, &SweepFit)], unit: &str, fit: usize, parameter: u
     let design = DMatrix::from_fn(n, 2, |i, j| if j == 0 { 1.0 } else { hulls[i].0 - mean_ldr });
     let observed = DVector::from_iterator(n, hulls.iter().map(|(_, _, f)| f.fits[fit].parameters[parameter]));
     let covariance = covariance(hulls, fit, parameter);
-    let weight = invert(&covariance)?;
-    let own = invert(&(design.transpose() * &weight * &design))?;
+    let weight = inverse_if_independent(&covariance)?;
+    let own = inverse_if_independent(&(design.transpose() * &weight * &design))?;
     let parameters = &own * design.transpose() * &weight * &observed;
     let residuals = &observed - &design * &parameters;
     let chi2 = (residuals.transpose() * &weight * &residuals)[(0, 0)];

@@ -7,6 +7,7 @@
 //! 2006, Bayesian Analysis 1, 515-533), which leaves out what is not there and does not say zero where nobody knows.
 //! Knows numbers at times; no balance.
 
+use glidepolar_inference::order::median;
 use nalgebra::{DMatrix, DVector};
 
 /// What is left between zeros.
@@ -75,10 +76,9 @@ pub fn components(stretches: &[Stretch], within: f64) -> Components {
     if count < FEWEST || within <= 0.0 {
         return Components::default();
     }
-    // The unit of the walk is what it gains over the usual distance of two zeros.
+    // The unit of the walk is what it gains over the median distance of two zeros.
     let mut gaps: Vec<f64> = stretches.iter().flat_map(|s| s.windows(2).map(|pair| pair[1].0 - pair[0].0)).collect();
-    gaps.sort_by(f64::total_cmp);
-    let gap = gaps[gaps.len() / 2].max(f64::MIN_POSITIVE);
+    let gap = median(&mut gaps).max(f64::MIN_POSITIVE);
     let variances: Vec<f64> = std::iter::once(0.0)
         .chain((0..=STEPS).map(|step| LEAST_VARIANCE * 10f64.powf(f64::from(step) / STEPS_PER_DECADE)))
         .collect();

@@ -70,7 +70,7 @@ impl Header {
 }
 
 /// Days from 1970-01-01 to a date of the Gregorian calendar: the year begins in March, so that leap days are last.
-fn days_since_1970(year: i64, month: i64, day: i64) -> i64 {
+pub fn days_since_1970(year: i64, month: i64, day: i64) -> i64 {
     let (year, month) = if month > 2 { (year, month - 3) } else { (year - 1, month + 9) };
     let days_of_year = (153 * month + 2) / 5 + day - 1;
     let days = 365 * year + year.div_euclid(4) - year.div_euclid(100) + year.div_euclid(400) + days_of_year;

@@ -24,5 +24,5 @@ mod reader;
 
 pub use cache::Caches;
 pub use error::{Damage, Error};
-pub use header::{Header, Sensor};
+pub use header::{Header, Sensor, days_since_1970};
 pub use reader::{Cycle, Reader, is_one};

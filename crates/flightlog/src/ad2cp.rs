@@ -123,7 +123,7 @@ pub(super) fn read(
         notes.push(format!("{count} of {pings} pings of the AD2CP left out: {reason}"));
     }
     if w_errors.len() >= 5 {
-        let bias = super::clean::median(&mut w_errors);
+        let bias = super::median(&mut w_errors);
         if bias.abs() > BIAS_REPORTED_M_S {
             notes.push(format!(
                 "the AD2CP's vertical velocity is {bias:+.3} m/s off that of the pressure, median of {} pings: wrong beams, \

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use super::channels::{Channel, FlightLog};
+use super::median;
 
 /// What was found in a log and what was done about it: a sentence, and how often.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -252,14 +253,8 @@ pub(super) fn fill_angle(time_s: &[f64], values: &mut [f64], longest_s: f64) {
     }
 }
 
-/// The usual time between two rows; 1 s where there are none.
+/// The median time between two rows; 1 s where there are none.
 pub(super) fn median_step(time_s: &[f64]) -> f64 {
     let mut steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).filter(|&dt| dt > 0.0).collect();
     if steps.is_empty() { 1.0 } else { median(&mut steps) }
-}
-
-/// The median, the upper one of an even number; the slice is reordered.
-pub fn median(values: &mut [f64]) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }

@@ -39,7 +39,10 @@ fn of_years(text: &str, years: std::ops::Range<i64>) -> Option<f64> {
     if parts.next().is_some() {
         return None;
     }
-    let days = days_since_1970(year, month, day).filter(|_| years.contains(&year))?;
+    if !years.contains(&year) || !(1..=12).contains(&month) || !(1..=31).contains(&day) {
+        return None;
+    }
+    let days = days_since_1970(year, month, day);
     Some(days as f64 * 86_400.0 + hour * 3600.0 + minute * 60.0 + second - zone_s)
 }
 
@@ -75,16 +78,6 @@ fn without_zone(clock: &str) -> Option<(&str, f64)> {
     let hours: f64 = digits.get(..2)?.parse().ok()?;
     let minutes: f64 = if digits.len() > 2 { digits.get(2..4)?.parse().ok()? } else { 0.0 };
     Some((clock[..at].trim(), sign * (hours * 3600.0 + minutes * 60.0)))
-}
-
-/// Days from 1970-01-01 to a date of the Gregorian calendar; the year begins in March, so that leap days are last.
-fn days_since_1970(year: i64, month: i64, day: i64) -> Option<i64> {
-    if !(1..=12).contains(&month) || !(1..=31).contains(&day) {
-        return None;
-    }
-    let (year, month) = if month > 2 { (year, month - 3) } else { (year - 1, month + 9) };
-    let days_of_year = (153 * month + 2) / 5 + day - 1;
-    Some(365 * year + year.div_euclid(4) - year.div_euclid(100) + year.div_euclid(400) + days_of_year - 719_468)
 }
 
 #[cfg(test)]

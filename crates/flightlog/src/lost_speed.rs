@@ -7,7 +7,7 @@
 //!
 //! Knows samples and legs; nothing of vehicles: what a whole log's speed is wrong by, a diagnosis has to find.
 
-use super::clean::median;
+use super::median;
 use super::observation::Observation;
 
 /// Departure from the other legs below which it may be the range of pitch flown, or the water.

@@ -7,7 +7,7 @@
 //! Knows the channels and their rates; not what else makes a glide unsteady.
 
 use super::channels::{Channel, FlightLog};
-use super::clean::median;
+use super::median;
 use super::settings::PreparationSettings;
 
 /// Rate of the ballast volume from which on its pump is taken to run \[cc/s\].

@@ -182,7 +182,7 @@ fn downward(file: &NcFile, name: &str, depth: &mut [f64]) {
         return;
     }
     let is_up = attribute_of(file, name, "positive") == "up";
-    if super::clean::median(&mut known) < if is_up { 0.0 } else { -MOST_HEIGHT_M } {
+    if super::median(&mut known) < if is_up { 0.0 } else { -MOST_HEIGHT_M } {
         depth.iter_mut().for_each(|value| *value = -*value);
     }
 }
@@ -191,7 +191,7 @@ fn downward(file: &NcFile, name: &str, depth: &mut [f64]) {
 fn conductivity_in_s_m(path: &Path, log: &mut FlightLog, warnings: &mut Vec<String>) {
     let mut known: Vec<f64> =
         log.column(Channel::Conductivity).iter().copied().filter(|value| value.is_finite()).collect();
-    if known.is_empty() || super::clean::median(&mut known) <= MOST_S_M {
+    if known.is_empty() || super::median(&mut known) <= MOST_S_M {
         return;
     }
     log.column_mut(Channel::Conductivity).iter_mut().for_each(|value| *value *= 0.1);

@@ -78,7 +78,7 @@ impl Preparation {
     /// Noise of one sample of pressure, the median over the stretches \[dbar\].
     pub fn pressure_noise_dbar(&self) -> f64 {
         let mut noise = self.noise_dbar.clone();
-        if noise.is_empty() { f64::NAN } else { super::clean::median(&mut noise) }
+        if noise.is_empty() { f64::NAN } else { super::median(&mut noise) }
     }
 
     /// Share of the pitch angles read so far that lie beyond 90 deg and were taken out: a few are damage, most of them are

@@ -8,7 +8,7 @@
 //! second differences, which a steady glide does not enter: for three samples of spacing `a`, `b`,
 //! `e = p1 - (b p0 + a p2)/(a + b)` has the variance `sigma_p^2 (1 + (a^2 + b^2)/(a + b)^2)`.
 
-use super::clean::median;
+use super::median;
 
 /// What the filter gives.
 #[derive(Debug, Clone, PartialEq)]

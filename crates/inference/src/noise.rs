@@ -19,6 +19,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::order::median;
+
 /// A slow part of a noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slow {
@@ -196,8 +198,7 @@ pub fn estimate(series: Series<'_>, lasting: Lasting, residual: &DVector<f64>, e
     let n = residual.len();
     let mut steps: Vec<f64> =
         series.time_s.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
-    steps.sort_by(f64::total_cmp);
-    let step_s = steps.get(steps.len() / 2).copied().unwrap_or(1.0);
+    let step_s = if steps.is_empty() { 1.0 } else { median(&mut steps) };
     let stated = series.stated_sd.iter().map(|sd| sd * sd).sum::<f64>() / n.max(1) as f64;
     let columns = stacked(explained, residual);
 

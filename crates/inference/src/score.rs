@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::clusters::{chance_by_clusters, clusters};
+use super::covariance::inverse_symmetric_above;
 use super::evidence::Evidence;
 use crate::noise::{self, Noise, orthonormal};
 
@@ -185,13 +186,8 @@ impl Score {
 
 /// Steps of the first `nb` columns by which they imitate each of the next `nc` best, by least squares.
 fn absorbed(all: &DMatrix<f64>, nb: usize, nc: usize) -> DMatrix<f64> {
-    let mut design = all.columns(0, nb).into_owned();
-    let sizes: Vec<f64> = (0..nb).map(|j| design.column(j).norm().max(f64::MIN_POSITIVE)).collect();
-    sizes.iter().enumerate().for_each(|(j, size)| design.column_mut(j).unscale_mut(*size));
-    let inverse = design.tr_mul(&design).pseudo_inverse(1e-10).unwrap_or_else(|_| DMatrix::zeros(nb, nb));
-    let mut steps = inverse * design.tr_mul(&all.columns(nb, nc));
-    sizes.iter().enumerate().for_each(|(j, size)| steps.row_mut(j).unscale_mut(*size));
-    steps
+    let design = all.columns(0, nb);
+    inverse_symmetric_above(&design.tr_mul(&design), 1e-10) * design.tr_mul(&all.columns(nb, nc))
 }
 
 /// Longest correlation time of what is slow in these noises \[s\].

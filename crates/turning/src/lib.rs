@@ -18,7 +18,7 @@ use serde::Serialize;
 
 use glidepolar_flightlog::Observation;
 use glidepolar_inference::estimate::Estimate;
-use glidepolar_inference::linear::Linear;
+use glidepolar_inference::regression::{Problem, Scatter};
 
 /// Time after a move from which a turn is steady \[s\]: some time constants of roll and sideslip, which are 5 to 10 s.
 pub const SETTLED_S: f64 = 25.0;
@@ -313,8 +313,8 @@ impl RateFit {
         if names.len() < LEAST_DIVES {
             return None;
         }
-        let fit = Linear::fit(design.clone(), measured)?;
-        Some(RateFit { covariance: fit.cluster_covariance(clusters), values: fit.values, clusters: names.len() })
+        let fit = Problem::plain(design.clone(), measured.clone()).solve(Scatter::Equal)?;
+        Some(RateFit { covariance: fit.cluster_covariance(clusters), values: fit.parameters, clusters: names.len() })
     }
 
     fn se(&self, at: usize) -> f64 {

@@ -13,6 +13,8 @@
 //!
 //! Knows observations; no vehicle.
 
+use glidepolar_inference::order;
+
 use crate::diagnose::findings::{Check, Checked};
 use crate::log::{Observation, Preparation};
 
@@ -300,9 +302,5 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
 
 fn quantile(values: impl Iterator<Item = f64>, share: f64) -> Option<f64> {
     let mut finite: Vec<f64> = values.filter(|value| value.is_finite()).collect();
-    if finite.is_empty() {
-        return None;
-    }
-    let place = ((finite.len() - 1) as f64 * share).round() as usize;
-    Some(*finite.select_nth_unstable_by(place, f64::total_cmp).1)
+    (!finite.is_empty()).then(|| order::quantile(&mut finite, share))
 }

@@ -25,7 +25,7 @@ use crate::diagnose::evidence::Version;
 use crate::dynamics::Parameters;
 use crate::dynamics::buoyancy::WATER_COMPRESSIBILITY_PER_PA;
 use crate::identify::Bin;
-use crate::log::{DBAR_PA, Observation};
+use crate::log::{DBAR_PA, Observation, median};
 
 /// Change of density with practical salinity \[kg/m3\]: 0.77 at 35 and 10 degC, 0.80 at 0 degC, 0.75 at 25 degC (EOS-80).
 pub(super) const DENSITY_PER_SALINITY: f64 = 0.77;
@@ -215,8 +215,7 @@ impl History {
             mass_kg * bin.mean.sink_m_s.abs() / (2.0 * weight_N * sin2)
         };
         let mut slow_s: Vec<f64> = bins.iter().map(slow).collect();
-        slow_s.sort_by(f64::total_cmp);
-        let late = lagged(&self.past.time_s, &met, slow_s[slow_s.len() / 2]);
+        let late = lagged(&self.past.time_s, &met, median(&mut slow_s));
         Some(self.of_bin.iter().map(|own| own.iter().map(|i| late[*i]).sum::<f64>() / own.len() as f64).collect())
     }
 

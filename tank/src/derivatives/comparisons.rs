@@ -10,9 +10,9 @@ use crate::campaign::{Kind, Run};
 use crate::fits::SweepFit;
 use crate::harmonics::{Harmonics, Series};
 use crate::hull::Hull;
-use crate::regression::{Regression, Scatter, student_p_value};
 use crate::shared::Common;
 use crate::zero_drift::Slope;
+use glidepolar_inference::regression::{Regression, Scatter, student_p_value};
 
 /// Per run: the first harmonics with every other term taken from the common fit, solved for the run's own damping and
 /// inertia.

@@ -23,9 +23,9 @@ use crate::campaign::{Kind, Run};
 use crate::fits::SweepFit;
 use crate::harmonics::Harmonics;
 use crate::hull::Hull;
-use crate::regression::{Regression, Shared};
 use crate::shared::Common;
 use crate::steady_run::SteadyRun;
+use glidepolar_inference::regression::{Regression, Shared};
 use model::Model;
 use observations::Observation;
 

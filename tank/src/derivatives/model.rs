@@ -7,8 +7,8 @@ use super::Form;
 use super::observations::Observation;
 use crate::campaign::Kind;
 use crate::influence::Influence;
-use crate::regression::{Problem, Regression, Scatter, Shared};
 use crate::shared::Common;
+use glidepolar_inference::regression::{Problem, Regression, Scatter, Shared};
 
 /// Amplitudes must differ by this factor to tell a nonlinear term.
 const AMPLITUDE_RATIO: f64 = 1.3;

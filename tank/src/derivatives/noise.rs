@@ -58,7 +58,10 @@ impl Curve {
         }
         curve.parameters[0] = mean.ln();
         let design = DMatrix::from_fn(points.len(), size, |i, j| curve.basis(points[i].0, j));
-        let Some(inverse) = crate::regression::invert(&(design.transpose() * &design)) else { return curve };
+        let Some(inverse) = glidepolar_inference::covariance::inverse_if_independent(&(design.transpose() * &design))
+        else {
+            return curve;
+        };
         let gain = inverse * design.transpose();
         for _ in 0..ITERATIONS {
             let fitted = &design * &curve.parameters;

@@ -115,7 +115,8 @@ pub fn temperatures(data: &mut Data) -> Option<Cause> {
             ("water_temperature_error_c".to_owned(), Estimate::with_half_width(error, se, half, "degC")),
             ("day".to_owned(), Estimate::normal(day as f64 + 1.0, 0.0, "1")),
         ]),
-        p_value: crate::regression::student_p_value(error / se.max(USUAL_K), f64::INFINITY) * means.len() as f64,
+        p_value: glidepolar_inference::regression::student_p_value(error / se.max(USUAL_K), f64::INFINITY)
+            * means.len() as f64,
         delta_bic: 0.0,
         quantity: "water temperature".to_owned(),
         holdout_rms_before: error.abs(),

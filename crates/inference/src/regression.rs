@@ -1,11 +1,15 @@
-//! Weighted least squares with intervals that hold: scatter judged by the residuals, Student's quantiles for few points,
+//! Weighted least squares with validated intervals: scatter judged by the residuals, Student's quantiles for few points,
 //! and errors that many observations share (a tare, a zero) carried to the result instead of being averaged away.
 //!
 //! Knows numbers only.
 
-use glidepolar_hull::hull_tests::Estimate;
+use std::collections::BTreeMap;
+
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
+
+use super::covariance::inverse_if_independent;
+use super::estimate::Estimate;
 
 /// What is observed: one row of `design` and one value per observation.
 #[derive(Debug, Clone)]
@@ -75,6 +79,12 @@ pub struct Regression {
 }
 
 impl Problem {
+    /// Observations that share no error; for [`Scatter::Equal`], since nothing is known of the variance of each.
+    pub fn plain(design: DMatrix<f64>, observed: DVector<f64>) -> Self {
+        let variance = DVector::zeros(observed.len());
+        Problem { design, observed, variance, shared: Vec::new() }
+    }
+
     /// Solves it; none if there are no degrees of freedom left or the parameters cannot be told apart.
     pub fn solve(&self, scatter: Scatter) -> Option<Regression> {
         let (n, p) = self.design.shape();
@@ -136,7 +146,7 @@ impl Problem {
             row *= weights[i];
         }
         let normal = self.design.transpose() * &weighted;
-        let inverse = invert(&normal)?;
+        let inverse = inverse_if_independent(&normal)?;
         Some((&inverse * weighted.transpose(), inverse))
     }
 
@@ -174,6 +184,39 @@ impl Regression {
         let se = self.covariance[(index, index)].max(0.0).sqrt();
         Estimate::student(self.parameters[index], se, self.parameter_dof[index], unit)
     }
+
+    /// Root of the mean square residual.
+    pub fn rms(&self) -> f64 {
+        (self.residuals.norm_squared() / self.residuals.len() as f64).sqrt()
+    }
+
+    /// Root of the mean square error with which each observation is predicted by a fit to all others, in closed form:
+    /// `r_i / (1 - h_i)` with the leverage `h_i`. None where an observation alone decides a parameter.
+    pub fn left_out_rms(&self, design: &DMatrix<f64>) -> Option<f64> {
+        let n = design.nrows();
+        let mut sum = 0.0;
+        for i in 0..n {
+            let leverage = (design.row(i) * self.gain.column(i))[(0, 0)];
+            if leverage > 1.0 - 1e-9 {
+                return None;
+            }
+            sum += (self.residuals[i] / (1.0 - leverage)).powi(2);
+        }
+        Some((sum / n as f64).sqrt())
+    }
+
+    /// Covariance for residuals that belong together within clusters: the sandwich of Liang and Zeger (1986) with the
+    /// factor `G / (G - 1) (n - 1) / (n - p)` for few clusters.
+    pub fn cluster_covariance(&self, clusters: &[u32]) -> DMatrix<f64> {
+        let (p, n) = self.gain.shape();
+        let mut moves: BTreeMap<u32, DVector<f64>> = BTreeMap::new();
+        for (i, cluster) in clusters.iter().enumerate() {
+            *moves.entry(*cluster).or_insert_with(|| DVector::zeros(p)) += self.gain.column(i) * self.residuals[i];
+        }
+        let g = moves.len() as f64;
+        let few = g / (g - 1.0) * (n as f64 - 1.0) / (n - p) as f64;
+        moves.values().fold(DMatrix::zeros(p, p), |sum, step| sum + step * step.transpose()) * few
+    }
 }
 
 /// Two-sided probability of a value of Student's t at least this large.
@@ -187,22 +230,6 @@ pub fn f_p_value(f: f64, dof1: f64, dof2: f64) -> f64 {
         return if f > 0.0 { 0.0 } else { 1.0 };
     }
     FisherSnedecor::new(dof1, dof2).map_or(1.0, |d| d.sf(f))
-}
-
-/// Inverse of a symmetric matrix; none if its columns, scaled alike, are not independent.
-pub fn invert(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let scale = matrix.diagonal().map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { f64::NAN });
-    if scale.iter().any(|s| !s.is_finite()) {
-        return None;
-    }
-    let diagonal = DMatrix::from_diagonal(&scale);
-    let decomposition = (&diagonal * matrix * &diagonal).symmetric_eigen();
-    if decomposition.eigenvalues.min() < 1e-10 {
-        return None;
-    }
-    let inverse = DMatrix::from_diagonal(&decomposition.eigenvalues.map(|e| 1.0 / e));
-    let vectors = &decomposition.eigenvectors;
-    Some(&diagonal * vectors * inverse * vectors.transpose() * &diagonal)
 }
 
 #[cfg(test)]
@@ -252,6 +279,38 @@ mod tests {
         assert!((fit.between_runs - 1.0).abs() < 1e-9, "{}", fit.between_runs);
         problem.variance.fill(5.0);
         assert_eq!(problem.solve(Scatter::BetweenRuns).unwrap().between_runs, 0.0);
+    }
+
+    /// With every row its own cluster: the sandwich of White with the factor n / (n - p), in closed form for a line.
+    #[test]
+    fn errors_by_clusters_are_those_of_the_closed_form() {
+        let (x, y) = ([1.0, 2.0, 3.0, 4.0, 5.0], [1.1, 1.9, 3.2, 3.9, 5.1]);
+        let design = DMatrix::from_fn(5, 2, |i, j| if j == 0 { 1.0 } else { x[i] });
+        let fit = Problem::plain(design, DVector::from_row_slice(&y)).solve(Scatter::Equal).unwrap();
+        let by_row: f64 = x.iter().zip(&fit.residuals).map(|(x, r)| ((x - 3.0) * r).powi(2)).sum();
+        let clustered = fit.cluster_covariance(&[0, 1, 2, 3, 4]);
+        assert!((clustered[(1, 1)] - 5.0 / 3.0 * by_row / (10.0 * 10.0)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_observation_left_out_is_predicted_as_by_a_fit_to_the_others() {
+        let problem = line(&[1.0, 3.0, 2.0, 5.0, 4.0]);
+        let squares = (0..5).map(|i| {
+            let others = Problem::plain(problem.design.clone().remove_row(i), problem.observed.clone().remove_row(i));
+            let fit = others.solve(Scatter::Equal).unwrap();
+            (problem.observed[i] - (problem.design.row(i) * fit.parameters)[0]).powi(2)
+        });
+        let expected = (squares.sum::<f64>() / 5.0).sqrt();
+        let found = problem.solve(Scatter::Equal).unwrap().left_out_rms(&problem.design).unwrap();
+        assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+    }
+
+    #[test]
+    fn columns_that_depend_on_each_other_have_no_fit() {
+        let fit = |design, n| Problem::plain(design, DVector::from_fn(n, |i, _| i as f64 + 1.0)).solve(Scatter::Equal);
+        assert!(fit(DMatrix::from_row_slice(3, 2, &[1.0, 1e6, 2.0, 2e6, 3.0, 3e6]), 3).is_none());
+        assert!(fit(DMatrix::from_row_slice(3, 2, &[0.0, 1.0, 0.0, 2.0, 0.0, 4.0]), 3).is_none());
+        assert!(fit(DMatrix::identity(3, 3), 3).is_none());
     }
 
     #[test]
