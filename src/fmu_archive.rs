@@ -11,7 +11,6 @@ use crate::dynamics::{PARAMETERS, Parameters};
 use crate::fmu_page;
 use crate::fmu_token::{marked, resources_hash};
 use crate::glide::{Start, start, start_in};
-use crate::simulate::schedule::INPUT_NAMES;
 use crate::spatial::steering::with_gains;
 use crate::spatial::{self as space, Body, LATERAL};
 use crate::vehicle::{MissingKeys, Vehicle};
@@ -131,7 +130,7 @@ fn starts(parameters: &Parameters<f64>, water: Option<Water<'_>>) -> Vec<(&'stat
     let Start { state, inputs } = start_of(parameters, water);
     let published = PARAMETERS.iter().zip(parameters.as_array()).filter(|(row, _)| !NOT_PUBLISHED.contains(&row.name));
     let mut starts: Vec<_> = published.map(|(row, value)| (row.name, value)).collect();
-    starts.extend(INPUT_NAMES.into_iter().zip(inputs.as_array()));
+    starts.extend(Inputs::NAMES.iter().copied().zip(inputs.as_array()));
     starts.extend([
         ("x_m", state.x_m),
         ("depth_m", state.depth_m),

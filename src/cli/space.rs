@@ -12,8 +12,8 @@ use crate::input::InputError;
 use crate::report::InputFile;
 use crate::simulate::Schedule;
 use crate::simulate::mission::{Account, LegKind, Mission, RouteMoment, fly_route};
-use crate::simulate::space::{COLUMNS, INPUT_NAMES, Row, SpaceSettings, column, fly};
-use crate::spatial::Body;
+use crate::simulate::space::{COLUMNS, Row, SpaceSettings, column, fly};
+use crate::spatial::{Body, Inputs};
 use crate::vehicle::Vehicle;
 
 /// Time between two rows of a mission where nothing else is said [s].
@@ -34,7 +34,7 @@ pub(super) fn history(
         None => Schedule::default(),
         Some(path) => {
             let text = std::fs::read_to_string(path).map_err(|error| InputError::io(path, &error))?;
-            Schedule::of_names(INPUT_NAMES, &text, path)?
+            Schedule::of_names(Inputs::NAMES, &text, path)?
         }
     };
     let mut table = csv.map(|_| COLUMNS.join(",") + "\n");

@@ -8,25 +8,6 @@ use std::path::Path;
 use crate::dynamics::{Glider, Inputs};
 use crate::input::{InputError, Place, nearest, printable};
 
-/// The inputs' names, in the order of [`Inputs::as_array`].
-pub const INPUT_NAMES: [&str; 15] = [
-    "ballast_command_m3",
-    "moving_mass_command_m",
-    "u1_N",
-    "u3_N",
-    "u4_kg_s",
-    "water_density_kg_m3",
-    "water_temperature_C",
-    "current_x_m_s",
-    "current_z_m_s",
-    "seabed_depth_m",
-    "roll_rad",
-    "rudder_rad",
-    "current_x_shear_1_s",
-    "current_x_rate_m_s2",
-    "current_z_rate_m_s2",
-];
-
 /// Inputs against time.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Schedule {
@@ -44,7 +25,7 @@ impl Schedule {
     /// # Errors
     /// An unknown column, a cell that is no finite number, a time before the one above it; with line and column.
     pub fn parse(text: &str, origin: &Path) -> Result<Schedule, InputError> {
-        Schedule::of_names(&INPUT_NAMES, text, origin)
+        Schedule::of_names(Inputs::NAMES, text, origin)
     }
 
     /// The same of inputs with other names.

@@ -7,9 +7,6 @@ use super::schedule::Schedule;
 use crate::glide::start;
 use crate::spatial::{Body, Inputs, SpatialGlider, State, Steering};
 
-/// The inputs' names, in the order of [`Inputs::as_array`].
-pub const INPUT_NAMES: &[&str] = Inputs::<f64>::NAMES;
-
 /// The names of the columns of a [`Row`].
 pub const COLUMNS: [&str; 27] = [
     "time",
@@ -217,7 +214,7 @@ mod tests {
     fn a_rudder_from_a_table_turns_it_and_back() {
         let body = Vehicle::load("slocum-graver").unwrap().body().unwrap();
         let text = "time,rudder_command_rad\n0,0\n50,0\n50,0.2\n150,0.2\n150,0\n";
-        let schedule = Schedule::of_names(INPUT_NAMES, text, Path::new("inputs.csv")).unwrap();
+        let schedule = Schedule::of_names(Inputs::NAMES, text, Path::new("inputs.csv")).unwrap();
         let settings = SpaceSettings {
             steering: Steering::Direct,
             stop_s: 300.0,

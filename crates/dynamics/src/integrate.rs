@@ -5,7 +5,7 @@ use glidepolar_ode::Slopes;
 pub use glidepolar_ode::{DEFAULT_TOLERANCE, IMPLICIT_FROM, IntegrationError};
 
 use super::limits::N_EVENTS;
-use super::state::{N_MEMORY, N_STATES, STATE_NOMINALS, State};
+use super::state::{N_MEMORY, N_STATES, State};
 
 /// States that rates of change can depend on, from the second on.
 const N_FELT: usize = N_STATES - 2 - N_MEMORY;
@@ -117,26 +117,7 @@ impl Integrator {
 struct InPlane<'a, S>(&'a S);
 
 impl<S: System> glidepolar_ode::System<N_STATES, N_FELT, N_EVENTS> for InPlane<'_, S> {
-    const NOMINALS: [f64; N_STATES] = {
-        let n = STATE_NOMINALS;
-        [
-            n.x_m,
-            n.depth_m,
-            n.pitch_rad,
-            n.pitch_rate_rad_s,
-            n.v1_m_s,
-            n.v3_m_s,
-            n.moving_mass_1_m,
-            n.moving_mass_3_m,
-            n.momentum_1_kg_m_s,
-            n.momentum_3_kg_m_s,
-            n.ballast_mass_kg,
-            n.creep_pressure_Pa,
-            n.carried_density_kg_m3,
-            n.leaked_back_m3,
-            n.energy_J,
-        ]
-    };
+    const NOMINALS: [f64; N_STATES] = State::NOMINALS;
     const FIRST_FELT: usize = 1;
     const COUNTED_IN_ERROR: usize = N_STATES - N_MEMORY;
 

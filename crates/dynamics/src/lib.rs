@@ -28,8 +28,8 @@ pub mod system;
 pub use buoyancy::Surroundings;
 pub use equations::{Outputs, accelerations, derivative, next_bend_s, outputs, servo_corners};
 pub use integrate::{Advance, IntegrationError, Integrator};
-pub use parameters::{PARAMETERS, ParameterInfo, Parameters, parameter_index};
-pub use state::{Actuation, Inputs, Modes, N_STATES, STATE_NOMINALS, State, Stop};
+pub use parameters::{PARAMETERS, Parameters, parameter_index};
+pub use state::{Actuation, Inputs, Modes, N_STATES, State, Stop};
 pub use system::{Ends, Glider};
 
 #[cfg(test)]

@@ -186,7 +186,7 @@ mod tests {
     }
 
     fn distance(a: &State<f64>, b: &State<f64>) -> f64 {
-        let nominal = super::super::STATE_NOMINALS.as_array();
+        let nominal = State::NOMINALS;
         let scaled = a.as_array().into_iter().zip(b.as_array()).zip(nominal);
         scaled.map(|((a, b), n)| (a - b).abs() / n).fold(0.0, f64::max)
     }

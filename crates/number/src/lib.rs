@@ -5,7 +5,11 @@
 
 #![allow(non_snake_case, reason = "units stand in names as they are written: N, Pa, C, J")]
 
+mod quantities;
+
 use num_dual::{DualNum, DualStruct};
+
+pub use quantities::Quantity;
 
 /// A real number with or without derivatives: `f64`, `num_dual::Dual64`, `DualVec64<N>` and the like.
 pub trait Number: DualNum<Primitive = f64> + Copy {

@@ -5,7 +5,7 @@ use glidepolar_ode::{Advance, IntegrationError, Integrator, Jet, Slopes, System}
 
 use super::equations::{Outputs, derivative, next_bend_s, outputs};
 use super::lateral::Body;
-use super::state::{Inputs, N_STATES, NOMINALS, State};
+use super::state::{Inputs, N_STATES, State};
 use super::steering::Steering;
 
 /// How many events there are: surface and seabed.
@@ -21,7 +21,7 @@ pub const FIRST_FELT: usize = 2;
 pub const N_MEMORY: usize = 3;
 
 /// [`NOMINALS`] as an array.
-pub const NOMINAL_VALUES: [f64; N_STATES] = NOMINALS.into_array();
+pub const NOMINAL_VALUES: [f64; N_STATES] = State::NOMINALS;
 
 /// Slopes of rates of change in space, along the states that they can depend on and along time.
 pub fn slopes(

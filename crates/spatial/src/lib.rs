@@ -29,5 +29,5 @@ pub use equations::{Outputs, derivative, next_bend_s, outputs, servo_corners};
 pub use fly::fly;
 pub use glider::SpatialGlider;
 pub use lateral::{Body, LATERAL, Lateral, N_LATERAL, RateLaw};
-pub use state::{Inputs, N_INPUTS, N_STATES, NOMINALS, State};
+pub use state::{INPUTS, Inputs, N_INPUTS, N_STATES, STATES, State};
 pub use steering::Steering;

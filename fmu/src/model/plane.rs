@@ -3,7 +3,7 @@
 use glidepolar_dynamics::glide::{Start, start_in};
 use glidepolar_dynamics::limits::{self, N_EVENTS};
 use glidepolar_dynamics::{
-    self as dynamics, Actuation, Inputs, N_STATES, Parameters, STATE_NOMINALS, State, next_bend_s, servo_corners,
+    self as dynamics, Actuation, Inputs, N_STATES, Parameters, State, next_bend_s, servo_corners,
 };
 use glidepolar_environment::WaterAt;
 use glidepolar_number::Number;
@@ -12,27 +12,8 @@ use super::rules::{Glider, Rules};
 use super::table::output_array;
 use super::values::{MOST_EVENTS, MOST_OUTPUTS, MOST_STATES, Values, head, row};
 
-/// The usual sizes of the states.
-pub const NOMINALS: [f64; N_STATES] = {
-    let n = STATE_NOMINALS;
-    [
-        n.x_m,
-        n.depth_m,
-        n.pitch_rad,
-        n.pitch_rate_rad_s,
-        n.v1_m_s,
-        n.v3_m_s,
-        n.moving_mass_1_m,
-        n.moving_mass_3_m,
-        n.momentum_1_kg_m_s,
-        n.momentum_3_kg_m_s,
-        n.ballast_mass_kg,
-        n.creep_pressure_Pa,
-        n.carried_density_kg_m3,
-        n.leaked_back_m3,
-        n.energy_J,
-    ]
-};
+/// The magnitudes of the states.
+pub const NOMINALS: [f64; N_STATES] = State::NOMINALS;
 
 /// State and inputs of these values, and the parameters that the equations must see.
 struct Parts<T> {

@@ -10,9 +10,9 @@ use glidepolar_fmu_resources::NOT_PUBLISHED;
 use std::sync::LazyLock;
 
 use glidepolar_dynamics::limits::N_EVENTS;
-use glidepolar_dynamics::state::N_INPUTS;
-use glidepolar_dynamics::{Inputs, N_STATES, Outputs, PARAMETERS, ParameterInfo, STATE_NOMINALS};
-use glidepolar_number::Number;
+use glidepolar_dynamics::state::{INPUTS, N_INPUTS, STATES};
+use glidepolar_dynamics::{Inputs, N_STATES, Outputs, PARAMETERS};
+use glidepolar_number::{Number, Quantity};
 
 use super::units::{Unit, unit_named};
 
@@ -296,196 +296,42 @@ pub fn token() -> &'static str {
 /// Value reference, name, unit, smallest and largest value, usual size, meaning.
 pub(super) type Row = (u32, &'static str, &'static str, f64, f64, f64, &'static str);
 
-/// The inputs, in the order of the library's `Inputs`.
-const INPUTS: [Row; N_INPUTS] = [
-    (
-        2,
-        "ballast_command_m3",
-        "m3",
-        -10.0,
-        10.0,
-        1e-4,
-        "Buoyancy-engine set-point, positive = more buoyant (actuation 0)",
-    ),
-    (
-        3,
-        "moving_mass_command_m",
-        "m",
-        -100.0,
-        100.0,
-        0.01,
-        "Moving-mass set-point along axis 1, positive forward (actuation 0)",
-    ),
-    (
-        4,
-        "u1_N",
-        "N",
-        -1e6,
-        1e6,
-        1.0,
-        "Force on the moving mass along axis 1: the rate of change of its momentum PP1 (actuation 1 and 2)",
-    ),
-    (
-        5,
-        "u3_N",
-        "N",
-        -1e6,
-        1e6,
-        1.0,
-        "Force on the moving mass along axis 3: the rate of change of its momentum PP3 (actuation 1)",
-    ),
-    (6, "u4_kg_s", "kg/s", -1e3, 1e3, 0.01, "Ballast mass rate, positive = heavier (actuation 1 and 2)"),
-    (7, "water_density_kg_m3", "kg/m3", 900.0, 1300.0, 1000.0, "In-situ water density at the glider (water_source 0)"),
-    (8, "water_temperature_C", "degC", -5.0, 50.0, 10.0, "Water temperature at the glider (water_source 0)"),
-    (9, "current_x_m_s", "m/s", -10.0, 10.0, 0.1, "Horizontal water velocity"),
-    (10, "current_z_m_s", "m/s", -10.0, 10.0, 0.1, "Vertical water velocity, positive down"),
-    (11, "seabed_depth_m", "m", 0.0, 12_000.0, 1000.0, "Depth of the seabed"),
-    (12, "roll_rad", "rad", -3.2, 3.2, 0.1, "Roll angle, for the drag that it costs"),
-    (13, "rudder_rad", "rad", -3.2, 3.2, 0.1, "Rudder angle, for the drag that it costs"),
-    (
-        127,
-        "current_x_shear_1_s",
-        "1/s",
-        -10.0,
-        10.0,
-        0.01,
-        "Change of the horizontal water velocity with depth: a glider that sinks through it is accelerated",
-    ),
-    (
-        128,
-        "current_x_rate_m_s2",
-        "m/s2",
-        -10.0,
-        10.0,
-        1e-3,
-        "Change of the horizontal water velocity with time at a fixed depth: the force of accelerating water",
-    ),
-    (
-        129,
-        "current_z_rate_m_s2",
-        "m/s2",
-        -10.0,
-        10.0,
-        1e-3,
-        "Change of the vertical water velocity with time at a fixed depth, positive down: the force of accelerating water",
-    ),
+/// Value references of the inputs, in the order of the library's table.
+const INPUT_REFERENCES: [u32; N_INPUTS] = [2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 127, 128, 129];
+
+/// Value references of the states, in the order of the library's table; whether each is an output too, and
+/// whether its start follows from other variables.
+const STATE_ROWS: [(u32, Causality, Initial); N_STATES] = [
+    (14, Causality::Output, Initial::Exact),
+    (15, Causality::Output, Initial::Exact),
+    (16, Causality::Output, Initial::Exact),
+    (17, Causality::Output, Initial::Exact),
+    (18, Causality::Output, Initial::Exact),
+    (19, Causality::Output, Initial::Exact),
+    (20, Causality::Output, Initial::Exact),
+    (21, Causality::Local, Initial::Approx),
+    (22, Causality::Local, Initial::Approx),
+    (23, Causality::Local, Initial::Approx),
+    (24, Causality::Output, Initial::Exact),
+    (130, Causality::Local, Initial::Exact),
+    (131, Causality::Local, Initial::Exact),
+    (132, Causality::Local, Initial::Exact),
+    (25, Causality::Output, Initial::Exact),
 ];
 
-/// The states in the order of the library's `State`; the first letter says whether it is an output too, the second
-/// whether its start follows from other variables.
-const STATES: [(Row, Causality, Initial); N_STATES] = [
-    ((14, "x_m", "m", -1e9, 1e9, 0.0, "Horizontal position"), Causality::Output, Initial::Exact),
-    ((15, "depth_m", "m", -100.0, 2e4, 0.0, "Depth of the centre of buoyancy"), Causality::Output, Initial::Exact),
-    ((16, "pitch_rad", "rad", -1e3, 1e3, 0.0, "Pitch, nose-up positive"), Causality::Output, Initial::Exact),
-    ((17, "pitch_rate_rad_s", "rad/s", -1e3, 1e3, 0.0, "Pitch rate"), Causality::Output, Initial::Exact),
-    (
-        (18, "v1_m_s", "m/s", -100.0, 100.0, 0.0, "Velocity through the water along axis 1 (forward)"),
-        Causality::Output,
-        Initial::Exact,
-    ),
-    (
-        (19, "v3_m_s", "m/s", -100.0, 100.0, 0.0, "Velocity through the water along axis 3 (down when level)"),
-        Causality::Output,
-        Initial::Exact,
-    ),
-    (
-        (
-            20,
-            "moving_mass_position_m",
-            "m",
-            -100.0,
-            100.0,
-            0.0,
-            "Position of the moving mass along axis 1, forward of the centre of buoyancy",
-        ),
-        Causality::Output,
-        Initial::Exact,
-    ),
-    (
-        (
-            21,
-            "moving_mass_position_3_m",
-            "m",
-            -100.0,
-            100.0,
-            0.0,
-            "Position of the moving mass along axis 3, below the centre of buoyancy; starts at moving_mass_height_m",
-        ),
-        Causality::Local,
-        Initial::Approx,
-    ),
-    (
-        (
-            22,
-            "PP1_kg_m_s",
-            "kg.m/s",
-            -1e9,
-            1e9,
-            0.0,
-            "Momentum of the moving mass along axis 1; starts with the mass at rest in the hull",
-        ),
-        Causality::Local,
-        Initial::Approx,
-    ),
-    (
-        (
-            23,
-            "PP3_kg_m_s",
-            "kg.m/s",
-            -1e9,
-            1e9,
-            0.0,
-            "Momentum of the moving mass along axis 3; starts with the mass at rest in the hull",
-        ),
-        Causality::Local,
-        Initial::Approx,
-    ),
-    (
-        (24, "ballast_mass_kg", "kg", -1e6, 1e6, 0.0, "Ballast mass at the reference density"),
-        Causality::Output,
-        Initial::Exact,
-    ),
-    (
-        (
-            130,
-            "creep_pressure_Pa",
-            "Pa",
-            -1e9,
-            1e9,
-            0.0,
-            "Gauge pressure that the late part of the hull has followed so far; rests without hull_creep_per_Pa",
-        ),
-        Causality::Local,
-        Initial::Exact,
-    ),
-    (
-        (
-            131,
-            "carried_density_kg_m3",
-            "kg/m3",
-            -1e3,
-            1e3,
-            0.0,
-            "Density of the carried water brought to p = 0, less the reference density; rests without carried_water_m3",
-        ),
-        Causality::Local,
-        Initial::Exact,
-    ),
-    (
-        (
-            132,
-            "leaked_back_m3",
-            "m3",
-            -10.0,
-            10.0,
-            0.0,
-            "Ballast volume that has leaked back; rests without pump_leakback_cc_per_hour",
-        ),
-        Causality::Local,
-        Initial::Exact,
-    ),
-    ((25, "energy_J", "J", -1e18, 1e18, 0.0, "Energy drawn from the battery"), Causality::Output, Initial::Exact),
+/// States that have another name here than in the library.
+const RENAMED: [(&str, &str); 4] = [
+    ("moving_mass_1_m", "moving_mass_position_m"),
+    ("moving_mass_3_m", "moving_mass_position_3_m"),
+    ("momentum_1_kg_m_s", "PP1_kg_m_s"),
+    ("momentum_3_kg_m_s", "PP3_kg_m_s"),
 ];
+
+/// The row of a quantity of the library's tables.
+pub(super) fn row_of(reference: u32, quantity: &Quantity, renamed: &[(&str, &'static str)]) -> Row {
+    let name = renamed.iter().find(|(own, _)| *own == quantity.name).map_or(quantity.name, |(_, name)| name);
+    (reference, name, quantity.unit, quantity.min, quantity.max, quantity.nominal, quantity.meaning)
+}
 
 macro_rules! derivatives {
     ($($reference:literal $state:literal : $unit:literal),*) => {
@@ -697,18 +543,15 @@ const PARAMETER_REFERENCES: [(u32, &str); N_PARAMETERS] = [
 
 fn build() -> Vec<Variable> {
     let mut table = vec![time()];
-    table.extend(INPUTS.iter().enumerate().map(|(i, row)| Variable {
-        causality: Causality::Input,
-        initial: Some(Initial::Exact),
-        ..real(row, Slot::Input(i))
-    }));
-    let nominals = STATE_NOMINALS.as_array();
-    table.extend(STATES.iter().enumerate().map(|(i, (row, causality, initial))| Variable {
-        causality: *causality,
-        initial: Some(*initial),
-        nominal: Some(nominals[i]),
-        jumps: JUMPING_STATES.contains(&row.1),
-        ..real(row, Slot::State(i))
+    table.extend(inputs(&INPUT_REFERENCES, INPUTS));
+    table.extend(STATE_ROWS.iter().zip(STATES).enumerate().map(|(i, ((reference, causality, initial), state))| {
+        let row = row_of(*reference, state, &RENAMED);
+        Variable {
+            causality: *causality,
+            initial: Some(*initial),
+            jumps: JUMPING_STATES.contains(&row.1),
+            ..real(&row, Slot::State(i))
+        }
     }));
     table.extend(
         OUTPUTS
@@ -718,7 +561,7 @@ fn build() -> Vec<Variable> {
     );
     table.push(power(125));
     table.extend(discrete(FLAGS));
-    table.extend((0..N_STATES).map(|i| derivative(DERIVATIVES[i], i, nominals[i])));
+    table.extend((0..N_STATES).map(|i| derivative(DERIVATIVES[i], i, STATES[i].nominal)));
     table.extend((0..N_EVENTS).map(|i| indicator(INDICATORS[i], i)));
     table.push(actuation());
     table.push(water_source());
@@ -727,6 +570,15 @@ fn build() -> Vec<Variable> {
     table.extend(published.map(|(i, info)| parameter(info, i, FIXED.contains(&info.name), &PARAMETER_REFERENCES)));
     table.push(vehicle_name());
     table
+}
+
+/// The inputs of a library's table by their value references.
+pub(super) fn inputs(references: &[u32], table: &[Quantity]) -> impl Iterator<Item = Variable> {
+    references.iter().zip(table).enumerate().map(|(i, (reference, input))| Variable {
+        causality: Causality::Input,
+        initial: Some(Initial::Exact),
+        ..real(&row_of(*reference, input, &[]), Slot::Input(i))
+    })
 }
 
 pub(super) fn time() -> Variable {
@@ -860,12 +712,7 @@ pub(super) fn start_in_trim() -> Variable {
     }
 }
 
-pub(super) fn parameter(
-    info: &'static ParameterInfo,
-    index: usize,
-    fixed: bool,
-    references: &[(u32, &str)],
-) -> Variable {
+pub(super) fn parameter(info: &'static Quantity, index: usize, fixed: bool, references: &[(u32, &str)]) -> Variable {
     let of_name = references.iter().find(|(_, name)| *name == info.name);
     let reference = of_name.unwrap_or_else(|| panic!("{} has no row in PARAMETER_REFERENCES", info.name)).0;
     Variable {

@@ -8,12 +8,12 @@ use glidepolar_dynamics::empirical::PARAMETERS as EMPIRICAL;
 use glidepolar_dynamics::parameters::N_PARAMETERS;
 use glidepolar_fmu_resources::NOT_PUBLISHED;
 use glidepolar_number::Number;
-use glidepolar_spatial::{Inputs, LATERAL, N_INPUTS, N_LATERAL, N_STATES, NOMINALS, Outputs};
+use glidepolar_spatial::{INPUTS, Inputs, LATERAL, N_INPUTS, N_LATERAL, N_STATES, Outputs, STATES};
 
 use super::N_EVENTS;
 use crate::model::table::{
     Causality, Choice, Discrete, FIXED, Initial, Kind, Row, Slot, Table, Token, Variable, choice, derivative, discrete,
-    in_order, indicator, parameter, power, real, start_in_trim, time, vehicle_name, water_source,
+    in_order, indicator, inputs, parameter, power, real, row_of, start_in_trim, time, vehicle_name, water_source,
 };
 
 /// How many parameters are published as numbers.
@@ -43,191 +43,38 @@ pub fn space() -> Table {
     Table { rows: &*ROWS, token: TOKEN.text() }
 }
 
-/// The inputs, in the order of the library's `Inputs`.
-const INPUTS: [Row; N_INPUTS] = [
-    (2, "ballast_command_m3", "m3", -10.0, 10.0, 0.0001, "Buoyancy-engine set-point, positive = more buoyant"),
-    (3, "moving_mass_command_m", "m", -100.0, 100.0, 0.01, "Moving-mass set-point along axis 1, positive forward"),
-    (
-        4,
-        "roll_mass_command_rad",
-        "rad",
-        -6.3,
-        6.3,
-        0.1,
-        "Roll-mass set-point, positive to starboard (steering 0 and 1)",
-    ),
-    (
-        5,
-        "rudder_command_rad",
-        "rad",
-        -3.2,
-        3.2,
-        0.1,
-        "Rudder set-point, positive turns the bow to starboard (steering 0 and 2)",
-    ),
-    (
-        6,
-        "heading_command_rad",
-        "rad",
-        -1000000.0,
-        1000000.0,
-        1.0,
-        "Heading that is held, clockwise from north, over full turns or within one (steering 1 and 2)",
-    ),
-    (7, "water_density_kg_m3", "kg/m3", 900.0, 1300.0, 1000.0, "In-situ water density at the glider (water_source 0)"),
-    (8, "water_temperature_C", "degC", -5.0, 50.0, 10.0, "Water temperature at the glider (water_source 0)"),
-    (9, "current_north_m_s", "m/s", -10.0, 10.0, 0.1, "Water velocity to the north"),
-    (10, "current_east_m_s", "m/s", -10.0, 10.0, 0.1, "Water velocity to the east"),
-    (11, "current_down_m_s", "m/s", -10.0, 10.0, 0.1, "Vertical water velocity, positive down"),
-    (
-        12,
-        "current_north_shear_1_s",
-        "1/s",
-        -10.0,
-        10.0,
-        0.01,
-        "Change of the velocity to the north with depth: a glider that sinks through it is accelerated",
-    ),
-    (
-        13,
-        "current_east_shear_1_s",
-        "1/s",
-        -10.0,
-        10.0,
-        0.01,
-        "Change of the velocity to the east with depth: a glider that sinks through it is accelerated",
-    ),
-    (
-        14,
-        "current_north_rate_m_s2",
-        "m/s2",
-        -10.0,
-        10.0,
-        0.001,
-        "Change of the velocity to the north with time at a fixed place: the force of accelerating water",
-    ),
-    (
-        15,
-        "current_east_rate_m_s2",
-        "m/s2",
-        -10.0,
-        10.0,
-        0.001,
-        "Change of the velocity to the east with time at a fixed place: the force of accelerating water",
-    ),
-    (
-        16,
-        "current_down_rate_m_s2",
-        "m/s2",
-        -10.0,
-        10.0,
-        0.001,
-        "Change of the vertical velocity with time at a fixed place, positive down: the force of accelerating water",
-    ),
-    (17, "seabed_depth_m", "m", 0.0, 12000.0, 1000.0, "Depth of the seabed"),
+/// Value references of the inputs, in the order of the library's table.
+const INPUT_REFERENCES: [u32; N_INPUTS] = [2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17];
+
+/// Value references of the states, in the order of the library's table, and whether each is an output too.
+const STATE_ROWS: [(u32, Causality); N_STATES] = [
+    (18, Causality::Output),
+    (19, Causality::Output),
+    (20, Causality::Output),
+    (21, Causality::Output),
+    (22, Causality::Output),
+    (23, Causality::Output),
+    (24, Causality::Output),
+    (25, Causality::Output),
+    (26, Causality::Output),
+    (27, Causality::Output),
+    (28, Causality::Output),
+    (29, Causality::Output),
+    (30, Causality::Output),
+    (31, Causality::Local),
+    (32, Causality::Output),
+    (33, Causality::Local),
+    (34, Causality::Output),
+    (35, Causality::Output),
+    (36, Causality::Local),
+    (37, Causality::Local),
+    (38, Causality::Local),
+    (39, Causality::Output),
 ];
 
-/// The states in the order of the library's `State`, and whether each is an output too.
-const STATES: [(Row, Causality); N_STATES] = [
-    ((18, "north_m", "m", -1000000000.0, 1000000000.0, 0.0, "Way north"), Causality::Output),
-    ((19, "east_m", "m", -1000000000.0, 1000000000.0, 0.0, "Way east"), Causality::Output),
-    ((20, "depth_m", "m", -100.0, 20000.0, 0.0, "Depth of the centre of buoyancy"), Causality::Output),
-    ((21, "roll_rad", "rad", -1000.0, 1000.0, 0.0, "Roll, starboard down positive"), Causality::Output),
-    ((22, "pitch_rad", "rad", -1000.0, 1000.0, 0.0, "Pitch, nose-up positive"), Causality::Output),
-    (
-        (
-            23,
-            "heading_rad",
-            "rad",
-            -1000000.0,
-            1000000.0,
-            0.0,
-            "Heading, clockwise from north, continuous over full turns",
-        ),
-        Causality::Output,
-    ),
-    ((24, "v1_m_s", "m/s", -100.0, 100.0, 0.0, "Velocity through the water along axis 1 (forward)"), Causality::Output),
-    (
-        (25, "v2_m_s", "m/s", -100.0, 100.0, 0.0, "Velocity through the water along axis 2 (to starboard)"),
-        Causality::Output,
-    ),
-    (
-        (26, "v3_m_s", "m/s", -100.0, 100.0, 0.0, "Velocity through the water along axis 3 (down when level)"),
-        Causality::Output,
-    ),
-    ((27, "p_rad_s", "rad/s", -1000.0, 1000.0, 0.0, "Rate about axis 1"), Causality::Output),
-    ((28, "q_rad_s", "rad/s", -1000.0, 1000.0, 0.0, "Rate about axis 2"), Causality::Output),
-    ((29, "r_rad_s", "rad/s", -1000.0, 1000.0, 0.0, "Rate about axis 3"), Causality::Output),
-    (
-        (
-            30,
-            "moving_mass_position_m",
-            "m",
-            -100.0,
-            100.0,
-            0.0,
-            "Position of the moving mass along axis 1, forward of the centre of buoyancy",
-        ),
-        Causality::Output,
-    ),
-    (
-        (31, "moving_mass_speed_m_s", "m/s", -100.0, 100.0, 0.0, "Speed of the moving mass in the hull"),
-        Causality::Local,
-    ),
-    (
-        (32, "roll_mass_rad", "rad", -100.0, 100.0, 0.0, "Angle of the roll mass, to starboard positive"),
-        Causality::Output,
-    ),
-    ((33, "roll_mass_speed_rad_s", "rad/s", -100.0, 100.0, 0.0, "Rate of the roll mass"), Causality::Local),
-    (
-        (34, "rudder_rad", "rad", -100.0, 100.0, 0.0, "Rudder angle, positive turns the bow to starboard"),
-        Causality::Output,
-    ),
-    (
-        (35, "ballast_mass_kg", "kg", -1000000.0, 1000000.0, 0.0, "Ballast mass at the reference density"),
-        Causality::Output,
-    ),
-    (
-        (
-            36,
-            "creep_pressure_Pa",
-            "Pa",
-            -1000000000.0,
-            1000000000.0,
-            0.0,
-            "Gauge pressure that the late part of the hull has followed so far; rests without hull_creep_per_Pa",
-        ),
-        Causality::Local,
-    ),
-    (
-        (
-            37,
-            "carried_density_kg_m3",
-            "kg/m3",
-            -1000.0,
-            1000.0,
-            0.0,
-            "Density of the carried water brought to p = 0, less the reference density; rests without carried_water_m3",
-        ),
-        Causality::Local,
-    ),
-    (
-        (
-            38,
-            "leaked_back_m3",
-            "m3",
-            -10.0,
-            10.0,
-            0.0,
-            "Ballast volume that has leaked back; rests without pump_leakback_cc_per_hour",
-        ),
-        Causality::Local,
-    ),
-    (
-        (39, "energy_J", "J", -1e18, 1e18, 0.0, "Energy drawn from the battery, by rudder and roll mass, too"),
-        Causality::Output,
-    ),
-];
+/// States that have another name here than in the library.
+const RENAMED: [(&str, &str); 2] =
+    [("moving_mass_m", "moving_mass_position_m"), ("roll_mass_rate_rad_s", "roll_mass_speed_rad_s")];
 
 macro_rules! outputs {
     (|$outputs:ident, $inputs:ident| $($reference:literal $name:literal [$unit:literal] $min:literal .. $max:literal, $nominal:literal, $meaning:literal, $value:expr;)*) => {
@@ -503,17 +350,11 @@ const FIXED_LATERAL: &[&str] = &[
 
 fn build() -> Vec<Variable> {
     let mut table = vec![time()];
-    table.extend(INPUTS.iter().enumerate().map(|(i, row)| Variable {
-        causality: Causality::Input,
-        initial: Some(Initial::Exact),
-        ..real(row, Slot::Input(i))
-    }));
-    let nominals = NOMINALS.as_array();
-    table.extend(STATES.iter().enumerate().map(|(i, (row, causality))| Variable {
+    table.extend(inputs(&INPUT_REFERENCES, INPUTS));
+    table.extend(STATE_ROWS.iter().zip(STATES).enumerate().map(|(i, ((reference, causality), state))| Variable {
         causality: *causality,
         initial: Some(Initial::Exact),
-        nominal: Some(nominals[i]),
-        ..real(row, Slot::State(i))
+        ..real(&row_of(*reference, state, &RENAMED), Slot::State(i))
     }));
     table.extend(
         OUTPUTS
@@ -532,7 +373,7 @@ fn build() -> Vec<Variable> {
         ),
         (ON_SEABED, "on_seabed", Kind::Boolean, Discrete::OnSeabed, "Whether the hull rests on the seabed"),
     ]));
-    table.extend((0..N_STATES).map(|i| derivative(DERIVATIVES[i], i, nominals[i])));
+    table.extend((0..N_STATES).map(|i| derivative(DERIVATIVES[i], i, STATES[i].nominal)));
     table.extend((0..N_EVENTS).map(|i| indicator(INDICATORS[i], i)));
     table.push(steering());
     table.push(Variable { reference: WATER_SOURCE, ..water_source() });
