@@ -44,7 +44,7 @@ impl Log {
         Ok(Vehicle::load(self.vehicle)?)
     }
 
-    /// How the command is told of vehicle and columns.
+    /// Options that name vehicle and columns.
     pub fn words(&self) -> Vec<&'static str> {
         let mut words = vec!["--vehicle", self.vehicle];
         words.extend(self.speed.iter().flat_map(|name| ["--speed-column", name]));
@@ -73,7 +73,7 @@ impl Log {
     /// The parameters that the data tell.
     pub fn free(&self) -> &'static [&'static str] {
         match self.speed {
-            // c is not told by comet: the command holds it, too.
+            // comet does not identify c: the command fixes it, too.
             Some(_) => &["a_per_rad", "b", "ballast_offset_kg"],
             None => &["b", "c_per_rad2", "ballast_offset_kg"],
         }

@@ -10,7 +10,7 @@ use std::time::Duration;
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
 
-/// Longest time for an answer, unless told otherwise.
+/// Longest time for an answer, unless set otherwise.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A running peer.

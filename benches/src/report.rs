@@ -6,7 +6,7 @@ use glidepolar::report::Figure;
 
 use crate::contest::Samples;
 
-/// The unit that a row's figures are told in.
+/// The unit that a row's figures are printed in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unit {
     Seconds,

@@ -233,7 +233,7 @@ fn gained(found: &Diagnosis) -> Figure {
 }
 
 fn causes(found: &Diagnosis) -> Table {
-    let columns = ["Cause", "Parameter", "Value", "95 % interval", "Unit", "Cannot be told from"];
+    let columns = ["Cause", "Parameter", "Value", "95 % interval", "Unit", "Cannot be distinguished from"];
     let mut table = Table::new("What is named, strongest first.", columns);
     for cause in &found.causes {
         let alike: Vec<String> = cause.indistinguishable_from.iter().map(|name| words(name)).collect();

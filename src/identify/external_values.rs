@@ -1,7 +1,7 @@
 //! What is known from outside the log: values of what is held, their errors, and where both come from.
 //!
-//! A vehicle's `[uncertainty]` says it; where it is silent, what is usual for an estimated coefficient. What the result refers
-//! to (masses, volumes, areas, the trim) is in no doubt here: a coefficient is one on the stated area, a ballast offset one
+//! A vehicle's `[uncertainty]` says it; where it is silent, the error of an estimated coefficient. What the result refers
+//! to (masses, volumes, areas, the trim) is exact here: a coefficient is one on the stated area, a ballast offset one
 //! from the stated trim.
 
 use std::collections::BTreeMap;
@@ -155,7 +155,7 @@ pub(super) fn considered(
     let (own, taken) = (vehicle.glide_parameters().as_array(), baseline.as_array());
     let is_pinned = |row: usize| pinned.contains_key(short_name(PARAMETERS[row].name));
     let others = stated(vehicle).into_iter().filter(|one| {
-        // The trim sets the mass of the hull anew, and with it nothing that was in doubt.
+        // The trim sets the mass of the hull anew, and with it nothing that was uncertain.
         one.along
             .iter()
             .all(|&(row, _)| !is_pinned(row) && (own[row] == taken[row] || PARAMETERS[row].name == "hull_mass_kg"))
@@ -174,7 +174,7 @@ fn stated(vehicle: &Vehicle) -> Vec<Considered> {
         let moved = moved.glide_parameters().as_array();
         let along: Vec<(usize, f64)> =
             (0..own.len()).map(|row| (row, moved[row] - own[row])).filter(|(_, by)| *by != 0.0).collect();
-        // A mass that is told apart from the hull's: its own name, not the hull's.
+        // A mass that has its own name beside the hull's: its own name, not the hull's.
         let (first, _) = along.iter().find(|(row, _)| PARAMETERS[*row].name != "hull_mass_kg")?;
         Some(Considered { name: short_name(PARAMETERS[*first].name).to_owned(), along })
     };

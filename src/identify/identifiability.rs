@@ -15,7 +15,7 @@ use super::residuals::{Residual, residuals};
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
 
 /// How far a parameter must be known to count as identified: half of its 95 % interval against its own size, or
-/// against what is usual where its natural value is none. Given what is held: whether these data tell it, not how well it is
+/// against a natural magnitude where its neutral value is zero. Given what is held: whether these data identify it, not how well it is
 /// known in the end.
 pub fn is_identified(fit: &JointFit, position: usize) -> bool {
     let row = fit.free[position];

@@ -17,7 +17,7 @@ use crate::dynamics::Parameters;
 use crate::glide::SteadyGlider;
 use crate::log::Observation;
 
-/// A step longer than this, and than one and a half usual ones, is a gap \[s\]: what lies beyond it, as where the pump ran, is
+/// A step longer than this, and than one and a half median ones, is a gap \[s\]: what lies beyond it, as where the pump ran, is
 /// another glide.
 const GAP_S: f64 = 60.0;
 

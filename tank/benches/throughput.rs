@@ -1,6 +1,6 @@
 //! How fast a campaign streams through, beside the `csv` crate alone parsing the same columns of the same files.
 //!
-//! `cargo bench -p glidepolar-tank` (`THROUGHPUT_MB` sets the size of the campaign, 200 by default). Both are told for one
+//! `cargo bench -p glidepolar-tank` (`THROUGHPUT_MB` sets the size of the campaign, 200 by default). Both are printed for one
 //! core, and the reduction for all cores as well. The files are read once before, so that no disk is measured.
 
 use std::path::PathBuf;

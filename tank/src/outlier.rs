@@ -7,12 +7,12 @@ use nalgebra::{DMatrix, DVector};
 use crate::angle_regression::Basis;
 use crate::sweep::{NAMES, Sweep};
 
-/// A point is told that departs by more standard errors from the fit to the others: models that are merely too simple, and
+/// A point is reported that departs by more standard errors from the fit to the others: models that are merely too simple, and
 /// runs at low speed, come to ten.
 const DEPARTURES: f64 = 30.0;
 /// So many others say at least where a point should lie \[degrees of freedom\].
 const FEWEST: usize = 4;
-/// At most so many are told of one coefficient.
+/// At most so many are reported of one coefficient.
 const MOST: usize = 3;
 
 /// A point far off the fit to the others.

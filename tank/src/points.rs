@@ -1,6 +1,6 @@
 //! Already reduced points: `points.csv` in one of three forms, with a `hull.toml` that says what they refer to.
 //!
-//! The forms, told apart by their columns:
+//! The forms, distinguished by their columns:
 //! - `yaw_deg, CL, CD, CM`: coefficients on frontal area (moment also on overall length) about the centre of buoyancy;
 //! - `yaw_deg, AF_N, SF_N, YM_N_m, speed_m_s`: forces about the moment centre, zero, interaction and tare already out;
 //! - `yaw_deg, X', Y', N'`: SNAME primes on `reference_length_m` about the moment centre.

@@ -1,5 +1,5 @@
 //! Single readings that no force explains: a loose plug, a lost bit. One of them in a thousand moves a mean by more than
-//! everything else that is wrong with a run. They are left out and told, never passed over in silence. Must not know what a
+//! everything else that is wrong with a run. They are left out and reported, never passed over in silence. Must not know what a
 //! channel measures.
 
 use crate::clipping::{NAMES, is_fine};

@@ -194,7 +194,7 @@ fn a_manifest_that_cannot_be_right_is_refused() {
     assert!(error.unwrap_err().to_string().contains("the file is empty"));
 }
 
-/// A column more is no harm, and is told of once.
+/// A column more is no harm, and is reported once.
 #[test]
 fn extra_columns_are_ignored_with_a_notice() {
     let spoilt = Spoilt::new(13);

@@ -1,4 +1,4 @@
-//! Readings and runs that cannot be right though every cell is a number: told by name, and kept from doing harm where that
+//! Readings and runs that cannot be right though every cell is a number: reported by name, and kept from doing harm where that
 //! is safe.
 
 mod support;

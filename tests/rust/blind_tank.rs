@@ -1,4 +1,4 @@
-//! The diagnosis on campaigns whose hidden effect it is not told: the virtual tank draws size and sign from a seed and
+//! The diagnosis on campaigns whose hidden effect it does not know: the virtual tank draws size and sign from a seed and
 //! hands over files alone. A fixed selection runs always; `BLIND_SEEDS=20 cargo test -p glidepolar-tests --release --test
 //! blind_tank -- --ignored --nocapture` prints the table of confusions over so many seeds of every effect, from seed
 //! `BLIND_FIRST` (1000) on, in the good tank or, with `BLIND_TANKS=drawn`, in another tank for every seed, and fails below its

@@ -173,7 +173,7 @@ fn comet_with_its_raw_pitch_is_warned_of() {
     let Some(found) = diagnose(&arguments) else { return };
     let warnings = found["warnings"].to_string();
     assert!(
-        warnings.contains("a_per_rad") && warnings.contains("scale of the pitch cannot be told apart"),
+        warnings.contains("a_per_rad") && warnings.contains("scale of the pitch cannot be distinguished"),
         "{warnings}"
     );
     // No mechanism is blamed instead.

@@ -42,7 +42,7 @@ fn comet_speed_and_vertical_velocity_on_held_out_dives() {
     // The build-up has 21.1 +- 3.0; the descent on which the Doppler log had lost the water would make it 18 +- 2.
     let a = &found["parameters"]["a"];
     assert!((number(&a["value"]) - 21.1).abs() < 3.0 && number(&a["se"]) < 1.0, "{a}");
-    // Battery and ballast move together on this glider: the arm of the ballast cannot be estimate, and d with it.
+    // Battery and ballast move together on this glider: the arm of the ballast cannot be identified, and d neither.
     assert_eq!(found["identifiable"]["d"], false);
 }
 

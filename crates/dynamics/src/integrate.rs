@@ -1,4 +1,4 @@
-//! The state in the vertical plane carried through time by `ode`: its sizes, its usual magnitudes, and which of its states
+//! The state in the vertical plane carried through time by `ode`: its sizes, its magnitudes, and which of its states
 //! the rates of change depend on.
 
 use glidepolar_ode::Slopes;

@@ -7,7 +7,7 @@ use super::parameters::Parameters;
 use super::state::{Actuation, Inputs, Modes, State};
 use glidepolar_number::Number;
 
-/// Events in a row at one and the same time after which they are taken as settled.
+/// Events in a row at one and the same time after which they are taken as over.
 const MAX_EVENTS_AT_ONCE: usize = 100;
 
 /// To where a glider is followed.
@@ -62,8 +62,8 @@ impl Glider {
         (self.modes, *state) = limits::apply(&self.parameters, self.actuation, self.modes, time_s, state, &inputs);
     }
 
-    /// Carries time and state to `end_s`, over every event on the way; `on_event` is told of each, after it has been
-    /// settled, and may end the advance there by returning `false`.
+    /// Carries time and state to `end_s`, over every event on the way; `on_event` is called at each, after the limits have
+    /// been applied, and may end the advance there by returning `false`.
     ///
     /// # Errors
     /// As [`Integrator::advance`]; time and state are then those of the last event.

@@ -105,7 +105,7 @@ fn invariants(p: &Parameters<f64>, s: &State<f64>) -> (f64, f64) {
     (kinetic + potential, total[0] * cos + total[1] * sin)
 }
 
-/// Classical Runge-Kutta, small enough to be beyond doubt.
+/// Classical Runge-Kutta, small enough to be checked by eye.
 fn march(mut s: State<f64>, step: f64, steps: usize, f: impl Fn(&State<f64>) -> State<f64>) -> State<f64> {
     let add = |a: &State<f64>, b: &State<f64>, h: f64| {
         let b = b.as_array();

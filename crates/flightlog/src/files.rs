@@ -1,4 +1,4 @@
-//! The files of one log: told apart by their content, put in order of time whatever the order in which they are named,
+//! The files of one log: distinguished by their content, put in order of time whatever the order in which they are named,
 //! read one after the other in bounded memory.
 //!
 //! A file that is damaged is left out with a warning where others are sound. Files of two gliders are no log.

@@ -1,4 +1,4 @@
-//! When the motors run: moves of ballast and battery, told from the noise of their readings.
+//! When the motors run: moves of ballast and battery, separated from the noise of their readings.
 //!
 //! At one row a second a noise of a few tenths of a cubic centimetre looks like a pump at work, whose rate is hardly more. So
 //! a motor runs where a reading changes fast from one row to the next **and** stays changed: its means over some seconds

@@ -1,4 +1,4 @@
-//! Opening a log of any kind: the kind is told by the first bytes and the names of the columns.
+//! Opening a log of any kind: the kind is known by the first bytes and the names of the columns.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};

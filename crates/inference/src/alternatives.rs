@@ -1,6 +1,6 @@
 //! Other sets of mechanisms that these data cannot tell from the named one.
 //!
-//! What could stand in the place of one mechanism alone is told beside it by the report. Two or more may be exchanged
+//! What could stand in the place of one mechanism alone stands beside it in the report. Two or more may be exchanged
 //! together as well: a reader who knows more of the glider than the log says may know which set it was.
 
 use super::change_point;
@@ -16,7 +16,7 @@ const MOST_SETS: usize = 3;
 /// Most sets that are held against data that were held out.
 const MOST_TRIED: usize = 12;
 
-/// The sets that explain as much as the named one, within the margin of a stand-in, and foretell no worse; the best first,
+/// The sets that explain as much as the named one, within the margin of a stand-in, and predict no worse; the best first,
 /// of those that differ by one member the best alone.
 pub(super) fn alternatives(
     problem: &impl Problem,

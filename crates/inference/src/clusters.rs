@@ -1,6 +1,6 @@
 //! Whether an effect is the same in cluster after cluster: a test that needs no model of the noise.
 //!
-//! A model of noise can be wrong where it matters: water that moves for as long as a leg lasts, instruments that settle.
+//! A model of noise can be wrong where it matters: water that moves for as long as a leg lasts, instruments that drift to rest.
 //! So beside the test by the model of noise stands one by the scatter between legs or runs. The estimate is made again
 //! without each cluster in turn (delete-one-cluster jackknife, the CR3 of Bell and McCaffrey 2002),
 //!
@@ -125,7 +125,7 @@ mod tests {
     use rand::{RngExt, SeedableRng, rngs::StdRng};
     use rand_distr::StandardNormal;
 
-    /// Rows of one cluster share an error that the test is not told of.
+    /// Rows of one cluster share an error that the test does not know.
     fn data(seed: u64, effect: f64) -> (DMatrix<f64>, Vec<usize>) {
         let mut rng = StdRng::seed_from_u64(seed);
         let mut normal = move || rng.sample::<f64, _>(StandardNormal);

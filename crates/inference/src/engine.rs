@@ -17,7 +17,7 @@ use super::subset_search::{Choice, MARGIN};
 const MAX_ROUNDS: usize = 6;
 
 /// Share of what the best curve explains that few parameters with a name must reach to keep it: what a rigid law explains
-/// but for a twentieth is that law, imperfectly written down, and the rest is told as unexplained.
+/// but for a twentieth is that law, imperfectly written down, and the rest is reported as unexplained.
 const FULL_SHARE: f64 = 0.95;
 
 /// The diagnosis of a problem, and the point of the extended model.

@@ -125,7 +125,7 @@ pub struct Point {
     pub candidates: Vec<Vec<f64>>,
 }
 
-/// Of which quantity the error of a cause is told.
+/// Of which quantity the error of a cause is reported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Headline {
     /// The first one.
@@ -145,7 +145,7 @@ pub trait Problem {
     /// Where to begin: the baseline as it is believed, every candidate neutral.
     fn start(&self) -> Point;
 
-    /// Of which quantity the error of a cause is told.
+    /// Of which quantity the error of a cause is reported.
     fn headline(&self) -> Headline {
         Headline::First
     }

@@ -141,7 +141,7 @@ impl Fitted {
         self.evidence.quantities.iter().map(of).sum()
     }
 
-    /// Sets that hold the one mechanism found in full and foretell no worse than this one, best first: that one alone where
+    /// Sets that hold the one mechanism found in full and predict no worse than this one, best first: that one alone where
     /// this set has no more, and this set with that one in the place of each of its own.
     pub(super) fn rivals(&self, single: &Fitted, problem: &impl Problem) -> Vec<Fitted> {
         if self.included.iter().any(|member| single.included.contains(member)) {

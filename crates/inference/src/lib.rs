@@ -7,8 +7,8 @@
 //! - `clusters`: a test by the scatter between legs or runs, beside that by the model of noise.
 //! - [`relevance`]: which misfit is large enough to act on.
 //! - [`holdout`]: the gain on data that no fit saw.
-//! - [`engine`]: the four answers in their order, with what it is made of: a fit, what is thinned out of it, one iteration of the
-//!   search, versions of one mechanism, what is told.
+//! - [`engine`]: the four answers in their order, with what it is made of: a fit, backward elimination, one iteration of the
+//!   search, versions of one mechanism, the report.
 
 mod alternatives;
 mod backward_elimination;

@@ -85,7 +85,7 @@ impl Problem {
         Problem { design, observed, variance, shared: Vec::new() }
     }
 
-    /// Solves it; none if there are no degrees of freedom left or the parameters cannot be told apart.
+    /// Solves it; none if there are no degrees of freedom left or the parameters cannot be distinguished.
     pub fn solve(&self, scatter: Scatter) -> Option<Regression> {
         let (n, p) = self.design.shape();
         let given = if let Scatter::Given { dof } = scatter { Some(dof) } else { None };

@@ -18,7 +18,7 @@ use crate::estimate::Estimate;
 /// Share of a mechanism's trace beside the baseline's parameters below which it hardly shows.
 const HARDLY_SHOWN: f64 = 0.1;
 
-/// Most covariates that are told of what nothing explains.
+/// Most covariates that are reported of what nothing explains.
 const MOST_TOLD: usize = 3;
 
 pub(super) fn report(
@@ -102,7 +102,7 @@ fn left_over(extended: &Fitted, depends_on: Vec<String>) -> Unexplained {
     Unexplained { quantity: quantity.name.to_owned(), rms, depends_on }
 }
 
-/// The quantity of which a gain is told.
+/// The quantity of which a gain is reported.
 pub(super) fn headline(problem: &impl Problem, fitted: &Fitted, before: &DVector<f64>, after: &DVector<f64>) -> usize {
     if problem.headline() == Headline::First {
         return 0;
@@ -237,7 +237,7 @@ pub(super) fn rejected(
                 None => Why::Equivalent,
             };
             let mut remark = if !stands_in.is_empty() {
-                format!("cannot be told from {} in these data", stands_in.join(", "))
+                format!("cannot be distinguished from {} in these data", stands_in.join(", "))
             } else if why == Why::ByChance {
                 format!("explains no more than chance would beside what is named (p = {p_value:.2})")
             } else {
@@ -277,7 +277,7 @@ pub(super) fn wrong(problem: &impl Problem, baseline: &Fitted) -> Vec<Wrong> {
     let tests = iteration.curves.len().max(1) as f64;
     let mut found: Vec<Wrong> = Vec::new();
     for curve in &iteration.curves {
-        // What quantities share is told of them one by one.
+        // What quantities share is reported for each.
         let Some(quantity_index) = curve.quantity else { continue };
         let size = iteration.sizes(&[], &[curve.regressor])[quantity_index];
         if size <= limits[quantity_index] {

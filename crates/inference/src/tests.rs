@@ -168,17 +168,17 @@ fn what_looks_alike_is_declared_as_a_group() {
 
 #[test]
 fn an_effect_without_a_name_stays_without_one() {
-    let (mut wrong, mut told) = (0, 0);
+    let (mut wrong, mut reported) = (0, 0);
     for seed in 400..430 {
         let (found, _) = diagnose(&Toy::new(seed, |i, toy| 1.5 * toy.leg[i] * toy.covariates[2].values[i].sin()));
         wrong += usize::from(!found.causes.is_empty());
-        told += usize::from(found.unexplained.is_some_and(|u| u.depends_on == ["heading"]));
+        reported += usize::from(found.unexplained.is_some_and(|u| u.depends_on == ["heading"]));
     }
     assert!(wrong <= 3, "a wrong name in {wrong} of 30");
-    assert!(told >= 25, "told in {told} of 30");
+    assert!(reported >= 25, "reported in {reported} of 30");
 }
 
-/// Of four mechanisms any two explain what two of them did: the pair that is not named is told with its own sizes.
+/// Of four mechanisms any two explain what two of them did: the pair that is not named is reported with its own sizes.
 #[test]
 fn a_pair_that_explains_as_much_is_reported_beside_the_named_one() {
     let trace = |toy: &Toy, i: usize| (toy.columns[0][i], toy.columns[1][i]);
@@ -202,15 +202,15 @@ fn a_pair_that_explains_as_much_is_reported_beside_the_named_one() {
         let named: Vec<&str> = found.causes.iter().map(|cause| cause.cause.as_str()).collect();
         assert_eq!(named.len(), 2, "seed {seed}: {named:?}");
         let other = pairs.iter().find(|pair| pair.iter().all(|(name, _)| !named.contains(name))).expect("a pair");
-        let told = found.alternatives.iter().any(|set| {
+        let reported = found.alternatives.iter().any(|set| {
             set.len() == 2
                 && other.iter().all(|(name, size)| {
-                    set.iter().any(|told| {
-                        let Estimate { value, se, .. } = told.parameters.values().next().expect("a size").clone();
-                        told.cause == *name && (value - size).abs() < 4.0 * se
+                    set.iter().any(|reported| {
+                        let Estimate { value, se, .. } = reported.parameters.values().next().expect("a size").clone();
+                        reported.cause == *name && (value - size).abs() < 4.0 * se
                     })
                 })
         });
-        assert!(told, "seed {seed}: beside {named:?} no {other:?} in {:?}", found.alternatives);
+        assert!(reported, "seed {seed}: beside {named:?} no {other:?} in {:?}", found.alternatives);
     }
 }

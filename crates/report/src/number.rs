@@ -49,7 +49,7 @@ fn to_shared_place<const N: usize>(values: [f64; N], width: f64) -> [String; N] 
     values.map(|v| significant(v, (exponent_of(v) - place + 1).clamp(2, 12) as usize))
 }
 
-/// A probability of chance: `p = 7.2e-21`; one too small for a number of the machine is below the smallest that is told.
+/// A probability of chance: `p = 7.2e-21`; one too small for a number of the machine is below the smallest that is printed.
 pub fn probability(p: f64) -> String {
     const SMALLEST: f64 = 1e-300;
     if p < SMALLEST { format!("p < {SMALLEST:e}") } else { format!("p = {p:.1e}") }

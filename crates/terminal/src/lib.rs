@@ -171,7 +171,7 @@ pub fn show(error: &CliError) {
 }
 
 /// Says on standard error what a result is to be read with, `--quiet` or not: a script that keeps the tables keeps them clean,
-/// and one that throws them away has still been told.
+/// and one that throws them away has still received it.
 pub fn warn<S: std::fmt::Display>(warnings: impl IntoIterator<Item = S>) {
     for warning in warnings {
         if capture::warning(&warning) {

@@ -25,7 +25,7 @@ pub const SETTLED_S: f64 = 25.0;
 /// Shortest stretch that gives one turn rate \[s\].
 const SHORTEST_S: f64 = 20.0;
 /// Longest stretch: between the moves of motors, where the log flags them, the rate is constant for minutes; where nothing
-/// moves for a whole leg, depth must be told apart \[s\].
+/// moves for a whole leg, depth must be separated \[s\].
 const LONGEST_S: [f64; 2] = [300.0, 60.0];
 /// Samples of the shortest stretch.
 const LEAST_SAMPLES: usize = 3;
@@ -102,7 +102,7 @@ pub struct Layer {
     pub stretches: usize,
 }
 
-/// What the log says of turning; nothing where it has no heading, neither roll nor rudder, or too few settled stretches.
+/// What the log says of turning; nothing where it has no heading, neither roll nor rudder, or too few steady stretches.
 pub fn turning(observations: &[Observation]) -> Option<Turning> {
     let all = stretches(observations);
     let dives: BTreeSet<u32> = all.iter().map(|s| s.dive).collect();
@@ -160,7 +160,7 @@ pub fn turning(observations: &[Observation]) -> Option<Turning> {
     })
 }
 
-/// One settled stretch.
+/// One steady stretch.
 #[derive(Debug, Clone, Copy)]
 struct Stretch {
     dive: u32,
@@ -172,7 +172,7 @@ struct Stretch {
     roll_mass_rad: f64,
 }
 
-/// The settled stretches of a log with heading.
+/// The steady stretches of a log with heading.
 fn stretches(observations: &[Observation]) -> Vec<Stretch> {
     let mut found = Vec::new();
     // Where the log flags its motors, no move needs to be seen in the readings.

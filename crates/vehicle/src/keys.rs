@@ -1,5 +1,5 @@
 //! The keys of a vehicle file, in one table: from it follow the structure in memory, the reader, the writer and what a
-//! misspelt or missing key is told.
+//! misspelt or missing key is reported.
 
 /// How much a key is needed.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -110,7 +110,7 @@ impl Inertia {
         }
     }
 
-    /// The state of a vehicle moving as told.
+    /// The state of a vehicle moving as commanded.
     pub fn state(&self, place: (f64, f64, f64), motion: (f64, f64, f64), imposed: &Imposed) -> State {
         let (x_m, depth_m, pitch_rad) = place;
         let (v1, v3, pitch_rate) = motion;

@@ -37,7 +37,7 @@ impl Kind {
     }
 }
 
-/// What the mechanism was told to do.
+/// What the mechanism was commanded to do.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Command {
     pub kind: Kind,

@@ -16,14 +16,14 @@
 
 use crate::log::Observation;
 
-/// A step longer than this, and than this many usual ones, begins a new stretch \[s\]: what the control did in it is unknown.
+/// A step longer than this, and than this many median ones, begins a new stretch \[s\]: what the control did in it is unknown.
 const GAP_S: f64 = 60.0;
 const GAP_STEPS: f64 = 3.0;
 
 /// Noise of a reading that no instrument is better than, by its variance \[rad2\]: a thousandth of a degree.
 const LEAST_VARIANCE: f64 = 3e-10;
 
-/// Ratios of the processes' variances to the reading's that are tried first, in units of the usual step.
+/// Ratios of the processes' variances to the reading's that are tried first, in units of the median step.
 const FIRST_RATIOS: [f64; 6] = [0.0, 1e-4, 1e-2, 1.0, 1e2, 1e4];
 
 /// Fewest readings from which three variances are estimated.
@@ -92,7 +92,7 @@ type Ratios = [f64; 2];
 
 /// The ratios of greatest likelihood, and the variance of a reading.
 fn most_likely(series: &[(&[f64], &[f64])], step_s: f64) -> (Ratios, f64) {
-    // In units of what each process does in a usual step.
+    // In units of what each process does in a median step.
     let per_s = |ratios: [f64; 2]| [ratios[0] / step_s, ratios[1] / step_s.powi(3)];
     let at = |ratios: [f64; 2]| likelihood(series, per_s(ratios));
     let mut best = ([0.0, 0.0], f64::NEG_INFINITY, 0.0);

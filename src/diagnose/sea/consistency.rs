@@ -41,7 +41,7 @@ const LEAST_BIAS_KG_M3: f64 = 0.1;
 /// Standard error of a constant difference, by the equations of state and the anomaly \[kg/m3\].
 const BIAS_SE_KG_M3: f64 = 0.03;
 
-/// Spread of the water's own compression from which on the pressure in a density can be told \[kg/m3\]: 30 dbar.
+/// Spread of the water's own compression from which on the pressure in a density can be identified \[kg/m3\]: 30 dbar.
 const LEAST_COMPRESSION_KG_M3: f64 = 0.13;
 
 /// By how much the share of the pressure may be off.

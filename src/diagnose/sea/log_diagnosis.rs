@@ -212,7 +212,7 @@ fn name_what_scales_hide(outcome: &mut Outcome) {
     }
 }
 
-/// The mechanisms that no steady glide can show, and those that the checks settle.
+/// The mechanisms that no steady glide can show, and those that the checks decide.
 fn unweighed(checks: &[Check], outcome: &Outcome, problem: &SeaProblem) -> Vec<crate::diagnose::Rejected> {
     let density = checks.iter().find(|check| check.check == consistency::DENSITY);
     let reject = |cause: &str, remark: String| crate::diagnose::Rejected {

@@ -76,13 +76,13 @@ const RELATIVE_BELIEF: f64 = 1.0;
 const FAR_FROM_BELIEF: f64 = 2.0;
 
 /// What to do where a lift slope runs away, or a scale of the pitch stands beside it.
-const PITCH_OR_LIFT: &str = "a lift slope and a scale of the pitch cannot be told apart by vertical velocity and speed: hold the slope at an outside value (--pin-lift=A)";
+const PITCH_OR_LIFT: &str = "a lift slope and a scale of the pitch cannot be distinguished by vertical velocity and speed: hold the slope at an outside value (--pin-lift=A)";
 
 /// Share of what named mechanisms explain by which something unknown must explain more to take their place. Less is a part
 /// that stays unexplained beside them: no sea is without.
 const PART_UNEXPLAINED: f64 = 0.1;
 
-/// How many times its usual size a mechanism may have: what needs more than three standard deviations of what is believed
+/// Prior standard deviations that a mechanism's size may lie from neutral: what needs more than three standard deviations of what is believed
 /// resembles it only.
 const MOST_USUAL: f64 = 3.0;
 

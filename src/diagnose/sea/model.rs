@@ -186,7 +186,7 @@ fn neighbours(bins: &[Bin], i: usize, reach_s: f64) -> (usize, usize) {
     (low, high)
 }
 
-/// Longest time between neighbours \[s\]: one and a half times the usual.
+/// Longest time between neighbours \[s\]: one and a half times the median.
 fn reach_s(bins: &[Bin]) -> f64 {
     1.5 * median_step_s(bins.iter().map(|bin| &bin.mean))
 }

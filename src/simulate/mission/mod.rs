@@ -28,7 +28,7 @@ pub use keys::{KEYS, Key};
 pub use profile::Profile;
 pub use route::{Account, RouteError, RouteMoment, fly_route};
 
-/// What a glider is told to do, and what it will meet.
+/// What a glider is commanded to do, and what it will meet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mission {
     /// What the mission is called.

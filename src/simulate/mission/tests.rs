@@ -110,7 +110,7 @@ fn the_glides_are_the_steady_glides_of_their_pitch_and_ballast() {
 
 #[test]
 fn the_slow_correction_brings_a_wrong_trim_to_the_ordered_pitch() {
-    // The pitch sensor is askew by 4 deg, and nobody told the feed-forward about the ballast's lever.
+    // The pitch sensor is askew by 4 deg, and the feed-forward knows nothing of the ballast's lever.
     let p = Parameters { offset_mass_forward_m: 0.01, offset_mass_kg: 10.0, ..slocum() };
     let off = |gain: &str| {
         let text = format!("{MISSION}\n[control]\ndeadband_deg = 0.5\ngain = {gain}\n")

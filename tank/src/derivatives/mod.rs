@@ -134,7 +134,7 @@ type BetweenRuns = [f64; 2];
 type SteadySlopes = [Estimate; 2];
 
 /// Fits a hull's oscillations and turns. Without sway runs the slopes of the steady sweep stand in for `Yv` and `Nv`, and
-/// what goes with accelerations is left out; none where `v` and `r` cannot be told apart at all.
+/// what goes with accelerations is left out; none where `v` and `r` cannot be separated at all.
 pub fn fit(
     common: &Common,
     hull: &Hull,

@@ -66,7 +66,7 @@ impl Curve {
         for _ in 0..ITERATIONS {
             let fitted = &design * &curve.parameters;
             let step = DVector::from_fn(points.len(), |i, _| points[i].1 / fitted[i].exp() - 1.0);
-            // A single large density must not throw the curve off before it has settled.
+            // A single large density must not throw the curve off before it has converged.
             curve.parameters += &gain * step.map(|s: f64| s.min(5.0));
         }
         curve
@@ -89,7 +89,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_distr::StandardNormal;
 
-    /// First-order noise of 0.8 s: density 1/(1 + (f/0.2 Hz)^2), told from squares that scatter by as much as themselves.
+    /// First-order noise of 0.8 s: density 1/(1 + (f/0.2 Hz)^2), estimated from squares that scatter by as much as themselves.
     #[test]
     fn the_density_of_first_order_noise_is_found() {
         let mut rng = rand::rngs::StdRng::seed_from_u64(4);

@@ -1,4 +1,4 @@
-//! What the engine found, told of the campaign and of each hull: sizes, chances, gains, the extended fit.
+//! What the engine found, reported for the campaign and for each hull: sizes, chances, gains, the extended fit.
 
 use std::collections::BTreeMap;
 
@@ -16,7 +16,7 @@ use super::{Diagnoses, HullDiagnosis, not_identifiable, runs_left};
 use crate::hull_results::HullResults;
 use crate::sweep::NAMES;
 
-/// A size of one hull's own is told of that hull where chance would show it less often than this.
+/// A size of one hull's own is reported for that hull where chance would show it less often than this.
 const SIGNIFICANT: f64 = 0.01;
 
 /// The size that says which channel drifts.

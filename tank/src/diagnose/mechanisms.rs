@@ -32,7 +32,7 @@ pub struct Mechanism {
     pub source: &'static str,
     /// Name, unit and term of each parameter; the first is its size.
     pub parameters: &'static [Parameter],
-    /// How it is told, where not by the parameters themselves: name, unit, and the share of each parameter in it.
+    /// How it is reported, where not by the parameters themselves: name, unit, and the share of each parameter in it.
     pub reported_as: &'static [(&'static str, &'static str, &'static [f64])],
     /// How far it reaches.
     pub reach: Reach,

@@ -113,7 +113,7 @@ impl Diagnoses {
         }
     }
 
-    /// What is told first: of the campaign, or of the one hull that there is.
+    /// What is reported first: of the campaign, or of the one hull that there is.
     pub fn overall(&self) -> Option<&Diagnosis> {
         self.campaign.as_ref().or_else(|| self.hulls.iter().flatten().map(|hull| &hull.diagnosis).next())
     }

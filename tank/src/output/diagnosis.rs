@@ -243,7 +243,7 @@ fn at_main_speed(diagnoses: &Diagnoses, hull: usize) -> Vec<&RunLeft> {
 fn causes_table(overall: &Diagnosis) -> Table {
     let mut table = Table::new(
         "Causes, strongest first: size with standard error, probability of such a gain by chance (corrected for the number of mechanisms), error on held-out runs without and with it.",
-        ["Cause", "size", "", "probability", "quantity", "without", "with", "cannot be channel from"],
+        ["Cause", "size", "", "probability", "quantity", "without", "with", "cannot be distinguished from"],
     );
     for cause in &overall.causes {
         for (i, (name, size)) in cause.parameters.iter().enumerate() {

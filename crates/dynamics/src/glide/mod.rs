@@ -95,7 +95,7 @@ pub enum GlideError {
     },
 }
 
-/// The flow of a steady glide: no rotation, the leg told by the sign of the sink rate.
+/// The flow of a steady glide: no rotation, the leg known by the sign of the sink rate.
 fn steady_flow<T: Number>(parameters: &Parameters<T>, water: &Surroundings<T>, alpha: T, speed: T, xi: T) -> Flow<T> {
     let (sin, cos) = alpha.sin_cos();
     Flow {
