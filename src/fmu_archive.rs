@@ -7,7 +7,7 @@ use glidepolar_archive::Archive;
 use glidepolar_fmu_resources::NOT_PUBLISHED;
 
 use crate::dynamics::empirical::PARAMETERS as EMPIRICAL;
-use crate::dynamics::{PARAMETERS, Parameters};
+use crate::dynamics::{Inputs, PARAMETERS, Parameters};
 use crate::fmu_page;
 use crate::fmu_token::{marked, resources_hash};
 use crate::glide::{Start, start, start_in};

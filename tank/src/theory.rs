@@ -188,7 +188,7 @@ mod tests {
     /// spheroid's own volume.
     #[test]
     fn suboff_gets_the_published_theory() {
-        let theory = of(&suboff(), Some(1.45e7), None, None);
+        let theory = predict(&suboff(), Some(1.45e7), None, None);
         assert!((value(&theory, "d [1/rad]", "Munk 1924") - 1.463).abs() < 2e-3);
         let allen = value(&theory, "CN at 10 deg", "Allen and Perkins 1951");
         // 0.6458 is Jorgensen's share between 6 (0.62) and 10 (0.66) diameters; SUBOFF's side view is 9.27 to 9.30 A.
@@ -216,7 +216,7 @@ mod tests {
                 volume_m3: Some(area * (loa - 0.2 * 1.724)),
             };
             let hull = Hull { ldr, geometry, mc_m: 0.45 * loa, ..suboff() };
-            let munk = value(&of(&hull, None, None, None), "d [1/rad]", "Munk 1924");
+            let munk = value(&predict(&hull, None, None, None), "d [1/rad]", "Munk 1924");
             assert!((munk - expected).abs() < 2e-3, "{ldr}: {munk}");
         }
     }

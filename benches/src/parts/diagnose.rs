@@ -23,14 +23,14 @@ pub fn measure(context: &Context<'_>) -> Result<Part> {
          diagnosis does.",
     );
     for (log, goal) in GOALS {
-        if let Err(error) = measure(context, &mut part, &log, goal) {
+        if let Err(error) = of_log(context, &mut part, &log, goal) {
             part.row(Row::new(format!("diagnosis, {}", log.name), Unit::Seconds, Err(error)));
         }
     }
     Ok(part)
 }
 
-fn measure(context: &Context<'_>, part: &mut Part, log: &Log, goal: f64) -> Result<()> {
+fn of_log(context: &Context<'_>, part: &mut Part, log: &Log, goal: f64) -> Result<()> {
     let observations = log.read(context.root())?;
     let baseline = log.baseline(&observations)?;
     let problem = Watched {

@@ -25,7 +25,7 @@ pub fn measure(context: &Context<'_>) -> Result<Part> {
     let sizes: &[f64] =
         context.choice.size(Sized { quick: &[3.0], standard: &[10.0, 100.0], full: &[10.0, 100.0, 1000.0] });
     for megabytes in sizes {
-        if let Err(error) = measure(context, &mut part, *megabytes) {
+        if let Err(error) = of_size(context, &mut part, *megabytes) {
             part.row(Row::new(format!("{megabytes:.0} MB"), Unit::Seconds, Err(error)));
         }
     }
@@ -42,7 +42,7 @@ pub fn campaign(context: &Context<'_>, megabytes: f64) -> Result<tempfile::TempD
     Ok(folder)
 }
 
-fn measure(context: &Context<'_>, part: &mut Part, megabytes: f64) -> Result<()> {
+fn of_size(context: &Context<'_>, part: &mut Part, megabytes: f64) -> Result<()> {
     let folder = campaign(context, megabytes)?;
     let runs = folder.path().join("pmm_runs");
     let rounds = match megabytes {

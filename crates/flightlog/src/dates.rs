@@ -1,5 +1,7 @@
 //! Times written as dates: `2023-04-18T16:49:57.5Z`, `18/04/2023 16:49:57`, with or without a zone.
 
+use glidepolar_dbd::days_since_1970;
+
 /// Unix time of a date, in UTC unless it states a zone \[s\]; nothing of a text that is none.
 pub(super) fn unix_s(text: &str) -> Option<f64> {
     of_years(text, 1900..3000)

@@ -249,7 +249,7 @@ impl Preparation {
                     dive: self.counters.dive,
                     stretch,
                     motor_moving: log.at(Channel::MotorMoving, i) > 0.5,
-                    steady: under_way && after_turn && !moving[i] && pressure[i] > s.surface_dbar,
+                    steady: under_way && is_clear && !moving[i] && pressure[i] > s.surface_dbar,
                 });
             }
             self.counters.leg += 1;

@@ -30,7 +30,7 @@ impl Readings {
                 kept.push(value);
             }
         }
-        let longest_s = (LONGEST_INTERVALS * super::median_step(&kept_times)).max(LONGEST_S);
+        let longest_s = (LONGEST_INTERVALS * super::clean::median_step(&kept_times)).max(LONGEST_S);
         Readings { times: kept_times, values: kept, longest_s }
     }
 

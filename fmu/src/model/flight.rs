@@ -224,7 +224,7 @@ impl<I: InputsAt> glidepolar_ode::System<{ spatial::N_STATES }, N_FELT, { spatia
     fn slopes(&self, time_s: f64, state: &[f64; spatial::N_STATES]) -> Slopes<{ spatial::N_STATES }, N_FELT> {
         let may_go_on = self.moving.may_go_on(time_s, COST_OF_SLOPES);
         let body = self.body.map(glidepolar_ode::Jet::constant);
-        Slopes::of::<{ N_FELT + 1 }>(time_s, state, (FIRST_FELT, &NOMINAL_VALUES), |time_s, values| {
+        Slopes::new::<{ N_FELT + 1 }>(time_s, state, (FIRST_FELT, &NOMINAL_VALUES), |time_s, values| {
             let (state, inputs) = self.parts(&body, time_s, values);
             let rates = spatial::derivative(&body, time_s, &state, &inputs).as_array();
             if may_go_on { rates } else { rates.map(|_| glidepolar_ode::Jet::constant(f64::NAN)) }

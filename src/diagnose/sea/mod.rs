@@ -261,7 +261,7 @@ impl SeaProblem {
         let again = engine::diagnose_in_full(&steady);
         let [least, most] = gain(&found.after.held_out, &again.after.held_out);
         let is_better = least > 0.0 || (most > 0.0 && again.fitted.len() < found.fitted.len());
-        is_better.then_some((steady, told))
+        is_better.then_some((steady, again))
     }
 
     /// Whether the baseline has no inertia.
