@@ -1,7 +1,6 @@
 //! Runs that lie wildly off the fit of their sweep, as one whose forces are in other units does. They stay in the fit: what
 //! is wrong with them is for the crew to say. Must not know how the points came about.
 
-use glidepolar_inference::covariance::inverse_if_independent;
 use nalgebra::{DMatrix, DVector};
 
 use crate::angle_regression::Basis;
@@ -54,7 +53,7 @@ fn furthest(sweep: &Sweep, rows: &[usize], coefficient: usize, basis: Basis) -> 
     let alpha_rad: Vec<f64> = rows.iter().map(|i| sweep.points[*i].alpha_rad()).collect();
     let design = DMatrix::from_fn(rows.len(), basis.len(), |i, j| basis[j](alpha_rad[i]));
     let observed = DVector::from_iterator(rows.len(), rows.iter().map(|i| sweep.points[*i].coefficients[coefficient]));
-    let inverse = inverse_if_independent(&design.tr_mul(&design))?;
+    let inverse = design.tr_mul(&design).try_inverse()?;
     let residuals = &observed - &design * (&inverse * design.tr_mul(&observed));
     // What each leaves in the sum of squares when it is taken out, and where it lies to the others' fit.
     let without = |i: usize| {

@@ -9,7 +9,7 @@
 //! `H = J^T J` of all dives, `H_k` and `g_k = J_k^T r_k` of dive `k`. It needs no model of the correlation, is right for
 //! any within dives, and with few dives errs on the wide side. Its degrees of freedom are those of the dives, `K - 1`.
 
-use nalgebra::{DMatrix, DVector, Dyn, SymmetricEigen};
+use nalgebra::{DMatrix, DVector};
 
 use super::gram::Gram;
 
@@ -64,66 +64,55 @@ pub fn solve_symmetric(matrix: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f
     inverse_symmetric(matrix) * right
 }
 
+/// The first `k` columns, each in units of its length, and the lengths: normal equations are then as well conditioned as
+/// units can make them.
+pub fn unit_columns(all: &DMatrix<f64>, k: usize) -> (DMatrix<f64>, Vec<f64>) {
+    let mut columns = all.columns(0, k).into_owned();
+    let lengths: Vec<f64> = columns.column_iter().map(|column| column.norm().max(f64::MIN_POSITIVE)).collect();
+    lengths.iter().enumerate().for_each(|(j, length)| columns.column_mut(j).unscale_mut(*length));
+    (columns, lengths)
+}
+
+/// Inverse of a symmetric matrix; none if its columns, scaled alike, are not independent.
+pub fn inverse_if_independent(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let scale = matrix.diagonal().map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { f64::NAN });
+    if scale.iter().any(|s| !s.is_finite()) {
+        return None;
+    }
+    let diagonal = DMatrix::from_diagonal(&scale);
+    let decomposition = (&diagonal * matrix * &diagonal).symmetric_eigen();
+    if decomposition.eigenvalues.min() < 1e-10 {
+        return None;
+    }
+    let inverse = DMatrix::from_diagonal(&decomposition.eigenvalues.map(|e| 1.0 / e));
+    let vectors = &decomposition.eigenvectors;
+    Some(&diagonal * vectors * inverse * vectors.transpose() * &diagonal)
+}
+
 /// The inverse of a symmetric positive matrix, by eigenvalues of the matrix scaled to a unit diagonal. A direction that
 /// it sees less than rounding does is left out.
 pub fn inverse_symmetric(matrix: &DMatrix<f64>) -> DMatrix<f64> {
-    inverse_symmetric_above(matrix, ROUNDING)
-}
-
-/// The same where a direction is left out whose eigenvalue is below this share of the largest.
-pub fn inverse_symmetric_above(matrix: &DMatrix<f64>, share: f64) -> DMatrix<f64> {
-    let directions = Directions::new(matrix);
-    directions.inverse(|value| if value > directions.most * share { value.recip() } else { 0.0 })
+    inverse(matrix, |value, least| if value > least { value.recip() } else { 0.0 })
 }
 
 /// The same with such a direction taken for one that is seen as little as rounding allows: what bounds an error must be large
 /// along it.
 pub fn inverse_symmetric_at_least(matrix: &DMatrix<f64>) -> DMatrix<f64> {
-    let directions = Directions::new(matrix);
-    directions.inverse(|value| value.max(directions.most * ROUNDING).recip())
+    inverse(matrix, |value, least| value.max(least).recip())
 }
 
-/// The inverse where the columns are independent: none where one is zero, or an eigenvalue below 1e-10.
-pub fn inverse_if_independent(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    if matrix.diagonal().iter().any(|value| !(*value > 0.0 && value.is_finite())) {
-        return None;
+/// By the inverse of each eigenvalue, given beside the least that is more than rounding.
+fn inverse(matrix: &DMatrix<f64>, invert: impl Fn(f64, f64) -> f64) -> DMatrix<f64> {
+    let n = matrix.nrows();
+    let (scaled, scale) = scaled(matrix);
+    let eigen = scaled.symmetric_eigen();
+    let most = eigen.eigenvalues.iter().fold(0.0f64, |most, &v| most.max(v)).max(f64::MIN_POSITIVE);
+    let mut inverse = DMatrix::zeros(n, n);
+    for (k, &value) in eigen.eigenvalues.iter().enumerate() {
+        let vector = eigen.eigenvectors.column(k);
+        inverse += vector * vector.transpose() * invert(value, most * 1e-13);
     }
-    let directions = Directions::new(matrix);
-    (directions.eigen.eigenvalues.min() >= INDEPENDENT).then(|| directions.inverse(f64::recip))
-}
-
-/// Share of the largest eigenvalue that is rounding.
-const ROUNDING: f64 = 1e-13;
-
-/// Least eigenvalue of products of columns of one length that are independent.
-const INDEPENDENT: f64 = 1e-10;
-
-/// A symmetric matrix scaled to a unit diagonal, by its eigenvectors.
-struct Directions {
-    eigen: SymmetricEigen<f64, Dyn>,
-    scale: Vec<f64>,
-    /// The largest eigenvalue.
-    most: f64,
-}
-
-impl Directions {
-    fn new(matrix: &DMatrix<f64>) -> Self {
-        let (scaled, scale) = scaled(matrix);
-        let eigen = scaled.symmetric_eigen();
-        let most = eigen.eigenvalues.iter().fold(0.0f64, |most, &v| most.max(v)).max(f64::MIN_POSITIVE);
-        Directions { eigen, scale, most }
-    }
-
-    /// The inverse by that of each eigenvalue.
-    fn inverse(&self, invert: impl Fn(f64) -> f64) -> DMatrix<f64> {
-        let n = self.scale.len();
-        let mut inverse = DMatrix::zeros(n, n);
-        for (k, &value) in self.eigen.eigenvalues.iter().enumerate() {
-            let vector = self.eigen.eigenvectors.column(k);
-            inverse += vector * vector.transpose() * invert(value);
-        }
-        DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / (self.scale[i] * self.scale[j]))
-    }
+    DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / (scale[i] * scale[j]))
 }
 
 fn scaled(matrix: &DMatrix<f64>) -> (DMatrix<f64>, Vec<f64>) {

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
-use super::covariance::inverse_symmetric_above;
+use super::covariance::unit_columns;
 use super::evidence::Evidence;
 use super::score::whiten_with_prior;
 use crate::noise::Noise;
@@ -60,15 +60,27 @@ pub fn on_part(
         all[(i, k)] = evidence.residual[*row];
     }
     let all = whiten_with_prior(&part, noises, &all, k);
-    let design = all.columns(0, k);
-    Some((least_squares(&all), inverse_symmetric_above(&design.tr_mul(&design), 1e-12)))
+    let (design, sizes) = unit_columns(&all, k);
+    let inverse = design.tr_mul(&design).pseudo_inverse(1e-12).ok()?;
+    let covariance = DMatrix::from_fn(k, k, |i, j| inverse[(i, j)] / (sizes[i] * sizes[j]));
+    Some((least_squares(&all), covariance))
 }
 
 /// Solution of a least-squares problem whose right side is the last column; directions that no row sees stay zero.
 pub fn least_squares(all: &DMatrix<f64>) -> DVector<f64> {
     let k = all.ncols() - 1;
-    let design = all.columns(0, k);
-    inverse_symmetric_above(&design.tr_mul(&design), 1e-10) * design.tr_mul(&all.column(k))
+    let (design, sizes) = unit_columns(all, k);
+    let gram = design.transpose() * &design;
+    let moments = design.transpose() * all.column(k);
+    let eigen = gram.symmetric_eigen();
+    let largest = eigen.eigenvalues.max();
+    let mut solution = DVector::zeros(k);
+    for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+        if *value > 1e-10 * largest {
+            solution += vector * (vector.dot(&moments) / value);
+        }
+    }
+    DVector::from_fn(k, |j, _| solution[j] / sizes[j])
 }
 
 /// The rows of an evidence that a fit may see.

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::clusters::{chance_by_clusters, clusters};
-use super::covariance::inverse_symmetric_above;
+use super::covariance::unit_columns;
 use super::evidence::Evidence;
 use crate::noise::{self, Noise, orthonormal};
 
@@ -186,8 +186,11 @@ impl Score {
 
 /// Steps of the first `nb` columns by which they imitate each of the next `nc` best, by least squares.
 fn absorbed(all: &DMatrix<f64>, nb: usize, nc: usize) -> DMatrix<f64> {
-    let design = all.columns(0, nb);
-    inverse_symmetric_above(&design.tr_mul(&design), 1e-10) * design.tr_mul(&all.columns(nb, nc))
+    let (design, sizes) = unit_columns(all, nb);
+    let inverse = design.tr_mul(&design).pseudo_inverse(1e-10).unwrap_or_else(|_| DMatrix::zeros(nb, nb));
+    let mut steps = inverse * design.tr_mul(&all.columns(nb, nc));
+    sizes.iter().enumerate().for_each(|(j, size)| steps.row_mut(j).unscale_mut(*size));
+    steps
 }
 
 /// Longest correlation time of what is slow in these noises \[s\].

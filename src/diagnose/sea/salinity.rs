@@ -9,7 +9,6 @@
 //! `f` is a broken line over the temperatures met. The standard errors are those of the scatter between dives (Liang and Zeger
 //! 1986), since what the water itself changes lasts as long as a dive at least. Knows observations; no vehicle.
 
-use glidepolar_inference::covariance::inverse_if_independent;
 use nalgebra::{DMatrix, DVector};
 
 use super::history::{DENSITY_PER_SALINITY, SALINITY_PER_KELVIN};
@@ -122,11 +121,14 @@ fn slopes(rows: &[Row]) -> Option<(DVector<f64>, DMatrix<f64>)> {
         gram += DMatrix::from_row_slice(2, 2, &[a * a, a * b, a * b, b * b]);
         moments += DVector::from_row_slice(&[a * y, b * y]);
     }
+    // In units of their own lengths, which differ by eight orders of magnitude.
     let length = [gram[(0, 0)].sqrt(), gram[(1, 1)].sqrt()];
     if length.iter().any(|length| *length < 1e-12) {
         return None;
     }
-    let inverse = inverse_if_independent(&gram)?;
+    let scaled = DMatrix::from_fn(2, 2, |i, j| gram[(i, j)] / (length[i] * length[j]));
+    let inverse = scaled.try_inverse()?;
+    let inverse = DMatrix::from_fn(2, 2, |i, j| inverse[(i, j)] / (length[i] * length[j]));
     let step = &inverse * moments;
     let mut of_dive: std::collections::BTreeMap<u32, DVector<f64>> = std::collections::BTreeMap::new();
     for (dive, [a, b, y]) in &free {
