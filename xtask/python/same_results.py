@@ -122,7 +122,7 @@ def virtual(before, folder, seeds):
         subprocess.run(made, capture_output=True, check=True)
         for verb in ("identify", "diagnose", "track"):
             cases[f"{verb} sea{seed} ({effect})"] = ["glidepolar", verb, str(log / "log.csv"), "--vehicle", str(log / "vehicle.toml")]
-        cases[f"plan sea{seed}"] = ["glidepolar", "plan", str(log / "vehicle.toml"), "--battery-Wh", "2000", "--depth-m", "200"]
+        cases[f"plan sea{seed}"] = ["glidepolar", "plan", str(log / "vehicle.toml"), "--battery-Wh", "2000", "--depth-m", "200", "--set", "energy.hotel_W=1"]
         tank = folder / f"tank{seed}"
         subprocess.run([before / "tank-reduce", "demo", tank, "--seed", str(8000 + seed)], capture_output=True, check=True)
         cases[f"tank-reduce --diagnose tank{seed}"] = ["tank-reduce", str(tank), "--diagnose", "--out", "OUT"]
