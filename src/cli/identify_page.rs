@@ -70,7 +70,7 @@ pub(super) fn of_joint(
         page = page.section(moments(balance, &found.dives));
     }
     page = page.section(Section::new("Glide by glide").folded().table(glide_table(&points)));
-    Ok(housekeeping(&report.notes).into_iter().fold(page, Page::section))
+    Ok(housekeeping(&report.notes).into_iter().fold(page, Report::section))
 }
 
 /// The page of the iterative scheme.

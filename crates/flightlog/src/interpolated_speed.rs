@@ -8,7 +8,7 @@
 //! Knows samples and their speeds only. A smooth record without noise, as of a simulation, bends over many rows at once; a
 //! sensor of few digits repeats its values. Neither is taken for interpolated.
 
-use super::clean::median;
+use super::median;
 use super::observation::Observation;
 
 /// Rows that can be judged, and bends among them, below which nothing is said.

@@ -59,8 +59,8 @@ pub use density::{absolute_salinity_g_kg, conservative_temperature_C, in_situ_de
 pub use files::{LogFiles, Piece};
 pub use fix::GpsFix;
 pub use glide_table::read_glide_table;
-pub use interpolated_speed::take_out_interpolated_speeds;
 pub use glidepolar_inference::order::median;
+pub use interpolated_speed::take_out_interpolated_speeds;
 pub use lost_speed::take_out_lost_speeds;
 pub use observation::{DBAR_PA, Observation};
 pub use open::{LogPieces, Opened, open};
