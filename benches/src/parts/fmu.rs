@@ -14,7 +14,7 @@ use super::{Context, floor};
 use crate::arguments::Sized;
 use crate::child;
 use crate::contest::{Contender, Samples, contest};
-use crate::fmi::{Fmu, GLIDER_STATES, FmuGlider, Interface, LEG_S, LEGS_PER_DAY, SPACE_STATES, Standard, TOLERANCE};
+use crate::fmi::{Fmu, FmuGlider, GLIDER_STATES, Interface, LEG_S, LEGS_PER_DAY, SPACE_STATES, Standard, TOLERANCE};
 use crate::peer::{Peer, number};
 use crate::report::{Goal, Part, Row, Unit, figures};
 
@@ -60,7 +60,13 @@ fn compile_oscillator(context: &Context<'_>) -> Result<PathBuf> {
 }
 
 /// One call, one right-hand side, one instance: beside the oscillator.
-fn calls(context: &Context<'_>, part: &mut Part, name: &str, glider: &FmuGlider, oscillator: Option<&Fmu>) -> Result<()> {
+fn calls(
+    context: &Context<'_>,
+    part: &mut Part,
+    name: &str,
+    glider: &FmuGlider,
+    oscillator: Option<&Fmu>,
+) -> Result<()> {
     let n = context.choice.size(Sized { quick: 2_000, standard: 50_000, full: 200_000 });
     let rounds = context.choice.rounds();
     let absent = || anyhow::anyhow!("the van der Pol FMU is missing");
@@ -147,7 +153,13 @@ fn calls(context: &Context<'_>, part: &mut Part, name: &str, glider: &FmuGlider,
 }
 
 /// A right-hand side of the glider in space, beside that in the plane.
-fn space_beside_plane(context: &Context<'_>, part: &mut Part, name: &str, plane: &FmuGlider, space: &Fmu) -> Result<()> {
+fn space_beside_plane(
+    context: &Context<'_>,
+    part: &mut Part,
+    name: &str,
+    plane: &FmuGlider,
+    space: &Fmu,
+) -> Result<()> {
     let n = context.choice.size(Sized { quick: 2_000, standard: 50_000, full: 200_000 });
     let instances = [&plane.fmu, space]
         .map(|fmu| fmu.begin(Interface::ModelExchange, TOLERANCE))
