@@ -107,7 +107,7 @@ fn of(context: &Context<'_>, part: &mut Part, files: &Files, peer: &mut Result<P
     let folder = context.root().join("data").join(files.folder);
     let paths = paths(&folder, files.names)?;
     let cache = files.cache.map(|name| folder.join(name));
-    let times = context.choice.size(Sized { quick: 1, usual: 5, full: 10 });
+    let times = context.choice.size(Sized { quick: 1, standard: 5, full: 10 });
     for (reader, shown) in files.readers {
         let question = json!({ "reader": reader, "files": paths, "cache": cache });
         let (mut ours, mut theirs) = (None, None);
