@@ -89,6 +89,38 @@ fn the_intervals_hold_what_the_vehicle_of_a_simulated_log_is() {
     }
 }
 
+/// Battery, pitch and ballast of a simulated log give back what the vehicle has that flew it, also where the pilot's file has
+/// another moment and another centre of gravity; the file that is written balances with the battery where it stood.
+#[test]
+fn the_balance_of_moments_that_a_log_shows_is_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(text) = ok(folder.path(), &["vehicles", "seaglider"]) else { return };
+    let truth = text.replace("nominal_kg = 1.0", "nominal_kg = 1.0\nforward_m = -0.3");
+    let own = truth.replace("\nd_per_rad = -0.35", "\nd_per_rad = -0.8").replace("height_m = 0.05", "height_m = 0.08");
+    assert!(text != truth && own.contains("-0.8") && own.contains("0.08"));
+    for (name, text) in [("truth.toml", &truth), ("own.toml", &own)] {
+        std::fs::write(folder.path().join(name), text).expect("a file");
+    }
+    let log = log_of(folder.path(), "truth.toml", "").expect("it ran before");
+    ok(folder.path(), &["identify", &log, "--vehicle", "own.toml", "--write", "identified.toml", "-q"]);
+    let written: toml::Table =
+        std::fs::read_to_string(folder.path().join("identified.toml")).expect("a file").parse().expect("TOML");
+    let figure = |section: &str, key: &str| written[section][key].as_float().expect("a number");
+    // 10 kg of battery 0.05 m below the centre of buoyancy, of 52.5 kg.
+    assert!((figure("mass", "cg_below_cb_m") - 10.0 * 0.05 / 52.5).abs() < 2e-5);
+    assert!((figure("hydro", "d_per_rad") + 0.35).abs() < 0.01);
+    assert!(written["uncertainty"]["hydro.d_per_rad"].as_float().is_some_and(|se| se > 0.0));
+    for (pitch, net_mass) in [("-24", "0.17"), ("26", "-0.17")] {
+        let battery_m = |vehicle: &str| {
+            let glide = ["glide", vehicle, "--pitch-deg", pitch, "--net-mass-kg", net_mass];
+            number(&json(folder.path(), &glide).expect("a glide")["glide"]["moving_mass_m"])
+        };
+        let (truth, written, own) = (battery_m("truth.toml"), battery_m("identified.toml"), battery_m("own.toml"));
+        assert!((written - truth).abs() < 1e-4, "{pitch} deg: {written} m beside {truth}");
+        assert!((own - truth).abs() > 1e-2, "{pitch} deg: {own} m beside {truth}");
+    }
+}
+
 #[test]
 fn a_track_of_a_simulated_log_finds_the_current_that_it_was_flown_in() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,0 +1,118 @@
+"""A Seaglider's own current profiler, one speed a minute: five dives of SG171 in which pitch and roll change as often.
+
+A second computation takes the speeds from the same files; a flight by a known polar along the same dives says which of the
+answers is right: interpolated speeds are no measurement, since the glider pitches between two pings.
+"""
+
+import csv
+import json
+import shutil
+import subprocess
+
+import netCDF4
+import numpy as np
+from conftest import MEASURED
+from test_log_values import files
+
+FOLDER = MEASURED / "seaglider_sg171"
+
+
+def identify(glidepolar, paths, *arguments):
+    arguments = ["identify", *paths, "--vehicle", "seaglider", *arguments, "--json", "-"]
+    done = subprocess.run([glidepolar, *map(str, arguments)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def filled(file, name):
+    return np.ma.filled(file[name][:].astype(float), np.nan)
+
+
+def pings(file):
+    """Times of sound pings and speeds through the water: the near cells along the heading, and their vertical part."""
+    time, heading = filled(file, "ad2cp_time"), np.radians(filled(file, "ad2cp_heading"))
+    near = [filled(file, f"ad2cp_vel{axis}")[:, :4] for axis in "XYZ"]
+    x, y, z = (cells.mean(axis=1) for cells in near)
+    along = -(x * np.sin(heading) + y * np.cos(heading))
+    tilt = np.degrees(
+        np.arccos(np.cos(np.radians(filled(file, "ad2cp_pitch"))) * np.cos(np.radians(filled(file, "ad2cp_roll"))))
+    )
+    rows, pressure = filled(file, "time"), filled(file, "pressure")
+    sinking = np.interp(time, 0.5 * (rows[1:] + rows[:-1]), np.diff(pressure) / np.diff(rows)) * 0.995
+    spread = np.max([cells.std(axis=1, ddof=1) for cells in near], axis=0)
+    sound = (np.interp(time, rows, pressure) > 1) & (tilt <= 65) & (along > 0) & (spread <= 0.1)
+    sound &= np.abs(sinking - z) <= 0.1
+    return time[sound], np.hypot(along, z)[sound]
+
+
+def with_speeds(folder, speed_of):
+    """Copies of the dives with the speeds of a function at the pings: `sparse` in the nearest row, `lines` between them."""
+    folder.mkdir()
+    paths = []
+    for path in files(FOLDER, "p171*.nc"):
+        paths.append(folder / path.name)
+        shutil.copyfile(path, paths[-1])
+        with netCDF4.Dataset(paths[-1], "a") as file:
+            time, speed = pings(file)
+            speed = speed_of(time, speed)
+            time, speed = time[np.isfinite(speed)], speed[np.isfinite(speed)]
+            rows = filled(file, "time")
+            sparse = np.full(len(rows), np.nan)
+            sparse[[np.abs(rows - t).argmin() for t in time]] = speed
+            lines = np.interp(rows, time, speed, left=np.nan, right=np.nan)
+            for name, values in [("sparse", sparse), ("lines", lines)]:
+                column = file.createVariable(name, "f8", file["time"].dimensions)
+                column.units, column[:] = "m/s", values
+    return paths
+
+
+def test_speeds_at_their_own_times_and_interpolated_ones_give_one_lift_slope(glidepolar, tmp_path):
+    own = identify(glidepolar, files(FOLDER, "p171*.nc"), "--speed-column", "ad2cp")
+    paths = with_speeds(tmp_path / "dives", lambda _, speed: speed)
+    a = own["parameters"]["a"]
+    assert "a" not in own["pinned"]
+    for name in ["sparse", "lines"]:
+        found = identify(glidepolar, paths, "--speed-column", name)
+        other = found["parameters"]["a"]
+        assert "a" not in found["pinned"]
+        # The same pings by a second computation: where they are not the very same, less than the errors.
+        assert abs(a["value"] - other["value"]) < min(a["se"], other["se"]), (name, a, other)
+        assert a["ci95"][0] <= other["value"] <= a["ci95"][1], (name, a, other)
+        assert any("interpolated" in warning for warning in found["warnings"]) == (name == "lines")
+    assert abs(own["fit"]["speed_bias_holdout_m_s"]) <= 0.012, own["fit"]
+    for name, halves in own["halves"].items():
+        one, other = halves["values"]
+        assert abs(one - other) < 2 * halves["difference_se"], (name, halves)
+
+
+def test_where_the_polar_is_known_the_interval_holds_it(glidepolar, tmp_path):
+    """The dives flown again by a polar of a = 7.2: its speeds at the times of the pings, with their scatter of 3 cm/s."""
+    paths = files(FOLDER, "p171*.nc")
+    polar = tmp_path / "polar.toml"
+    pinned = ["--speed-column", "ad2cp", "--pin", "a=7.2", "--pin", "c=0.86", "--write", polar]
+    identify(glidepolar, paths, *pinned)
+    log = tmp_path / "flown.csv"
+    track = [glidepolar, "track", *paths, "--vehicle", polar, "--write", log, "--quiet"]
+    subprocess.run([*map(str, track)], check=True, capture_output=True)
+    with open(log, encoding="utf-8") as file:
+        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    flown = np.array([float(row["time_s"]) for row in rows])
+    speeds = np.array([float(row["speed_through_water_m_s"] or "nan") for row in rows])
+    held, off = 0, []
+    for seed in range(8):
+        draw = np.random.default_rng(seed).normal
+
+        def speed_of(time, _, draw=draw):
+            nearest = [np.abs(flown - t).argmin() for t in time]
+            return speeds[nearest] + draw(0, 0.03, len(time))
+
+        flight = with_speeds(tmp_path / str(seed), speed_of)
+        a = identify(glidepolar, flight, "--speed-column", "sparse", "--free", "a")["parameters"]["a"]
+        held += a["ci95"][0] <= 7.2 <= a["ci95"][1]
+        off.append(a["value"] - 7.2)
+        # Between the pings nothing was measured: the lines add nothing, and take nothing away.
+        lines = identify(glidepolar, flight, "--speed-column", "lines", "--free", "a")["parameters"]["a"]
+        assert abs(lines["value"] - a["value"]) < a["se"], (a, lines)
+    assert held >= 7, (held, off)
+    # In the mean over the draws less than half of one standard error of a single flight.
+    assert abs(np.mean(off)) < 0.7, off
