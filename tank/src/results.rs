@@ -6,6 +6,7 @@ use glidepolar_inference::relevance::Relevance;
 
 use crate::campaign::{Kind, Rejected, Run};
 use crate::diagnose::{self, Diagnoses};
+use crate::fits::NoFit;
 pub use crate::hull_results::HullResults;
 use crate::readings::Trace;
 use crate::steady_run::Steps;
@@ -80,9 +81,14 @@ impl RunResults {
 }
 
 impl Results {
-    /// Whether any hull has coefficients or derivatives.
+    /// Whether any hull has coefficients, or derivatives of a campaign without a sweep. Where the sweep was lost with runs
+    /// that were left out, or its angles are radians, derivatives of the same campaign are no result.
     pub fn is_usable(&self) -> bool {
-        self.hulls.iter().any(|hull| hull.fit.is_ok() || hull.dynamic.is_some())
+        self.hulls.iter().any(|hull| match &hull.fit {
+            Ok(_) => true,
+            Err(NoFit::TooFewPoints { .. }) => hull.dynamic.is_some() && self.rejected.is_empty(),
+            Err(NoFit::Radians { .. }) => false,
+        })
     }
 
     /// Asks what the steady runs depart from by more than is relevant, and keeps the answer.

@@ -106,6 +106,45 @@ fn bad_input_ends_with_two_and_leaves_nothing() {
     }
 }
 
+/// A campaign whose angles are radians, in the records alone or everywhere, has no coefficients: that is no success, whatever
+/// its oscillations give.
+#[test]
+fn a_campaign_in_radians_ends_with_one() {
+    let radians = |text: &str, column: &str| {
+        let lines: Vec<&str> = text.lines().collect();
+        let header = lines.iter().position(|line| !line.starts_with('#')).expect("a header");
+        let at = lines[header].split(',').position(|name| name == column).expect("the column");
+        let changed = lines.iter().enumerate().map(|(i, line)| {
+            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+            if let Some(degrees) = cells.get(at).filter(|_| i > header).and_then(|cell| cell.parse::<f64>().ok()) {
+                cells[at] = degrees.to_radians().to_string();
+            }
+            cells.join(",") + "\n"
+        });
+        changed.collect::<String>()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let demo = tank_reduce(folder.path(), &["demo", "runs", "--hull", "LDR8.5", "--quiet"]);
+    assert!(demo.status.success(), "{}", text(&demo.stderr));
+    let runs = folder.path().join("runs");
+    let rewrite = |path: &Path| {
+        let degrees = std::fs::read_to_string(path).unwrap();
+        std::fs::write(path, radians(&degrees, "yaw_deg")).unwrap();
+    };
+    for entry in std::fs::read_dir(runs.join("data")).unwrap() {
+        rewrite(&entry.unwrap().path());
+    }
+    for everywhere in [false, true] {
+        if everywhere {
+            rewrite(&runs.join("runs.csv"));
+        }
+        let output = tank_reduce(folder.path(), &["runs", "--force"]);
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(said.contains("radians") && said.contains("no usable result"), "{said}");
+    }
+}
+
 #[test]
 fn what_stands_in_the_way_leaves_no_half_of_the_results() {
     let folder = tempfile::tempdir().unwrap();

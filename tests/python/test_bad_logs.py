@@ -171,3 +171,54 @@ def test_a_gigabyte_of_one_file_passes_through_bounded_memory(glidepolar, tmp_pa
     assert done.returncode == 0, done.stderr
     assert "long.dbd: byte" in done.stderr and "long.dbd: cut off within a cycle" in done.stdout, (done.stdout, done.stderr)
     assert peak < 1e9, f"{peak / 1e6:.0f} MB"
+
+
+@pytest.mark.parametrize(
+    ("density", "hint"), [(1.0271, "--unit density_kg_m3=g/cm3"), (27.1, "--unit density_kg_m3=sigma")]
+)
+@pytest.mark.parametrize("command", ["identify", "diagnose"])
+def test_a_density_in_another_unit_is_recognised_and_can_be_stated(glidepolar, tmp_path, command, density, hint):
+    dive = Dive(rows=400)
+    columns = {name: (lambda row, name=name: dive[name][row]) for name in ["time_s", "pressure_dbar", "pitch_deg", "vbd_cc"]}
+    columns["density_kg_m3"] = lambda _: density
+    log_files.cells(tmp_path / "log.csv", columns, dive.rows)
+    done = run(glidepolar, command, tmp_path / "log.csv", "--vehicle", "seaglider")
+    assert done.returncode == 2 and hint in done.stderr, done.stderr
+    stated = run(glidepolar, command, tmp_path / "log.csv", "--vehicle", "seaglider", *hint.split())
+    assert "unit of density" not in stated.stderr, stated.stderr
+
+
+def test_a_pitch_in_another_unit_than_it_says_is_stated_by_hand(log_values, tmp_path):
+    """Radians that are labelled degrees, and the other way round; the column by its name in degrees."""
+    dive = Dive()
+    radians = {"of": lambda dive: dive["pitch_deg"] * log_files.RAD, "unit": "degrees"}
+    log_files.time_series(tmp_path / "og1.nc", dive, {"PITCH": radians})
+    for arguments in [["--unit", "pitch_rad=rad"], ["--column", "pitch_rad=PITCH", "--unit", "pitch_deg=rad"]]:
+        done = subprocess.run(
+            [log_values, *arguments, tmp_path / "og1.nc"], capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, done.stderr
+        header, *rows = done.stdout.splitlines()
+        pitch = [float(row.split(",")[header.split(",").index("pitch_rad")]) for row in rows]
+        assert np.abs(np.array(pitch) - dive["pitch_deg"] * log_files.RAD).max() < 1e-12
+
+
+def test_housekeeping_stands_below_the_answer(glidepolar, tmp_path):
+    """What was cleaned is no warning: a line below the table, and folded away on the page."""
+    paths = []
+    for i in range(4):
+        dive = Dive(rows=400, start_s=log_files.START_S + 5000 * i)
+        dive.values["pressure_dbar"] = dive["pressure_dbar"] * (1 + 0.05 * np.sin(np.arange(dive.rows) / 9 + i))
+        dive.values["pitch_deg"][50] = 80.0
+        paths.append(tmp_path / f"p171000{i + 1}.nc")
+        log_files.seaglider(paths[-1], dive, number=i + 1)
+    for command in ["identify", "diagnose"]:
+        done = run(glidepolar, command, *paths, "--vehicle", "seaglider", "--out", tmp_path / command)
+        assert done.returncode == 0, done.stderr
+        first = next(i for i, line in enumerate(done.stdout.splitlines()) if line.startswith("note: "))
+        assert first > 5, done.stdout
+        assert "spikes" in done.stdout and "spikes" not in done.stderr, (done.stdout, done.stderr)
+        page = (tmp_path / command / "report.html").read_text(encoding="utf-8")
+        before, _, after = page.rpartition("Reading of the log")
+        assert "spikes" in after and "spikes" not in before
+        assert "<summary>" in before[-60:], before[-200:]

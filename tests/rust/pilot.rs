@@ -235,6 +235,23 @@ fn gliders_are_compared_side_by_side() {
     assert!(folder.path().join("page/report.html").exists());
 }
 
+/// Half an hour of one leg gives figures of which no error is known: that is no result.
+#[test]
+fn a_log_of_one_dive_ends_with_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(log) = log_of(folder.path(), "seaglider", "") else { return };
+    let text = std::fs::read_to_string(folder.path().join(&log)).expect("the log");
+    let start: String = text.lines().take(60).map(|line| format!("{line}\n")).collect();
+    std::fs::write(folder.path().join("start.csv"), start).expect("a file");
+    let arguments = ["identify", "start.csv", "--vehicle", "seaglider", "--json", "one.json"];
+    let output = run(folder.path(), &arguments).expect("it ran before");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("1 dives with steady samples, at least 2"), "{said}");
+    // The figures are there for whoever wants them.
+    assert!(folder.path().join("one.json").exists());
+}
+
 /// A column of density evaluated at p = 0 is corrected in all commands, from the log's own temperature and salinity.
 #[test]
 fn gravity_follows_the_latitude_of_the_log() {
