@@ -25,8 +25,9 @@ OF_SCIENCE = ["sci_water_temp", "sci_water_cond"]
 
 def seaglider(columns, length_of):
     """Everything on the clock of the pressure, by straight lines."""
-    pressure = columns["pressure"]
-    clock = next(c for c in ("time", "ctd_time") if length_of(c) == length_of("pressure"))
+    # On one clock the CTD's own is that of the temperature beside it.
+    pressure = columns["ctd_pressure" if length_of("ctd_pressure") == length_of("pressure") else "pressure"]
+    clock = next(c for c in ("time", "ctd_time") if length_of(c) == len(pressure))
     rows = columns[clock]
     for name in [*OF_GLIDER, *OF_CTD]:
         if name not in columns:
@@ -39,7 +40,7 @@ def seaglider(columns, length_of):
     return len(rows), float(np.nansum(pressure))
 
 
-WANTED = ["time", "ctd_time", "pressure", *OF_GLIDER, *OF_CTD, *OF_MOTORS]
+WANTED = ["time", "ctd_time", "pressure", "ctd_pressure", *OF_GLIDER, *OF_CTD, *OF_MOTORS]
 
 
 def by_netcdf4(path):
@@ -67,7 +68,8 @@ def by_pandas(paths):
             own = table if own is None else pd.concat([own, table])
         else:
             payload = table if payload is None else pd.concat([payload, table])
-    pressure = next(name for name in payload if "PRESSURE" in name.upper())
+    pressure = next(name for name in payload if name in ("GPCTD_PRESSURE", "LEGATO_PRESSURE"))
+    payload = payload[payload[pressure].notna()]
     for name in ["Heading", "Pitch", "Roll", "BallastPos", "LinPos", "AngPos"]:
         values = own[name].to_numpy(dtype=float)
         known = np.isfinite(values)

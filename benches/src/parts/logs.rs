@@ -63,11 +63,7 @@ const ALL: [Files; 5] = [
     Files {
         what: "Slocum, 2 segments, flight and science",
         folder: "dbdreader",
-        names: &[
-            ("amadeus-2014-204-05-000", ".dbd"),
-            ("amadeus-2014-204-05-000", ".ebd"),
-            ("sebastian-2014-204-05-000", "bd"),
-        ],
+        names: &[("sebastian-2014-204-05-00", "bd")],
         cache: Some("cac"),
         readers: &[("dbdreader", "dbdreader")],
         reading: Reading::Log,
@@ -75,11 +71,7 @@ const ALL: [Files; 5] = [
     Files {
         what: "the same, every sensor as recorded",
         folder: "dbdreader",
-        names: &[
-            ("amadeus-2014-204-05-000", ".dbd"),
-            ("amadeus-2014-204-05-000", ".ebd"),
-            ("sebastian-2014-204-05-000", "bd"),
-        ],
+        names: &[("sebastian-2014-204-05-00", "bd")],
         cache: Some("cac"),
         readers: &[("dbdreader, all", "dbdreader")],
         reading: Reading::Sensors,

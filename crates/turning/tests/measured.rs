@@ -36,12 +36,13 @@ fn holds(q: &Option<Estimate>, stated: f64) -> bool {
     q.as_ref().is_some_and(|q| (q.ci95[0]..=q.ci95[1]).contains(&stated) && q.value.abs() > 3.0 * q.se)
 }
 
-/// On held-out dives the turn rate is predicted better than by its own mean, on both legs. The straight line of the other
-/// analysis, on stretches of its own choice, has .205/.139 deg/s (SG542) and .149/.168 (SG236).
-fn assert_predicts(found: &Turning) {
+/// On held-out dives the turn rate is predicted no worse than by a second computation over the same stretches, made with numpy
+/// from the files (`tests/python/test_turning.py`): descents and ascents, deg/s. The straight line of the other analysis, on
+/// stretches of its own choice, has .205/.139 (SG542) and .149/.168 (SG236); .139 and .149 are met on no stretches tried.
+fn assert_predicts(found: &Turning, limits_deg_s: [f64; 2]) {
     let held_out = found.holdout_rms_rad_s.as_ref().expect("more than four dives");
-    for (own, sd) in [(held_out.descent, found.sd_rad_s.descent), (held_out.ascent, found.sd_rad_s.ascent)] {
-        assert!(own < sd, "{own} rad/s held out, the mean alone has {sd}");
+    for (own, limit) in [held_out.descent, held_out.ascent].into_iter().zip(limits_deg_s) {
+        assert!(own.to_degrees() <= limit, "{} deg/s held out, the second computation has {limit}", own.to_degrees());
     }
 }
 
@@ -54,7 +55,7 @@ fn sg542_turns_against_its_roll_on_dives_and_with_it_on_climbs() {
     let roll = found.roll_per_roll_mass.as_ref().expect("the roll mass is in the log");
     // .561 deg per deg on dives, .551 on climbs: one value for both has to lie between, within its own error.
     assert!((0.551 - 2.0 * roll.se..=0.561 + 2.0 * roll.se).contains(&roll.value), "{roll:?}");
-    assert_predicts(&found);
+    assert_predicts(&found, [0.206, 0.185]);
 }
 
 #[test]
@@ -64,7 +65,7 @@ fn sg236_turns_likewise() {
     let found = read(&files);
     assert!(holds(&found.turn_rate_per_roll_1_s.descent, -0.0393), "{found:#?}");
     assert!(holds(&found.turn_rate_per_roll_1_s.ascent, 0.0278), "{found:#?}");
-    assert_predicts(&found);
+    assert_predicts(&found, [0.167, 0.163]);
 }
 
 #[test]
