@@ -12,10 +12,9 @@ use super::calibration::Calibration;
 use super::channels::{Channel, FlightLog};
 use super::columns::Columns;
 use super::fix::GpsFix;
-use super::in_memory::InMemory;
 use super::observation::Observation;
 use super::open::{LogPieces, Opened};
-use super::{CsvLog, ad2cp, glide_table, netcdf, og1, open, seaexplorer, seaglider, slocum};
+use super::{ad2cp, glide_table, netcdf, og1, open, seaexplorer, seaglider, slocum};
 use glidepolar_input::memory::Table;
 use glidepolar_input::{InputError, Place, printable};
 
@@ -66,8 +65,8 @@ enum Kind {
     /// The files of one segment.
     Segment(Maker, Vec<PathBuf>),
     TimeSeries,
-    Csv,
-    Glides,
+    /// A file of any kind that [`open`] knows.
+    OneFile,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -164,7 +163,7 @@ impl LogFiles {
                     return Ok(Some(Piece::Glides(glides)));
                 }
                 Ok(None) => {}
-                Err(error) if matches!(source.kind, Kind::Csv | Kind::Glides) => return Err(error),
+                Err(error) if matches!(source.kind, Kind::OneFile) => return Err(error),
                 Err(error) => {
                     if self.begun > 1 || !self.waiting.is_empty() {
                         self.warnings.push(format!("left out: {error}"));
@@ -231,13 +230,12 @@ impl LogFiles {
                 self.open = Some(LogPieces::Whole(Some(Box::new(log))));
             }
             Kind::Part(_) => {}
-            Kind::Glides => return glide_table::read_glide_table(path, &self.columns).map(Some),
             Kind::TimeSeries => {
                 let log = og1::read(path, &self.columns, &mut self.warnings)?;
                 self.fixes.extend(og1::fixes(path)?);
                 self.open = Some(LogPieces::Whole(Some(Box::new(log))));
             }
-            Kind::Csv => match open(path, &self.columns)? {
+            Kind::OneFile => match open(path, &self.columns)? {
                 Opened::Series(pieces) => self.open = Some(*pieces),
                 Opened::Glides(glides) => return Ok(Some(glides)),
             },
@@ -279,9 +277,8 @@ impl LogFiles {
 /// What a file is, by its content.
 fn probe(path: &Path, columns: &Columns) -> Result<Source, InputError> {
     let source = |kind, glider, start_s| Source { path: path.to_owned(), kind, glider, start_s };
-    if let Some(table) = Table::named(path) {
-        let first = InMemory::open(table, columns)?.next_piece(1)?;
-        return Ok(source(Kind::Csv, String::new(), ordering_s(first.as_ref())));
+    if Table::named(path).is_some() {
+        return one_file(path, columns);
     }
     if netcdf::is_one(path)? {
         let file = netcdf::open(path)?;
@@ -307,10 +304,18 @@ fn probe(path: &Path, columns: &Columns) -> Result<Source, InputError> {
     }
     super::open::refuse_foreign(path)?;
     if glide_table::is_one(path)? {
-        return Ok(source(Kind::Glides, String::new(), f64::NAN));
+        return Ok(source(Kind::OneFile, String::new(), f64::NAN));
     }
-    let first = CsvLog::open(path, columns)?.next_piece(1)?;
-    Ok(source(Kind::Csv, String::new(), ordering_s(first.as_ref())))
+    one_file(path, columns)
+}
+
+/// A file of any kind that [`open`] knows.
+fn one_file(path: &Path, columns: &Columns) -> Result<Source, InputError> {
+    let start_s = match open(path, columns)? {
+        Opened::Series(mut pieces) => ordering_s(pieces.next_piece(1)?.as_ref()),
+        Opened::Glides(_) => f64::NAN,
+    };
+    Ok(Source { path: path.to_owned(), kind: Kind::OneFile, glider: String::new(), start_s })
 }
 
 /// The time by which a log is put in order among others. Times since a start of their own order nothing.

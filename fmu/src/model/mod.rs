@@ -12,6 +12,7 @@
 pub mod flight;
 pub mod glider;
 mod plane;
+mod references;
 pub mod rules;
 mod sizes;
 pub mod space;

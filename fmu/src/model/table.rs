@@ -4,7 +4,7 @@
 //! A row begins with its value reference, which it keeps for good: a further row takes the next free number, wherever it
 //! stands here, and comes last in the descriptions. The references are 1 to n in the order of modelDescription.xml, so
 //! that importers that read dependencies as references and those that count elements from one read the same. Parameters
-//! are the rows of the library's own table; their references stand in `PARAMETER_REFERENCES`.
+//! are the rows of the library's own table; their references stand in `references.rs`.
 
 use glidepolar_fmu_resources::NOT_PUBLISHED;
 use std::sync::LazyLock;
@@ -14,6 +14,8 @@ use glidepolar_dynamics::state::{INPUTS, N_INPUTS, STATES};
 use glidepolar_dynamics::{Inputs, N_STATES, Outputs, PARAMETERS};
 use glidepolar_number::{Number, Quantity};
 
+use super::Model;
+use super::references::parameter_reference;
 use super::units::{Unit, unit_named};
 
 /// How many variables there are.
@@ -460,87 +462,6 @@ pub(super) const FIXED: &[&str] = &[
     "ballast_below_m",
 ];
 
-/// Value references of the library's parameters, by name.
-const PARAMETER_REFERENCES: [(u32, &str); N_PARAMETERS] = [
-    (63, "gravity_m_s2"),
-    (64, "reference_density_kg_m3"),
-    (65, "reference_temperature_C"),
-    (66, "frontal_area_m2"),
-    (67, "length_m"),
-    (68, "a_per_rad"),
-    (69, "b"),
-    (70, "c_per_rad2"),
-    (71, "d_per_rad"),
-    (72, "CL0"),
-    (73, "CM0"),
-    (74, "ascent_a_ratio"),
-    (75, "ascent_b_ratio"),
-    (76, "ascent_c_ratio"),
-    (77, "ascent_d_ratio"),
-    (78, "pitch_damping_N_m_s"),
-    (79, "pitch_damping_quadratic_N_m_s2"),
-    (80, "pitch_damping_CMq"),
-    (81, "hull_mass_kg"),
-    (82, "moving_mass_kg"),
-    (83, "ballast_nominal_kg"),
-    (84, "displaced_mass_kg"),
-    (85, "added_mass_1_kg"),
-    (86, "added_mass_3_kg"),
-    (87, "pitch_inertia_kg_m2"),
-    (88, "moving_mass_height_m"),
-    (89, "offset_mass_kg"),
-    (90, "offset_mass_forward_m"),
-    (91, "offset_mass_below_m"),
-    (92, "ballast_forward_m"),
-    (93, "ballast_below_m"),
-    (94, "ballast_min_m3"),
-    (95, "ballast_max_m3"),
-    (96, "ballast_rate_m3_s"),
-    (97, "moving_mass_min_m"),
-    (98, "moving_mass_max_m"),
-    (99, "moving_mass_rate_m_s"),
-    (100, "hotel_W"),
-    (101, "pump_J_per_m3"),
-    (102, "pump_J_per_Pa_m3"),
-    (103, "ballast_offset_kg"),
-    (104, "hull_compressibility_per_Pa"),
-    (105, "hull_thermal_expansion_per_K"),
-    (106, "ballast_scale"),
-    (107, "trapped_air_cc"),
-    (108, "leak_kg_per_hour"),
-    (109, "drag_growth_per_day"),
-    (110, "drag_step"),
-    (111, "step_time_s"),
-    (112, "drag_exponent"),
-    (113, "nonlinear_lift_per_rad2"),
-    (114, "climb_dive_drag_ratio"),
-    (115, "roll_drag_per_rad2"),
-    (116, "rudder_drag_per_rad2"),
-    (117, "vertical_current_m_s"),
-    (118, "density_bias_kg_m3"),
-    (119, "pitch_scale"),
-    (120, "pitch_offset_rad"),
-    (121, "pressure_scale"),
-    (136, "climb_dive_lift_ratio"),
-    (137, "hull_creep_per_Pa"),
-    (138, "creep_time_s"),
-    (139, "carried_water_m3"),
-    (140, "exchange_time_s"),
-    (141, "pump_leakback_cc_per_hour"),
-    (142, "empirical_acts_on"),
-    (143, "empirical_against"),
-    (144, "empirical_at_1"),
-    (145, "empirical_at_2"),
-    (146, "empirical_at_3"),
-    (147, "empirical_at_4"),
-    (148, "empirical_at_5"),
-    (149, "empirical_value_1"),
-    (150, "empirical_value_2"),
-    (151, "empirical_value_3"),
-    (152, "empirical_value_4"),
-    (153, "empirical_value_5"),
-];
-
 fn build() -> Vec<Variable> {
     let mut table = vec![time()];
     table.extend(inputs(&INPUT_REFERENCES, INPUTS));
@@ -567,7 +488,7 @@ fn build() -> Vec<Variable> {
     table.push(water_source());
     table.push(start_in_trim());
     let published = PARAMETERS.iter().enumerate().filter(|(_, info)| !NOT_PUBLISHED.contains(&info.name));
-    table.extend(published.map(|(i, info)| parameter(info, i, FIXED.contains(&info.name), &PARAMETER_REFERENCES)));
+    table.extend(published.map(|(i, info)| parameter(info, i, FIXED.contains(&info.name), Model::Plane)));
     table.push(vehicle_name());
     table
 }
@@ -712,9 +633,8 @@ pub(super) fn start_in_trim() -> Variable {
     }
 }
 
-pub(super) fn parameter(info: &'static Quantity, index: usize, fixed: bool, references: &[(u32, &str)]) -> Variable {
-    let of_name = references.iter().find(|(_, name)| *name == info.name);
-    let reference = of_name.unwrap_or_else(|| panic!("{} has no row in PARAMETER_REFERENCES", info.name)).0;
+pub(super) fn parameter(info: &'static Quantity, index: usize, fixed: bool, model: Model) -> Variable {
+    let reference = parameter_reference(model, info.name);
     Variable {
         causality: Causality::Parameter,
         variability: if fixed { Variability::Fixed } else { Variability::Tunable },
