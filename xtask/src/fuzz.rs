@@ -31,6 +31,9 @@ pub struct Choice {
     /// How long to run each target
     #[arg(long, value_name = "N", default_value_t = 60)]
     seconds: u32,
+    /// Unoptimised: whether a target runs, not how far it comes
+    #[arg(long)]
+    quick: bool,
     /// Only print the names of the targets
     #[arg(long)]
     list: bool,
@@ -52,7 +55,7 @@ pub fn run(workspace: &Workspace, choice: &Choice) -> Result<()> {
     if let Some(unknown) = choice.targets.iter().find(|name| !known.contains(name)) {
         bail!("there is no target {unknown}; the targets are {}", known.join(", "));
     }
-    let program = build(workspace)?;
+    let program = build(workspace, choice.quick)?;
     let targets = if choice.targets.is_empty() { &known } else { &choice.targets };
     let mut failed = Vec::new();
     for target in targets {
@@ -85,19 +88,20 @@ fn known(workspace: &Workspace) -> Result<Vec<String>> {
     Ok(names)
 }
 
-fn build(workspace: &Workspace) -> Result<PathBuf> {
+fn build(workspace: &Workspace, quick: bool) -> Result<PathBuf> {
     let host = Platform::host()?;
     let folder = workspace.target("fuzz");
     eprintln!("building the targets with coverage (for the first time this takes some minutes)");
     let mut command = workspace.cargo();
-    command.args(["build", "--release", "--locked", "--manifest-path", "fuzz/libfuzzer/Cargo.toml"]);
+    let (profile, built) = if quick { ("dev", "debug") } else { ("release", "release") };
+    command.args(["build", "--profile", profile, "--locked", "--manifest-path", "fuzz/libfuzzer/Cargo.toml"]);
     // A target of its own keeps coverage out of what runs while building.
     command.args(["--target", host.triple]).arg("--target-dir").arg(&folder);
     command.env("CARGO_ENCODED_RUSTFLAGS", COVERAGE.join("\x1f"));
     run_command(&mut command).context(
         "cannot build the targets; where cargo missed one, libFuzzer needs a C++ compiler (apt-get install g++)",
     )?;
-    Ok(folder.join(host.triple).join("release/glidepolar-libfuzzer"))
+    Ok(folder.join(host.triple).join(built).join("glidepolar-libfuzzer"))
 }
 
 fn fuzz(workspace: &Workspace, program: &Path, target: &str, choice: &Choice) -> Result<()> {

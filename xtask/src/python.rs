@@ -81,7 +81,7 @@ fn make(workspace: &Workspace, wanted: &Wanted) -> Result<Python> {
 fn install(workspace: &Workspace, python: &Python, requirements: &Path) -> Result<()> {
     let pip = || {
         let mut command = workspace.command(python.interpreter());
-        command.args(["-m", "pip", "--disable-pip-version-check", "--no-input", "install", "--quiet"]);
+        command.args(["-m", "pip", "--disable-pip-version-check", "--no-input", "install", "--quiet", "--no-compile"]);
         command
     };
     // The pinned pip first: it is what reads the rest.
