@@ -4,9 +4,11 @@
 //! pitch    = pitch_scale read + pitch_offset               pressure = pressure_scale (read + lag d(read)/dt)
 //! net mass = by masses, volumes and the water around       (alpha, V) = the steady glide of that pitch and net mass
 //! sink     = V sin(alpha - pitch) + vertical current       sink read = sink / pressure_scale - lag d(sink read)/dt
+//! density  = density read (1 + kappa (pressure - pressure read)): a CTD computes it at the pressure that it reads
 //! ```
 
 use crate::Number;
+use crate::dynamics::buoyancy::WATER_COMPRESSIBILITY_PER_PA;
 use crate::dynamics::{Parameters, Surroundings};
 use crate::glide::{Attitude, Deflection, SteadyGlider};
 use crate::log::{DBAR_PA, Observation};
@@ -74,12 +76,19 @@ pub(crate) fn surroundings<T: Number>(parameters: &Parameters<T>, observed: &Obs
     } else {
         parameters.reference_temperature_C
     };
+    let read_dbar = or_zero(observed.pressure_dbar);
+    let pressure_Pa = parameters.pressure_scale * (lag + read_dbar) * DBAR_PA;
     Surroundings {
-        density_kg_m3: T::constant(observed.density_kg_m3),
-        pressure_Pa: parameters.pressure_scale * (lag + or_zero(observed.pressure_dbar)) * DBAR_PA,
+        density_kg_m3: density_there(observed.density_kg_m3, pressure_Pa, read_dbar),
+        pressure_Pa,
         temperature_C,
         time_s: T::constant(observed.time_s),
     }
+}
+
+/// Density at the true pressure of water whose density was computed at the pressure that was read \[kg/m3\].
+pub(super) fn density_there<T: Number>(density_kg_m3: f64, pressure_Pa: T, read_dbar: f64) -> T {
+    ((pressure_Pa - read_dbar * DBAR_PA) * WATER_COMPRESSIBILITY_PER_PA + 1.0) * density_kg_m3
 }
 
 /// The pitch behind the pitch that is read.

@@ -44,6 +44,21 @@ fn verdict(found: Option<&Diagnosis>) -> String {
     }
 }
 
+/// What stays unexplained and what is left of each quantity, in a line.
+fn what_is_left(found: Option<&Diagnosis>) -> String {
+    let Some(found) = found else { return String::new() };
+    let along = found.unexplained.iter().flat_map(|unexplained| &unexplained.depends_on).cloned();
+    let left = found.left.iter().map(|left| {
+        let (size, limit) = (left.size * 1e3, left.relevant_above * 1e3);
+        format!("{} with {}: {size:.2} of {limit:.2} mm/s, p {:.1e}", left.quantity, left.depends_on, left.p_value)
+    });
+    let wrong = found.wrong.iter().map(|wrong| {
+        let (size, limit) = (wrong.size * 1e3, wrong.relevant_above * 1e3);
+        format!("wrong {} with {}: {size:.2} of {limit:.2} mm/s, p {:.1e}", wrong.quantity, wrong.regime, wrong.p_value)
+    });
+    along.chain(left).chain(wrong).collect::<Vec<_>>().join(", ")
+}
+
 /// A wrong name is the worst answer. What stays unexplained is counted in the table: on thin thermoclines over a shelf, and
 /// in sheared currents, which the baseline lacks, it is more than its floor allows.
 #[test]
@@ -76,7 +91,7 @@ fn the_table_of_false_alarms() {
                     let (found, drawn) = blind(seed);
                     let verdict = verdict(found.as_ref());
                     if verdict != "none" {
-                        println!("seed {seed}: {verdict}; {drawn}");
+                        println!("seed {seed}: {verdict}; {}; {drawn}", what_is_left(found.as_ref()));
                     }
                     *table.lock().expect("the table").entry((seed.is_multiple_of(2), verdict)).or_insert(0) += 1;
                 }

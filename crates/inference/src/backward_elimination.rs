@@ -15,6 +15,12 @@ use super::subset_search::MARGIN;
 /// be due to what the model leaves out.
 const LEAST_CHANGE: f64 = 0.1;
 
+/// The same, whatever it is worth: a size that differs by a fifth for certain is not one size.
+const LARGE_CHANGE: f64 = 0.2;
+
+/// Standard errors by which a mechanism must show on each leg where it is named on both: 95 %, one-sided.
+const SHOWN_ON_A_LEG: f64 = 1.645;
+
 /// By how much a quantity must be worse on data held out, at least, for what made it worse to be refused \[%\]: the fit of a
 /// true cause, too, trades a little of one quantity for another.
 const LEAST_SPOILT_PERCENT: f64 = 2.0;
@@ -56,9 +62,11 @@ impl Fitted {
             self.drop_what_does_not_predict(problem, baseline);
             let had = note(self, &had, Why::PredictsNoBetter);
             self.drop_what_chance_explains(problem, baseline);
+            self.drop_what_is_hardly_known(problem, baseline);
             let had = note(self, &had, Why::ByChance);
             refuted = refuted.or(self.drop_what_needs_other_sizes(problem, baseline));
             self.drop_what_differs_on_halves(problem, baseline);
+            self.drop_what_one_leg_shows(problem, baseline);
             let had = note(self, &had, Why::SizeVaries);
             self.drop_what_cannot_be(problem, baseline);
             let had = note(self, &had, Why::SizeImpossible);
@@ -120,17 +128,32 @@ impl Fitted {
         }
     }
 
+    /// A law whose size is hardly known resembles too many others to be named.
+    pub(super) fn drop_what_is_hardly_known(&mut self, problem: &impl Problem, baseline: &Fitted) {
+        while !self.included.is_empty() {
+            let iteration = Iteration::new(problem.candidates(), self);
+            let fit = iteration.score.fit(&iteration.search().columns(&self.included));
+            let first_column = |place: usize| -> usize {
+                self.included[..place].iter().map(|member| iteration.regressors[*member].columns.len()).sum()
+            };
+            let known = |place: usize| {
+                let column = first_column(place);
+                fit.step[column].abs() / fit.se(column)
+            };
+            let least = (0..self.included.len()).map(|place| (known(place), place)).min_by(|a, b| a.0.total_cmp(&b.0));
+            match least.filter(|(known, _)| *known < problem.least_known()) {
+                Some((_, place)) => *self = self.without(problem, baseline, place),
+                None => return,
+            }
+        }
+    }
+
     /// A mechanism that needs another size in another regime is another one: it goes, and what its size goes with is
     /// returned.
     pub(super) fn drop_what_needs_other_sizes(&mut self, problem: &impl Problem, baseline: &Fitted) -> Option<String> {
         let mut refuted = None;
         while problem.has_regimes() && !self.included.is_empty() {
-            let of = |member: &usize| {
-                let (values, neutral) = (&self.point.candidates[*member], &problem.candidates()[*member].neutral);
-                let sizes = DVector::from_iterator(values.len(), values.iter().zip(neutral).map(|(v, n)| v - n));
-                regimes::Included { columns: &self.evidence.candidates[*member], sizes }
-            };
-            let included: Vec<regimes::Included<'_>> = self.included.iter().map(of).collect();
+            let included = self.regimes_included(problem);
             let found = regimes::misfits(&self.evidence, &self.noises, &included);
             let differs = |misfit: &regimes::Misfit| {
                 let member = self.included[misfit.place];
@@ -140,8 +163,9 @@ impl Fitted {
                 let iteration = Iteration::new(problem.candidates(), self);
                 let search = iteration.search();
                 let worth = search.criterion(&others) - search.criterion(&self.included);
-                misfit.excess > LEAST_EXCESS.max(problem.part_unexplained() * worth)
-                    && misfit.change.abs() > LEAST_CHANGE * size.abs()
+                let share = misfit.change.abs() / size.abs();
+                misfit.excess > LEAST_EXCESS.max(problem.part_unexplained() * worth) && share > LEAST_CHANGE
+                    || misfit.excess > LEAST_EXCESS && share > LARGE_CHANGE
             };
             let Some(worst) = found.into_iter().find(differs) else {
                 break;
@@ -153,6 +177,29 @@ impl Fitted {
             self.drop_what_is_weak(problem, baseline, MARGIN.max(worst.excess));
         }
         refuted
+    }
+
+    /// A mechanism that may be absent on one of two legs may as well be something else on the other one: it goes.
+    pub(super) fn drop_what_one_leg_shows(&mut self, problem: &impl Problem, baseline: &Fitted) {
+        while problem.has_regimes() {
+            let included = self.regimes_included(problem);
+            let is_of_one_leg = |place: &usize| {
+                let sign = included[*place].sizes[0].signum();
+                let legs = regimes::on_each_leg(&self.evidence, &self.noises, &included, *place);
+                legs.is_some_and(|legs| legs.iter().any(|(size, se)| size * sign < SHOWN_ON_A_LEG * se))
+            };
+            let Some(place) = (0..self.included.len()).find(is_of_one_leg) else { return };
+            *self = self.without(problem, baseline, place);
+        }
+    }
+
+    fn regimes_included(&self, problem: &impl Problem) -> Vec<regimes::Included<'_>> {
+        let of = |member: &usize| {
+            let (values, neutral) = (&self.point.candidates[*member], &problem.candidates()[*member].neutral);
+            let sizes = DVector::from_iterator(values.len(), values.iter().zip(neutral).map(|(v, n)| v - n));
+            regimes::Included { columns: &self.evidence.candidates[*member], sizes }
+        };
+        self.included.iter().map(of).collect()
     }
 
     /// A mechanism whose size differs between the halves of the data for certain, and by much, is another one.

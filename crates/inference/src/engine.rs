@@ -11,6 +11,7 @@ use super::fitted::Fitted;
 use super::iteration::Iteration;
 use super::outcome::{Outcome, Stage};
 use super::report::{report, wrong};
+use super::score::SIGNIFICANT;
 use super::subset_search::{Choice, MARGIN};
 
 /// Alternations of fit and search.
@@ -65,6 +66,10 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
         (present, is_part) = (part, true);
         dropped.retain(|(member, _)| !present.included.contains(member));
     }
+    // Where no name is left the noise is that of the baseline, by which it is said to be wrong or not.
+    if present.included.is_empty() {
+        present = baseline.clone();
+    }
     let iteration = Iteration::new(candidates, &present);
     let limits = present.limits(problem);
     // What was refuted on the way is worth a word only where something remains that is.
@@ -95,7 +100,7 @@ fn is_wrong(choice: &Choice, iteration: &Iteration<'_>, problem: &impl Problem) 
     let limits = iteration.fitted.limits(problem);
     let (curves, others): (Vec<usize>, Vec<usize>) =
         choice.members.iter().partition(|member| iteration.regressors[**member].is_curve);
-    curves.iter().all(|curve| iteration.is_wrong(&others, *curve, &limits))
+    curves.iter().all(|curve| iteration.is_wrong(&others, *curve, &limits, SIGNIFICANT))
 }
 
 /// Mechanisms alone, or what is left of them beside a curve that none of them can replace.

@@ -166,6 +166,11 @@ pub trait Problem {
         1.0
     }
 
+    /// Standard errors by which the size of a mechanism must be known for it to be named.
+    fn least_known(&self) -> f64 {
+        0.0
+    }
+
     /// Prior standard deviations that a mechanism's size may lie from neutral.
     fn most_prior_sds(&self) -> f64 {
         f64::INFINITY

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::evidence::{Candidate, Evidence, Point, Problem};
 use super::fitted::{Fitted, side_by_side};
 use super::holdout;
-use super::score::{SIGNIFICANT, Score, chance};
+use super::score::{CLEARLY_WRONG, Score, chance};
 use super::smooth;
 use super::subset_search::{MARGIN, Regressor, SubsetSearch};
 
@@ -33,6 +33,9 @@ pub(super) struct Iteration<'a> {
     prior: Vec<(f64, f64)>,
 }
 
+/// Standard errors of a one-sided interval: 95 %.
+const ONE_SIDED: f64 = 1.645;
+
 /// Share of its largest effect on any row from which on a mechanism acts on a row.
 const ACTS: f64 = 0.1;
 
@@ -51,6 +54,17 @@ impl Change {
         let noise = part.tr_mul(&part).component_mul(&self.covariance).sum();
         let square: f64 = rows.iter().map(|row| self.values[*row].powi(2)).sum();
         ((square - noise) / rows.len().max(1) as f64).max(0.0).sqrt()
+    }
+
+    /// The standard error of that size: the covariance of the steps along its slope `Z' v / (n size)`.
+    fn se_of_size(&self, rows: &[usize]) -> f64 {
+        let size = self.size(rows);
+        if size == 0.0 {
+            return 0.0;
+        }
+        let part = self.outside.select_rows(rows);
+        let slope = part.tr_mul(&self.values.select_rows(rows)) / (rows.len() as f64 * size);
+        slope.dot(&(&self.covariance * &slope)).max(0.0).sqrt()
     }
 }
 
@@ -122,7 +136,7 @@ impl<'a> Iteration<'a> {
 
     /// The covariate of the curve that explains what these members leave, if one clearly does.
     pub(super) fn unnamed_curve(&self, members: &[usize], limits: &[f64]) -> Option<String> {
-        let curve = self.best_curve(members).filter(|curve| self.is_wrong(members, *curve, limits))?;
+        let curve = self.best_curve(members).filter(|curve| self.is_wrong(members, *curve, limits, CLEARLY_WRONG))?;
         let with: Vec<usize> = members.iter().copied().chain([curve]).collect();
         if self.predicts_better(&with, members) { self.curve_name(curve).map(str::to_owned) } else { None }
     }
@@ -241,28 +255,36 @@ impl<'a> Iteration<'a> {
         self.evidence.quantities.iter().map(of).collect()
     }
 
-    /// Whether the tested members change the predictions of any quantity by more than its limit of relevance.
-    pub(super) fn is_relevant(&self, others: &[usize], tested: &[usize], limits: &[f64]) -> bool {
-        self.sizes(others, tested).iter().zip(limits).any(|(size, limit)| size > limit)
+    /// The same less what chance may have added: below the true sizes in 95 of 100.
+    pub(super) fn least_sizes(&self, others: &[usize], tested: &[usize]) -> Vec<f64> {
+        let change = self.change(others, tested);
+        let error =
+            |quantity: &super::evidence::Quantity| change.se_of_size(&quantity.rows.clone().collect::<Vec<_>>());
+        let sizes = self.sizes(others, tested);
+        let quantities = self.evidence.quantities.iter();
+        sizes.iter().zip(quantities).map(|(size, quantity)| (size - ONE_SIDED * error(quantity)).max(0.0)).collect()
     }
 
     /// Whether something that no name explains is there beside the others: a curve that chance does not bring, that is
     /// large enough to act on and that predicts.
-    pub(super) fn is_wrong(&self, others: &[usize], curve: usize, limits: &[f64]) -> bool {
+    pub(super) fn is_wrong(&self, others: &[usize], curve: usize, limits: &[f64], most_chance: f64) -> bool {
         // A curve in all quantities together is there where it is in one of them: what is clear in one and large in another one
         // is neither.
         let here = self.curves.iter().find(|known| known.regressor == curve);
         if here.is_some_and(|here| here.quantity.is_none()) {
             let of_quantities = (1..=self.evidence.quantities.len()).map(|place| curve + place);
-            return of_quantities.into_iter().any(|one| self.is_wrong(others, one, limits));
+            return of_quantities.into_iter().any(|one| self.is_wrong(others, one, limits, most_chance));
         }
+        // What it changes in another quantity is the polar's answer, and no misfit of that one.
+        let quantity = here.and_then(|here| here.quantity).unwrap_or(0);
         let tests = self.curves.len().max(1) as f64;
-        self.is_relevant(others, &[curve], limits) && tests * self.chance(others, &[curve]) <= SIGNIFICANT
+        self.least_sizes(others, &[curve])[quantity] > limits[quantity]
+            && tests * self.chance(others, &[curve]) <= most_chance
     }
 
     /// Whether any curve is there beside these members and large enough to act on.
     pub(super) fn is_anything_wrong(&self, members: &[usize], limits: &[f64]) -> bool {
-        self.curves.iter().any(|curve| self.is_wrong(members, curve.regressor, limits))
+        self.curves.iter().any(|curve| self.is_wrong(members, curve.regressor, limits, CLEARLY_WRONG))
     }
 
     pub(super) fn curve_name(&self, regressor: usize) -> Option<&str> {

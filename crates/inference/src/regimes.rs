@@ -92,6 +92,35 @@ pub fn misfits(evidence: &Evidence, noises: &[Noise], included: &[Included<'_>])
     worst
 }
 
+/// The size of an included mechanism on each leg, the first parameter with its standard error, the other mechanisms being
+/// fitted as well; nothing where it acts on one leg alone.
+pub fn on_each_leg(
+    evidence: &Evidence,
+    noises: &[Noise],
+    included: &[Included<'_>],
+    place: usize,
+) -> Option<[(f64, f64); 2]> {
+    let n = evidence.residual.len();
+    let trace = included[place].trace();
+    let of_leg =
+        |sign: f64| DVector::from_fn(n, |row, _| if evidence.leg[row] * sign > 0.0 { trace[row] } else { 0.0 });
+    let legs = [of_leg(-1.0), of_leg(1.0)];
+    let others = included.iter().enumerate().filter(|(other, _)| *other != place);
+    let mut columns: Vec<DVector<f64>> = legs.to_vec();
+    columns.extend(others.flat_map(|(_, one)| one.columns.column_iter().map(|column| column.into_owned())));
+    let all = DMatrix::from_columns(&columns);
+    let mut evidence = evidence.clone();
+    evidence.prior.truncate(evidence.baseline.ncols());
+    let prior = vec![(0.0, f64::INFINITY); all.ncols()];
+    let score = Score::new(&evidence, noises, &evidence.baseline, &all, &prior);
+    if !(score.is_seen(0) && score.is_seen(1)) {
+        return None;
+    }
+    let fit = score.fit(&(0..all.ncols()).collect::<Vec<_>>());
+    let size = included[place].sizes[0];
+    Some([0, 1].map(|leg| (size + fit.step[leg], fit.se(leg))))
+}
+
 /// What a size may go with: each covariate that runs along a line, the leg, the second quantity.
 fn weights(evidence: &Evidence) -> Vec<(String, Vec<f64>)> {
     let n = evidence.residual.len();

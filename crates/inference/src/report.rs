@@ -11,7 +11,7 @@ use super::holdout;
 use super::iteration::Iteration;
 use super::outcome::{Outcome, gains};
 use super::replacements::replacements;
-use super::score::{SIGNIFICANT, chance};
+use super::score::{CLEARLY_WRONG, SIGNIFICANT, chance};
 use super::subset_search::SubsetSearch;
 use crate::estimate::Estimate;
 
@@ -279,12 +279,12 @@ pub(super) fn wrong(problem: &impl Problem, baseline: &Fitted) -> Vec<Wrong> {
     for curve in &iteration.curves {
         // What quantities share is reported for each.
         let Some(quantity_index) = curve.quantity else { continue };
-        let size = iteration.sizes(&[], &[curve.regressor])[quantity_index];
-        if size <= limits[quantity_index] {
+        if iteration.least_sizes(&[], &[curve.regressor])[quantity_index] <= limits[quantity_index] {
             continue;
         }
+        let size = iteration.sizes(&[], &[curve.regressor])[quantity_index];
         let p_value = (tests * iteration.chance(&[], &[curve.regressor])).min(1.0);
-        if p_value > SIGNIFICANT {
+        if p_value > CLEARLY_WRONG {
             continue;
         }
         let quantity = &evidence.quantities[quantity_index];

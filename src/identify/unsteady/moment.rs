@@ -4,7 +4,7 @@
 use super::Passage;
 use crate::Number;
 use crate::dynamics::{Inputs, Parameters, State, accelerations};
-use crate::identify::model::{or_zero, true_pitch_rad};
+use crate::identify::model::{density_there, or_zero, true_pitch_rad};
 
 /// What was measured at one moment, between two samples by straight lines.
 #[derive(Debug, Clone, Copy)]
@@ -63,9 +63,11 @@ pub(super) fn sink<T: Number>(parameters: &Parameters<T>, at: &Moment, [v1, v3]:
 /// Rates of change of the velocities.
 pub(super) fn rates<T: Number>(p: &Parameters<T>, at: &Moment, [v1, v3]: [T; 2]) -> [T; 2] {
     let zero = T::constant(0.0);
-    let density = p.true_density_kg_m3(T::constant(at.density_kg_m3));
-    let pressure_dbar = p.pressure_scale * (p.pressure_lag_s * at.pressure_rate_dbar_s + at.pressure_dbar);
-    let depth_m = (pressure_dbar * crate::log::DBAR_PA / (density * p.gravity_m_s2)).at_least(0.0);
+    let pressure_Pa =
+        p.pressure_scale * (p.pressure_lag_s * at.pressure_rate_dbar_s + at.pressure_dbar) * crate::log::DBAR_PA;
+    let read = density_there(at.density_kg_m3, pressure_Pa, at.pressure_dbar);
+    let density = p.true_density_kg_m3(read);
+    let depth_m = (pressure_Pa / (density * p.gravity_m_s2)).at_least(0.0);
     let state = State {
         x_m: zero,
         depth_m,
@@ -89,7 +91,7 @@ pub(super) fn rates<T: Number>(p: &Parameters<T>, at: &Moment, [v1, v3]: [T; 2])
         u1_N: zero,
         u3_N: zero,
         u4_kg_s: zero,
-        water_density_kg_m3: T::constant(at.density_kg_m3),
+        water_density_kg_m3: read,
         water_temperature_C: if at.temperature_C.is_finite() {
             T::constant(at.temperature_C)
         } else {
