@@ -15,9 +15,6 @@ use super::subset_search::MARGIN;
 /// be due to what the model leaves out.
 const LEAST_CHANGE: f64 = 0.1;
 
-/// The same, whatever it is worth: a size that differs by a fifth for certain is not one size.
-const LARGE_CHANGE: f64 = 0.2;
-
 /// Standard errors by which a mechanism must show on each leg where it is named on both: 95 %, one-sided.
 const SHOWN_ON_A_LEG: f64 = 1.645;
 
@@ -165,7 +162,7 @@ impl Fitted {
                 let worth = search.criterion(&others) - search.criterion(&self.included);
                 let share = misfit.change.abs() / size.abs();
                 misfit.excess > LEAST_EXCESS.max(problem.part_unexplained() * worth) && share > LEAST_CHANGE
-                    || misfit.excess > LEAST_EXCESS && share > LARGE_CHANGE
+                    || misfit.excess > LEAST_EXCESS && share > problem.large_change()
             };
             let Some(worst) = found.into_iter().find(differs) else {
                 break;
@@ -181,7 +178,7 @@ impl Fitted {
 
     /// A mechanism that may be absent on one of two legs may as well be something else on the other one: it goes.
     pub(super) fn drop_what_one_leg_shows(&mut self, problem: &impl Problem, baseline: &Fitted) {
-        while problem.has_regimes() {
+        while problem.needs_both_legs() {
             let included = self.regimes_included(problem);
             let is_of_one_leg = |place: &usize| {
                 let sign = included[*place].sizes[0].signum();

@@ -197,6 +197,16 @@ pub trait Problem {
         0.0
     }
 
+    /// Whether a mechanism must show on each of the two legs by itself.
+    fn needs_both_legs(&self) -> bool {
+        false
+    }
+
+    /// Relative change of a size from regime to regime from which on it is not one size, whatever the mechanism explains.
+    fn large_change(&self) -> f64 {
+        f64::INFINITY
+    }
+
     /// The size in the quantity's unit above which a misfit of it is worth acting on; `scatter` is the rms of what the
     /// measurement alone leaves. See [`super::relevance`].
     fn relevance(&self, quantity: &Quantity, scatter: f64) -> f64 {

@@ -113,7 +113,7 @@ pub fn on_each_leg(
     evidence.prior.truncate(evidence.baseline.ncols());
     let prior = vec![(0.0, f64::INFINITY); all.ncols()];
     let score = Score::new(&evidence, noises, &evidence.baseline, &all, &prior);
-    if !(score.is_seen(0) && score.is_seen(1)) {
+    if !(score.is_identifiable(0) && score.is_identifiable(1)) {
         return None;
     }
     let fit = score.fit(&(0..all.ncols()).collect::<Vec<_>>());

@@ -86,6 +86,10 @@ impl Problem for Toy {
         self.has_regimes
     }
 
+    fn needs_both_legs(&self) -> bool {
+        self.has_regimes
+    }
+
     fn least_known(&self) -> f64 {
         self.least_known
     }

@@ -90,6 +90,9 @@ const MOST_USUAL: f64 = 3.0;
 /// one in a hundred may get a name.
 const MOST_CHANCE: f64 = 0.01;
 
+/// Relative change of a size that is never one size: the square of what is left is 4 % of the effect.
+const LARGE_CHANGE: f64 = 0.2;
+
 /// Standard errors by which a size must be known. Another law whose effect on the rows has a correlation of 0.87 with the named
 /// one's differs from it by half of the effect, which must be found by three standard errors.
 const LEAST_KNOWN: f64 = 6.0;
@@ -486,6 +489,14 @@ impl Problem for SeaProblem {
 
     fn most_chance(&self) -> f64 {
         MOST_CHANCE
+    }
+
+    fn needs_both_legs(&self) -> bool {
+        true
+    }
+
+    fn large_change(&self) -> f64 {
+        LARGE_CHANGE
     }
 
     fn least_known(&self) -> f64 {
