@@ -59,7 +59,18 @@ fn exchange(library: &Library, of: &Description) -> Box<dyn Exchange> {
 /// out. The glider in space turns on the way. At the end a partial derivative.
 fn fly(of: &Description, glider: Box<dyn Simulation>) {
     let set = |names: &[(&str, f64)]| names.iter().for_each(|(name, value)| glider.set(of.reference(name), *value));
-    let outputs = || of.outputs.iter().map(|reference| glider.get(*reference)).collect::<Vec<_>>();
+    // A hull at rest has no direction of flight.
+    let directions: Vec<u32> = ["glide_angle_rad", "angle_of_attack_rad", "sideslip_rad"]
+        .into_iter()
+        .filter(|name| of.has(name))
+        .map(|name| of.reference(name))
+        .collect();
+    let outputs = || {
+        let at_rest = glider.get(of.reference("speed_m_s")) < 1e-3;
+        let value =
+            |reference: &u32| if at_rest && directions.contains(reference) { 0.0 } else { glider.get(*reference) };
+        of.outputs.iter().map(value).collect::<Vec<_>>()
+    };
     let steps = |from: u32, to: u32| -> Vec<Vec<f64>> {
         let step = |i| {
             glider.step(f64::from(i) * STEP_S, STEP_S);
