@@ -1,23 +1,30 @@
 """A thousand variants of the glider's FMU, flown in FMPy on all cores by Dask's distributed scheduler.
 
     python examples/dask_sweep.py --variants 1000 --compare glidepolar
+    python examples/dask_sweep.py --variants 100000 --parquet ends --scheduler tcp://10.0.0.1:8786
 
 Each variant sets some of the FMU's parameters by a draw from a seed. A worker unpacks and instantiates the FMU once and
 flies one variant after the other with it. With `--compare PROGRAM` the same table goes through `glidepolar simulate
 --sweep`, and the script fails where any output of any variant differs by more than 1e-9.
 
-Needs fmpy, dask and distributed; runs on the cores of this machine. For a cluster, give Client() the address of its
-scheduler instead of a LocalCluster, and put the FMU where every worker can read it.
+With `--parquet FOLDER` each worker writes the pieces that it has flown as files of that folder, with variants and results;
+`pandas.read_parquet(FOLDER)` reads them as one table. After Ctrl-C what is finished stays there, and `--resume` flies the rest.
+
+Needs fmpy, dask, distributed, and pyarrow for Parquet; runs on the cores of this machine. For a cluster, name its scheduler
+with `--scheduler`, and put FMU and folder where every worker has them under the same path.
 """
 
 import argparse
 import csv
 import json
+import os
 import subprocess
 import sys
 import tempfile
 import time
+from contextlib import ExitStack
 from pathlib import Path
+from typing import Optional
 
 import numpy as np
 from dask.distributed import Client, LocalCluster
@@ -38,6 +45,8 @@ OUTPUTS = [
     "pitching_moment_N_m",
 ]  # fmt: skip
 TOLERANCE = 1e-12
+# Variants in a piece: little to schedule, and little is lost with one.
+PIECE = 64
 AGREE_WITHIN = 1e-9
 
 
@@ -46,18 +55,31 @@ def main() -> int:
     variants = draw(arguments.variants, arguments.seed)
     fmu = arguments.fmu or subprocess.check_output([arguments.compare or "glidepolar", "fmu"], text=True).strip()
 
-    with LocalCluster(n_workers=arguments.workers, threads_per_worker=1, dashboard_address=None) as cluster:
-        with Client(cluster) as client:
-            # Interpreters, imports and the unpacking of the FMU are not what is measured.
-            client.run(instance, fmu)
-            begin = time.perf_counter()
-            # A few pieces for each worker: little to schedule, and none waits long for the last one.
-            pieces = np.array_split(variants, min(len(variants), 8 * len(cluster.workers)))
-            futures = client.map(fly, pieces, fmu=fmu, stop_s=arguments.stop)
-            ends = np.concatenate(client.gather(futures))
-            seconds = time.perf_counter() - begin
-            workers = len(cluster.workers)
-    print(f"Dask, {workers} workers: {len(ends)} variants of {arguments.stop:g} s in {seconds:.2f} s, {len(ends) / seconds:.0f} a second")
+    pieces = np.array_split(variants, max(1, len(variants) // PIECE))
+    parts = [part(arguments.parquet, number) for number in range(len(pieces))]
+    if arguments.parquet:
+        arguments.parquet.mkdir(parents=True, exist_ok=True)
+    found = finished(parts, pieces) if arguments.resume else {}
+    with ExitStack() as stack:
+        address = arguments.scheduler
+        if address is None:
+            cluster = LocalCluster(n_workers=arguments.workers, threads_per_worker=1, dashboard_address=None)
+            address = stack.enter_context(cluster)
+        client = stack.enter_context(Client(address))
+        # Interpreters, imports and the unpacking of the FMU are not what is measured.
+        workers = len(client.run(instance, fmu))
+        begin = time.perf_counter()
+        todo = [number for number in range(len(pieces)) if number not in found]
+        flown = client.map(fly_piece, [pieces[n] for n in todo], [parts[n] for n in todo], fmu=fmu, stop_s=arguments.stop)
+        results = client.gather(flown)
+        seconds = time.perf_counter() - begin
+    found |= {number: ends for number, (ends, _) in zip(todo, results)}
+    ends = np.concatenate([found[number] for number in range(len(pieces))])
+    now = sum(len(pieces[number]) for number in todo)
+    if now < len(ends):
+        print(f"{len(ends) - now} variants were finished before")
+    print(f"flown in {len({process for _, process in results})} processes")
+    print(f"Dask, {workers} workers: {now} variants of {arguments.stop:g} s in {seconds:.2f} s, {now / seconds:.0f} a second")
 
     if arguments.output:
         write(arguments.output, variants, ends)
@@ -83,7 +105,13 @@ def parse() -> argparse.Namespace:
     parser.add_argument("--fmu", help="the archive (default: the one that `glidepolar fmu` names)")
     parser.add_argument("--compare", metavar="PROGRAM", help="fly the sweep by this glidepolar, too")
     parser.add_argument("--output", type=Path, help="write variants and results to this CSV file")
-    return parser.parse_args()
+    parser.add_argument("--parquet", type=Path, metavar="FOLDER", help="write variants and results to this folder, piece by piece")
+    parser.add_argument("--resume", action="store_true", help="fly only what is not finished in the folder of --parquet")
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="scheduler of a running cluster (default: one on this machine)")
+    arguments = parser.parse_args()
+    if arguments.resume and not arguments.parquet:
+        parser.error("--resume needs --parquet FOLDER")
+    return arguments
 
 
 def draw(number: int, seed: int) -> np.ndarray:
@@ -129,6 +157,42 @@ def fly(variants: np.ndarray, fmu: str, stop_s: float) -> np.ndarray:
         )
         ends.append([result[name][-1] for name in OUTPUTS])
     return np.array(ends)
+
+
+def fly_piece(variants: np.ndarray, file: Optional[Path], fmu: str, stop_s: float) -> tuple[np.ndarray, tuple[str, int]]:
+    """The same, written to a file, whole or not at all; and which process did it."""
+    from socket import gethostname
+
+    ends = fly(variants, fmu, stop_s)
+    if file is not None:
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
+        columns = dict(zip([*VARIED, *OUTPUTS], np.hstack([variants, ends]).T))
+        partial = file.with_suffix(f".{os.getpid()}.partial")
+        pq.write_table(pa.table({name: np.ascontiguousarray(column) for name, column in columns.items()}), partial)
+        partial.replace(file)
+    return ends, (gethostname(), os.getpid())
+
+
+def part(folder: Optional[Path], number: int) -> Optional[Path]:
+    """The file of a piece."""
+    return None if folder is None else folder.resolve() / f"part-{number:06}.parquet"
+
+
+def finished(parts: list, pieces: list) -> dict[int, np.ndarray]:
+    """The results of the pieces that an earlier run wrote."""
+    import pyarrow.parquet as pq
+
+    found = {}
+    for number, (file, variants) in enumerate(zip(parts, pieces)):
+        if file.is_file():
+            table = pq.read_table(file)
+            kept = np.array([table[name].to_numpy() for name in VARIED]).T
+            if kept.shape != variants.shape or not np.array_equal(kept, variants):
+                sys.exit(f"error: {file} has other variants: repeat that sweep's command, or choose another folder")
+            found[number] = np.array([table[name].to_numpy() for name in OUTPUTS]).T
+    return found
 
 
 def by_command(program: str, variants: np.ndarray, stop_s: float) -> tuple[np.ndarray, float]:

@@ -9,9 +9,12 @@ import os
 import re
 import subprocess
 import sys
+import time
+from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
+import pandas
 import pytest
 from conftest import MEASURED
 
@@ -24,7 +27,7 @@ def run(script: str, *arguments, cwd: Path):
     return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=280)
 
 
-def number(text: str, pattern: str) -> float:
+def number_of(text: str, pattern: str) -> float:
     found = re.search(pattern, text)
     assert found, text
     return float(found[1])
@@ -37,14 +40,50 @@ def test_a_sweep_on_dask_equals_that_of_the_command(glidepolar, fmu3, tmp_path):
     )
     print(done.stdout)
     assert done.returncode == 0, done.stderr
-    assert number(done.stdout, r"(\d+) variants of 1000 s") == variants
-    assert number(done.stdout, r", (\d+) a second\nglidepolar") > 0
-    assert number(done.stdout, r"largest difference (\S+) of") <= 1e-9
+    assert number_of(done.stdout, r"(\d+) variants of 1000 s") == variants
+    assert number_of(done.stdout, r", (\d+) a second\nglidepolar") > 0
+    assert number_of(done.stdout, r"largest difference (\S+) of") <= 1e-9
     with (tmp_path / "sweep.csv").open() as file:
         rows = list(csv.DictReader(file))
     # The variants are flown, and differ.
     assert len(rows) == variants == len({row["depth_m"] for row in rows})
     assert all(20 < float(row["depth_m"]) < 500 for row in rows)
+
+
+def test_a_sweep_over_tcp_is_written_as_parquet_and_resumed(glidepolar, fmu3, tmp_path):
+    """A scheduler and workers as programs of their own, which know each other by a TCP address only."""
+    variants = max(int(os.environ.get("GLIDEPOLAR_VARIANTS", "0")), 256)
+    place = tmp_path / "scheduler.json"
+    modules = [["scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard"]]
+    modules += [["worker", "--nthreads", "1", "--no-dashboard", "--local-directory", tmp_path]] * 3
+    with ExitStack() as stack:
+        for name, *options in modules:
+            command = [sys.executable, "-m", f"distributed.cli.dask_{name}", "--scheduler-file", place, *options]
+            process = stack.enter_context(subprocess.Popen([str(word) for word in command], stderr=subprocess.DEVNULL))
+            stack.callback(process.kill)
+        until = time.monotonic() + 60
+        while not place.is_file():
+            assert time.monotonic() < until, "no scheduler within a minute"
+            time.sleep(0.1)
+        address = json.loads(place.read_text())["address"]
+        assert address.startswith("tcp://127.0.0.1:")
+        sweep = ["dask_sweep.py", "--variants", variants, "--fmu", fmu3, "--stop", "100", "--scheduler", address]
+        done = run(*sweep, "--parquet", "ends", "--compare", glidepolar, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        assert number_of(done.stdout, r"largest difference (\S+) of") <= 1e-9
+        assert number_of(done.stdout, r"flown in (\d+) processes") >= 2
+        parts = sorted((tmp_path / "ends").iterdir())
+        assert len(parts) == variants // 64
+        whole = pandas.read_parquet(tmp_path / "ends")
+        # What an interrupted sweep would have left: one piece is missing, and is flown again.
+        parts[1].unlink()
+        done = run(*sweep, "--parquet", "ends", "--resume", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        assert number_of(done.stdout, r"workers: (\d+) variants") == variants - number_of(done.stdout, r"(\d+) variants were finished")
+        assert 64 <= number_of(done.stdout, r"workers: (\d+) variants") < 128
+        pandas.testing.assert_frame_equal(pandas.read_parquet(tmp_path / "ends"), whole, check_exact=True)
+        done = run(*sweep, "--parquet", "ends", "--resume", "--seed", "2", cwd=tmp_path)
+        assert done.returncode == 1 and "other variants" in done.stderr, done.stderr
 
 
 def test_a_sweep_that_differs_fails(glidepolar, fmu2, tmp_path):
@@ -76,10 +115,10 @@ def test_a_log_of_the_fmus_own_vehicle_is_flown_again(glidepolar, fmu3, flight):
     for moved, depth_m, w_cm_s in ((["--battpos"], 5.0, 1.0), ([], 5.0, 1.0)):
         done = run("fly_a_log.py", "log.csv", "--fmu", fmu, "--keep-trim", *moved, "--output", "flown.csv", cwd=flight)
         assert done.returncode == 0, done.stderr
-        measured = number(done.stdout, r"vertical velocity measured +(\S+) cm/s")
+        measured = number_of(done.stdout, r"vertical velocity measured +(\S+) cm/s")
         assert measured > 15, "the glider hardly moves: nothing is shown"
-        assert number(done.stdout, r"velocity measured.*\n +model less measured +(\S+) cm/s") < w_cm_s
-        assert number(done.stdout, r"depth, model less measured +(\S+) m") < depth_m
+        assert number_of(done.stdout, r"velocity measured.*\n +model less measured +(\S+) cm/s") < w_cm_s
+        assert number_of(done.stdout, r"depth, model less measured +(\S+) m") < depth_m
         flown = np.genfromtxt(flight / "flown.csv", delimiter=",", names=True)
         assert flown["time"][-1] == pytest.approx(4000, abs=5)
 
@@ -90,7 +129,7 @@ def test_a_log_from_sea_goes_through(fmu3, tmp_path):
         pytest.skip(f"no measured data: {log} is missing")
     done = run("fly_a_log.py", log, "--fmu", fmu3, "--hours", "0.5", "--flights", "2", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert number(done.stdout, r"vertical velocity measured +(\S+) cm/s") > 5
+    assert number_of(done.stdout, r"vertical velocity measured +(\S+) cm/s") > 5
 
 
 def test_a_log_without_what_is_needed_is_refused_in_words(fmu3, tmp_path):
