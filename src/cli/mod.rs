@@ -17,6 +17,7 @@ macro_rules! println {
 
 pub mod assemble;
 pub mod compare;
+pub mod demo;
 pub mod diagnose;
 mod diagnose_page;
 mod diagnose_words;
@@ -40,6 +41,7 @@ pub mod simulate;
 mod space;
 mod space_page;
 mod sweep;
+mod sweep_journal;
 mod table;
 pub mod track;
 mod track_page;
@@ -56,7 +58,7 @@ use crate::report::{Block, InputFile, Section};
 use crate::simulate::mission::MissionError;
 use crate::vehicle::Vehicle;
 
-pub use glidepolar_terminal::{CliError, Output, begin, print_line, shell, show, warn};
+pub use glidepolar_terminal::{CliError, Output, begin, on_terminal, print_line, shell, show, warn};
 
 /// An underwater glider from the towing tank to the sea and back.
 #[derive(Debug, Parser)]
@@ -82,6 +84,7 @@ enum Command {
     Vehicles(vehicles::Arguments),
     ExportFmu(export_fmu::Arguments),
     Fmu(fmu::Arguments),
+    Demo(demo::Arguments),
     Completions(shell::CompletionsArguments),
     Man(shell::ManArguments),
 }
@@ -159,7 +162,7 @@ pub fn print_notes(notes: &[String]) {
 pub fn main() -> ExitCode {
     begin();
     let cli = Cli::parse();
-    match run(cli) {
+    match on_terminal(|| run(cli)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             show(&error);
@@ -177,6 +180,7 @@ pub fn run(cli: Cli) -> Result<(), CliError> {
         Command::Assemble(arguments) => assemble::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Completions(arguments) => arguments.run(Cli::command()),
+        Command::Demo(arguments) => demo::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::ExportFmu(arguments) => export_fmu::run(&arguments),
         Command::Fmu(arguments) => fmu::run(&arguments),

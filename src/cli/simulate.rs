@@ -16,6 +16,7 @@ use crate::simulate::{COLUMNS, Row, Schedule, SimulationSettings, fly};
 use crate::spatial::Steering;
 use crate::spatial::steering::with_gains;
 use crate::vehicle::Vehicle;
+use glidepolar_progress::one_more;
 
 /// More rows than this are a slip of the keyboard.
 const MAX_ROWS: f64 = 1e8;
@@ -57,6 +58,9 @@ pub struct Arguments {
     /// Fly many variants at once: a table of parameters (CSV), a row for each
     #[arg(long, value_name = "FILE", conflicts_with_all = ["mission", "out", "space"])]
     sweep: Option<PathBuf>,
+    /// Go on where the same sweep was interrupted: its finished rows stand in FILE.unfinished beside --csv FILE
+    #[arg(long, requires = "sweep", requires = "csv")]
+    resume: bool,
     #[command(flatten)]
     changes: Changes,
     /// End of the time history [s]; default 1000, of a mission its own
@@ -146,13 +150,22 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         }
     };
     if let Some(variants) = &arguments.sweep {
-        let (csv, output) = (arguments.csv.as_deref(), &arguments.output);
-        return sweep::run(&vehicle.name, &parameters, variants, &schedule, &settings, csv, output);
+        let request = sweep::Request {
+            vehicle: &vehicle.name,
+            parameters: &parameters,
+            file: variants,
+            schedule: &schedule,
+            settings: &settings,
+            csv: arguments.csv.as_deref(),
+            resumes: arguments.resume,
+        };
+        return sweep::run(&request, &arguments.output);
     }
     let mut table = arguments.csv.as_ref().map(|_| COLUMNS.join(",") + "\n");
     let mut summary = Summary::default();
     let mut history = arguments.mission.out.as_ref().map(|_| History::default());
     fly(&parameters, &schedule, &settings, |row| {
+        one_more("rows");
         if let Some(table) = &mut table {
             push(table, row);
         }

@@ -1,65 +1,103 @@
 //! `glidepolar simulate --sweep`: one vehicle in many variants, all flown through the same inputs on all cores; the last
-//! moment of each.
+//! moment of each. What is finished is kept beside the table, so that an interrupted sweep goes on with `--resume`.
 //!
 //! A variant starts where the vehicle itself does, as an FMU does whose parameters were set.
 
 use std::fmt::Write;
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use csv::{ReaderBuilder, StringRecord};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::sweep_journal::Journal;
 use super::{CliError, Output};
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
 use crate::glide::start;
 use crate::input::{InputError, Place, nearest, printable};
 use crate::simulate::{COLUMNS, Row, Schedule, SimulationSettings, fly_from};
+use glidepolar_progress::{Step, Watch};
 
 /// A table of more numbers than this is no sweep for one machine.
 const MOST_NUMBERS: usize = 50_000_000;
 
-#[allow(clippy::too_many_arguments, reason = "called once, with what the command line has parsed")]
-pub(super) fn run(
-    vehicle: &str,
-    parameters: &Parameters<f64>,
-    file: &Path,
-    schedule: &Schedule,
-    settings: &SimulationSettings,
-    csv: Option<&Path>,
-    output: &Output,
-) -> Result<(), CliError> {
-    let variants = Variants::read(file)?;
-    let begin = start(parameters);
-    let clock = Instant::now();
+/// What a sweep is asked for.
+pub(super) struct Request<'a> {
+    pub vehicle: &'a str,
+    pub parameters: &'a Parameters<f64>,
+    /// The table of variants.
+    pub file: &'a Path,
+    pub schedule: &'a Schedule,
+    pub settings: &'a SimulationSettings,
+    /// Where the last moments go.
+    pub csv: Option<&'a Path>,
+    /// Whether to go on where an interrupted sweep stopped.
+    pub resumes: bool,
+}
+
+/// Variants that are flown at once, and lost at most where a sweep is interrupted.
+const BATCH: usize = 256;
+
+pub(super) fn run(request: &Request, output: &Output) -> Result<(), CliError> {
+    let variants = Variants::read(request.file)?;
+    let question =
+        format!("{:?} {:?} {:?} {variants:?}", request.parameters.as_array(), request.schedule, request.settings);
+    if let Some(csv) = request.csv {
+        output.check(csv, variants.header().as_bytes())?;
+    }
+    let mut journal = request.csv.map(|csv| Journal::open(csv, &question, request.resumes)).transpose()?;
+    let width = variants.parameters.len();
+    let all = variants.values.len() / width;
+    let kept = journal.as_ref().map_or(0, Journal::len);
+    let mut failed: Vec<usize> = Vec::new();
+    failed.extend(
+        journal
+            .iter()
+            .flat_map(|journal| (1..).zip(journal.rows().lines()))
+            .filter_map(|(row, line)| line.ends_with(',').then_some(row)),
+    );
+    let begin = start(request.parameters);
+    let (clock, watch, flown) = (Instant::now(), Watch::current(), AtomicUsize::new(kept));
     let last_moment = |values: &[f64]| {
-        let mut changed = *parameters;
+        let mut changed = *request.parameters;
         for (column, value) in variants.parameters.iter().zip(values) {
             *changed.at(*column) = *value;
         }
         let mut last = None;
-        fly_from(&begin.with(&changed), &changed, schedule, settings, |row| {
+        let flight = fly_from(&begin.with(&changed), &changed, request.schedule, request.settings, |row| {
             last = Some(*row);
             true
-        })
-        .ok()
-        .and(last)
+        });
+        let done = flown.fetch_add(1, Ordering::Relaxed) + 1;
+        if let Some(watch) = &watch {
+            watch.step(Step { what: "variants", done, total: all });
+        }
+        flight.ok().and(last)
     };
-    let ends: Vec<Option<Row>> = variants.values.par_chunks(variants.parameters.len()).map(last_moment).collect();
-    let seconds = clock.elapsed().as_secs_f64();
-    if let Some(path) = csv {
-        output.write(path, variants.table(&ends).as_bytes())?;
+    let mut done = kept;
+    for batch in variants.values[kept * width..].chunks(BATCH * width) {
+        let ends: Vec<Option<Row>> = batch.par_chunks(width).map(last_moment).collect();
+        failed.extend((done + 1..).zip(&ends).filter(|(_, end)| end.is_none()).map(|(row, _)| row));
+        done += ends.len();
+        if let Some(journal) = &mut journal {
+            journal.push(&rows(batch, width, &ends))?;
+        }
     }
-    let failed: Vec<usize> = (1..).zip(&ends).filter(|(_, end)| end.is_none()).map(|(row, _)| row).collect();
+    let seconds = clock.elapsed().as_secs_f64();
+    if let (Some(path), Some(journal)) = (request.csv, journal) {
+        output.write(path, (variants.header() + journal.rows()).as_bytes())?;
+        journal.close();
+    }
     let report = Summary {
         schema: "glidepolar.sweep/1",
-        vehicle,
-        variants: ends.len(),
+        vehicle: request.vehicle,
+        variants: all,
         failed: &failed,
-        stop_s: settings.stop_s,
+        stop_s: request.settings.stop_s,
         seconds,
-        variants_per_s: ends.len() as f64 / seconds,
+        variants_per_s: (all - kept) as f64 / seconds,
     };
     if output.shows_tables() {
         report.print();
@@ -68,6 +106,7 @@ pub(super) fn run(
 }
 
 /// What is varied, and how.
+#[derive(Debug)]
 struct Variants {
     /// Which parameter each column is.
     parameters: Vec<usize>,
@@ -125,25 +164,30 @@ impl Variants {
         Ok(Variants { parameters, values })
     }
 
-    /// The parameters as they were read and, beside them, where each variant ended; nothing where it cannot be flown.
-    fn table(&self, ends: &[Option<Row>]) -> String {
+    /// The names of the table's columns.
+    fn header(&self) -> String {
         let names: Vec<&str> = self.parameters.iter().map(|index| PARAMETERS[*index].name).chain(COLUMNS).collect();
-        let mut table = names.join(",") + "\n";
-        for (values, end) in self.values.chunks(self.parameters.len()).zip(ends) {
-            for (column, value) in values.iter().enumerate() {
-                // Writing to a string cannot fail.
-                let _ = write!(table, "{}{value}", if column == 0 { "" } else { "," });
-            }
-            for column in 0..COLUMNS.len() {
-                let _ = match end {
-                    Some(end) => write!(table, ",{}", end[column]),
-                    None => write!(table, ","),
-                };
-            }
-            table.push('\n');
-        }
-        table
+        names.join(",") + "\n"
     }
+}
+
+/// The parameters as they were read and, beside them, where each variant ended; nothing where it cannot be flown.
+fn rows(values: &[f64], width: usize, ends: &[Option<Row>]) -> String {
+    let mut table = String::new();
+    for (values, end) in values.chunks(width).zip(ends) {
+        for (column, value) in values.iter().enumerate() {
+            // Writing to a string cannot fail.
+            let _ = write!(table, "{}{value}", if column == 0 { "" } else { "," });
+        }
+        for column in 0..COLUMNS.len() {
+            let _ = match end {
+                Some(end) => write!(table, ",{}", end[column]),
+                None => write!(table, ","),
+            };
+        }
+        table.push('\n');
+    }
+    table
 }
 
 /// What was done, as JSON gives it.

@@ -12,6 +12,7 @@ use crate::dynamics::Parameters;
 use crate::glide::SteadyGlider;
 use crate::log::Observation;
 use glidepolar_inference::gram::Gram;
+use glidepolar_progress::one_more;
 
 /// By how much each quantity scatters: residuals are divided by it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -153,6 +154,7 @@ pub(super) fn by_block<B: Send>(
     rows: impl Fn(&mut B, &mut Gram) -> Tally + Sync,
 ) -> Tally {
     let one = |(block, gram): (&mut B, &mut Gram)| rows(block, gram);
+    one_more("flights of the model");
     blocks.par_iter_mut().zip(grams.par_iter_mut()).map(one).reduce(Tally::default, Tally::merge)
 }
 

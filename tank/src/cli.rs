@@ -3,6 +3,7 @@
 #![allow(rustdoc::broken_intra_doc_links, reason = "the arguments' documentation is their help: units in brackets")]
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use glidepolar_input::InputError;
@@ -11,10 +12,10 @@ use glidepolar_terminal::{CliError, Output, shell, warn};
 
 use crate::demo_cli;
 use glidepolar_inference::relevance::Relevance;
+use glidepolar_progress::{Step, Watch};
 use glidepolar_tank::sweep::NAMES;
 use glidepolar_tank::virtual_tank::Error;
 use glidepolar_tank::{Options, Progress, output, reduce_campaign, reduce_points};
-use indicatif::{ProgressBar, ProgressStyle};
 
 /// Hull tests in a towing tank: raw balance runs to lift, drag and moment coefficients
 #[derive(Debug, Parser)]
@@ -125,19 +126,15 @@ impl Reduce {
     }
 
     fn reduce_campaign(&self, folder: &Path) -> Result<glidepolar_tank::Results, CliError> {
-        // Drawn on a terminal only: indicatif hides itself elsewhere.
-        let bar = if self.output.shows_tables() { ProgressBar::new(0) } else { ProgressBar::hidden() };
-        if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} runs {elapsed}") {
-            bar.set_style(style);
-        }
+        let (watch, done) = (Watch::current(), AtomicUsize::new(0));
         let watch = |progress: Progress| {
-            bar.set_length(progress.runs as u64);
-            bar.inc(1);
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            if let Some(watch) = &watch {
+                watch.step(Step { what: "runs read", done, total: progress.runs });
+            }
         };
         let options = Options { range_deg: self.range_deg, strict: self.strict };
-        let results = reduce_campaign(folder, &options, &watch);
-        bar.finish_and_clear();
-        Ok(results?)
+        Ok(reduce_campaign(folder, &options, &watch)?)
     }
 
     /// The files that describe what is reduced.

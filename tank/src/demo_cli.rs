@@ -4,10 +4,10 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
+use glidepolar_progress::{Step, Watch};
 use glidepolar_tank::virtual_tank::{
     EffectRequest, Error, Options, Progress, Variety, catalogue_text, write_campaign_watched,
 };
-use indicatif::{ProgressBar, ProgressStyle};
 
 /// Write a synthetic campaign of the five Phoenix hulls, with stated truth, to try the reduction on.
 #[derive(Debug, Args)]
@@ -74,17 +74,13 @@ pub fn run(args: DemoArgs) -> Result<(), Error> {
         size_mb: args.size_mb,
     };
     let begin = Instant::now();
-    // Drawn on a terminal only: indicatif hides itself elsewhere.
-    let bar = if args.quiet { ProgressBar::hidden() } else { ProgressBar::new(0) };
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} runs {elapsed}") {
-        bar.set_style(style);
-    }
+    let watch = Watch::current();
     let watch = |progress: Progress| {
-        bar.set_length(progress.runs as u64);
-        bar.inc(1);
+        if let Some(watch) = &watch {
+            watch.step(Step { what: "runs written", done: progress.runs_done, total: progress.runs });
+        }
     };
     let truth = write_campaign_watched(&args.folder, &options, &watch)?;
-    bar.finish_and_clear();
     if !args.quiet {
         let megabytes = truth.data_bytes as f64 / 1e6;
         let rate = megabytes / begin.elapsed().as_secs_f64();

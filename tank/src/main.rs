@@ -6,11 +6,12 @@ mod demo_cli;
 use std::process::ExitCode;
 
 use clap::Parser;
-use glidepolar_terminal::{begin, show};
+use glidepolar_terminal::{begin, on_terminal, show};
 
 fn main() -> ExitCode {
     begin();
-    match cli::Cli::parse().run() {
+    let cli = cli::Cli::parse();
+    match on_terminal(|| cli.run()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             show(&error);

@@ -16,7 +16,7 @@ import pytest
 from conftest import path_from
 
 ROOT = Path(__file__).parents[2]
-COMMANDS = ["glide", "compare", "simulate", "identify", "diagnose", "track", "turn", "plan", "assemble", "vehicles", "export-fmu", "fmu", "completions", "man"]  # fmt: skip
+COMMANDS = ["glide", "compare", "demo", "simulate", "identify", "diagnose", "track", "turn", "plan", "assemble", "vehicles", "export-fmu", "fmu", "completions", "man"]  # fmt: skip
 
 
 @pytest.fixture(scope="session")
@@ -199,6 +199,43 @@ def test_a_sweep_is_the_single_flights(glidepolar, tmp_path):
     assert ends[0] == [float(cell) for cell in single[-1].split(",")]
     depth = header.index("depth_m") - 2
     assert len({row[depth] for row in ends}) == 3
+
+
+def test_an_interrupted_sweep_goes_on_where_it_stopped(glidepolar, tmp_path):
+    variants = "b\n" + "".join(f"{0.1 + 1e-5 * i}\n" for i in range(2000))
+    (tmp_path / "variants.csv").write_text(variants)
+    sweep = ["simulate", "slocum-graver", "--stop", "2000", "--sweep", "variants.csv", "--quiet"]
+    ok(glidepolar, *sweep, "--csv", "whole.csv", cwd=tmp_path)
+    whole = (tmp_path / "whole.csv").read_text()
+    kept = tmp_path / "ends.csv.unfinished"
+    with subprocess.Popen(
+        [glidepolar, *sweep, "--csv", "ends.csv"], cwd=tmp_path, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)
+    ) as process:
+        while process.poll() is None and not (kept.is_file() and kept.read_text().count("\n") > 1):
+            time.sleep(0.002)
+        process.send_signal(signal.SIGINT)
+    assert process.returncode == -signal.SIGINT and not (tmp_path / "ends.csv").exists()
+    mark, *rows = kept.read_text().splitlines()
+    assert 0 < len(rows) < 2000 and rows == whole.splitlines()[1 : 1 + len(rows)], "finished rows stand on the disk"
+
+    done = run(glidepolar, *sweep, "--stop", "1000", "--csv", "ends.csv", "--resume", cwd=tmp_path)
+    assert done.returncode == 2 and "another sweep left" in done.stderr, done.stderr
+    # A mark in a finished row shows that it is taken as it is; a row that was cut off is flown again.
+    marked = rows[0] + "00"
+    kept.write_text("\n".join([mark, marked, *rows[1:]]) + "\n0.1,4")
+    ok(glidepolar, *sweep, "--csv", "ends.csv", "--resume", cwd=tmp_path)
+    assert (tmp_path / "ends.csv").read_text() == whole.replace(rows[0] + "\n", marked + "\n", 1)
+    assert not kept.exists()
+
+
+def test_long_work_shows_on_a_terminal_how_far_it_is(glidepolar, tmp_path):
+    (tmp_path / "variants.csv").write_text("b\n" + "0.2\n" * 3000)
+    sweep = [glidepolar, "simulate", "slocum-graver", "--stop", "3000", "--sweep", tmp_path / "variants.csv"]
+    shown = on_a_terminal(*sweep)
+    counts = [int(count) for count in re.findall(r"(\d+)/3000 variants", shown)]
+    assert counts and counts == sorted(counts), shown[-500:]
+    done = run(*sweep)
+    assert "/3000" not in done.stderr + done.stdout
 
 
 # Colour, silence, JSON

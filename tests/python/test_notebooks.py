@@ -27,7 +27,7 @@ def test_a_notebook_runs(programs, tmp_path, notebook):
     done = subprocess.run([programs / "python", "-c", RUN, notebook], cwd=tmp_path, capture_output=True, text=True, env=env)
     assert done.returncode == 0, done.stderr[-3000:]
     assert int(done.stdout) >= 3, "cells show results"
-    assert os.times().children_user - begin[1] < 120, "seconds of work in a build for tests"
+    assert os.times().children_user - begin[1] < 30, "seconds of work in a build for tests"
 
 
 def test_there_is_one_for_each_kind_of_user():

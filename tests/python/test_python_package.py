@@ -164,6 +164,10 @@ def test_python_goes_on_and_can_be_interrupted(programs, tmp_path):
             glidepolar.simulate("slocum-graver", stop_s=1e6, interval_s=10, tolerance=1e-12)
         except KeyboardInterrupt:
             print("interrupted", len(ticks), flush=True)
+            time.sleep(1)
+            before = time.process_time()
+            time.sleep(1)
+            print(time.process_time() - before, flush=True)
     """
     with subprocess.Popen(
         [programs / "python", "-c", code], cwd=tmp_path, stdout=subprocess.PIPE, text=True, env=NOTHING_ELSE,
@@ -176,9 +180,37 @@ def test_python_goes_on_and_can_be_interrupted(programs, tmp_path):
         begin = time.monotonic()
         said = process.stdout.readline().split()
         waited = time.monotonic() - begin
-        process.kill()
+        worked_on = float(process.stdout.readline())
     assert said[0] == "interrupted" and int(said[1]) > 20, said
     assert waited < 2
+    # Sleeping and counting in the other thread takes little; a simulation would take a whole core.
+    assert worked_on < 0.5, "the interrupted work has ended"
+
+
+def test_long_work_says_how_far_it_is_and_ends_where_the_callback_fails(programs, flight, tmp_path):
+    in_python(
+        programs,
+        """if True:
+        import sys, glidepolar, pytest
+        steps = []
+        variants = {"b": [0.1 + 1e-4 * i for i in range(600)]}
+        glidepolar.simulate("slocum-graver", sweep=variants, progress=lambda *step: steps.append(step))
+        assert steps[-1] == ("variants", 600, 600) and len(steps) > 1, steps
+        assert [done for _, done, _ in steps] == sorted(done for _, done, _ in steps)
+        steps.clear()
+        glidepolar.diagnose(sys.argv[1], "slocum-049", progress=lambda *step: steps.append(step))
+        assert {"rows read", "flights of the model"} >= {what for what, _, _ in steps} and steps
+        assert all(total is None for _, _, total in steps)
+
+        def fails(what, done, total):
+            raise RuntimeError("seen enough")
+
+        with pytest.raises(RuntimeError, match="seen enough"):
+            glidepolar.identify(sys.argv[1], "slocum-049", progress=fails)
+        """,
+        flight,
+        cwd=tmp_path,
+    )
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux lets a process reset its own peak of memory")

@@ -39,8 +39,9 @@ type Channels<'py> = (Bound<'py, PyDict>, Vec<String>, Vec<String>);
 
 /// Does what a command line asks, `["glidepolar", "glide", ...]`: its JSON, its tables as text, its warnings.
 #[pyfunction]
-fn run(py: Python<'_>, arguments: Vec<String>) -> PyResult<Outcome> {
-    let done = in_a_thread(py, move || {
+#[pyo3(signature = (arguments, progress=None))]
+fn run(py: Python<'_>, arguments: Vec<String>, progress: Option<Py<PyAny>>) -> PyResult<Outcome> {
+    let done = in_a_thread(py, progress, move || {
         let (done, kept) = captured(|| as_command(&arguments, || command(&arguments)));
         done.map(|()| (kept.json, kept.lines, kept.warnings)).map_err(|error| Failure::new(&error))
     })?;
@@ -65,7 +66,7 @@ fn read<'py>(
     caches: Vec<PathBuf>,
     speed: Option<String>,
 ) -> PyResult<Channels<'py>> {
-    let read = in_a_thread(py, move || {
+    let read = in_a_thread(py, None, move || {
         let columns = self::columns(&columns, &units, &caches, speed.as_deref())?;
         channels(&files, &columns).map_err(|error| Failure::new(&error.into()))
     })?;

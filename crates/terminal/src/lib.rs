@@ -5,9 +5,11 @@
 //! Standard output carries results, standard error messages. Knows no command.
 
 mod capture;
+mod progress;
 pub mod shell;
 
 pub use capture::{Captured, captured};
+pub use progress::on_terminal;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -151,6 +153,7 @@ pub fn print_line(line: std::fmt::Arguments) {
     if capture::line(line) {
         return;
     }
+    progress::hide();
     if let Err(error) = writeln!(anstream::stdout().lock(), "{line}") {
         let error = CliError::Failed(format!("standard output cannot be written: {error}"));
         show(&error);
@@ -160,6 +163,7 @@ pub fn print_line(line: std::fmt::Arguments) {
 
 /// Prints an error: what, then what to do.
 pub fn show(error: &CliError) {
+    progress::hide();
     let text = error.to_string();
     match error {
         CliError::Input(InputError { place, problem, help: Some(help) })
@@ -177,6 +181,7 @@ pub fn warn<S: std::fmt::Display>(warnings: impl IntoIterator<Item = S>) {
         if capture::warning(&warning) {
             continue;
         }
+        progress::hide();
         anstream::eprintln!("{YELLOW}warning{YELLOW:#}: {warning}");
     }
 }

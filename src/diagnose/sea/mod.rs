@@ -519,6 +519,7 @@ impl Problem for SeaProblem {
     }
 
     fn evidence(&self, point: &Point) -> Evidence {
+        glidepolar_progress::one_more("flights of the model");
         let parameters = self.parameters_at(point);
         let (n_w, n_u) = (self.bins.len(), self.with_speed.len());
         let n = n_w + n_u;

@@ -59,6 +59,7 @@ pub(super) fn fly_with(
             return Ok(pilot.end(ending));
         }
         if pilot.time_s >= next_row {
+            glidepolar_progress::one_more("rows");
             rows += 1.0;
             if !on_moment(&pilot.moment()) {
                 return Ok(pilot.end(Ending::Stopped));

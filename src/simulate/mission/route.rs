@@ -147,6 +147,7 @@ pub fn fly_route(
             return Ok(pilot.end(ending));
         }
         if pilot.time_s >= next_row {
+            glidepolar_progress::one_more("rows");
             rows += 1.0;
             if !on_moment(&pilot.moment()) {
                 return Ok(pilot.end(Ending::Stopped));

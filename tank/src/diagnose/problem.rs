@@ -463,6 +463,7 @@ impl Problem for TankProblem<'_> {
     }
 
     fn evidence(&self, point: &Point) -> Evidence {
+        glidepolar_progress::one_more("comparisons with the model");
         let n = self.order.len();
         let mut residual = DVector::zeros(3 * n);
         let mut baseline = DMatrix::zeros(3 * n, self.baseline.len());

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable
 from typing import NamedTuple, Optional
 
 from . import _native
@@ -20,9 +21,13 @@ class Output(NamedTuple):
     warnings: list[str]
 
 
-def run(arguments: list[str]) -> Output:
+# Is called with what is counted, how many are done, and of how many where that is known.
+Progress = Callable[[str, int, Optional[int]], object]
+
+
+def run(arguments: list[str], progress: Optional[Progress] = None) -> Output:
     """Runs a command; its warnings come back and are not shown."""
-    return Output(*_native.run(arguments))
+    return Output(*_native.run(arguments, progress))
 
 
 def show(sentences: list[str]) -> None:

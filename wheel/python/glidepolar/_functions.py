@@ -9,7 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Literal, Optional, Union
 
-from ._command import Output, run
+from ._command import Output, Progress, run
 from ._log import Log, Reading, as_log, paths
 from ._results import (
     Again,
@@ -51,6 +51,7 @@ def identify(
     free: Iterable[str] = (),
     pin: Optional[Mapping[str, External]] = None,
     unsteady: bool = False,
+    progress: Optional[Progress] = None,
 ) -> Identification:
     """Identifies the glide polar, the ballast offset and more from a flight log, and what the log cannot identify.
 
@@ -66,13 +67,14 @@ def identify(
         free: parameters to fit, too.
         pin: fixed parameters, a value or (value, standard error): `{"a": (21.0, 3.0)}`.
         unsteady: fly the dives through time, with added mass.
+        progress: is called with what is counted, how many are done, and of how many where that is known.
     """
     options = _options(locals(), "density", "half_window_s", "method")
     taken = as_log(log, Reading(columns, units, cache, speed_column))
     options += [f"--free={name}" for name in free]
     options += [f"--pin={name}={_external(value)}" for name, value in (pin or {}).items()]
     options += ["--unsteady"] if unsteady else []
-    return Identification(*_on_log("identify", taken, as_vehicle(vehicle), trim, options))
+    return Identification(*_on_log("identify", taken, as_vehicle(vehicle), trim, options, progress))
 
 
 def diagnose(
@@ -88,11 +90,12 @@ def diagnose(
     trim: Optional[Trim] = None,
     pin_lift: Union[bool, External] = False,
     relevant: Optional[Mapping[str, float]] = None,
+    progress: Optional[Progress] = None,
 ) -> Diagnosis:
     """Finds what the steady glide gets wrong in a log, why, the extended vehicle and the gain on held-out data.
 
     Args:
-        log, vehicle, speed_column, columns, units, cache, density, half_window_s, trim: as in `identify`.
+        log, vehicle, speed_column, columns, units, cache, density, half_window_s, trim, progress: as in `identify`.
         pin_lift: fix the lift slope: at the vehicle's value (True), or at a value [1/rad] with its standard error.
         relevant: size above which a misfit is worth acting on: `{"vertical_velocity": 0.002}` [m/s].
     """
@@ -103,7 +106,7 @@ def diagnose(
         options.append("--pin-lift")
     elif pin_lift is not False:
         options.append(f"--pin-lift={_external(pin_lift)}")
-    return Diagnosis(*_on_log("diagnose", taken, as_vehicle(vehicle), trim, options))
+    return Diagnosis(*_on_log("diagnose", taken, as_vehicle(vehicle), trim, options, progress))
 
 
 def track(
@@ -258,6 +261,7 @@ def simulate(
     interval_s: Optional[float] = None,
     tolerance: Optional[float] = None,
     actuation: Optional[Literal["servo", "raw", "raw-along-axis1"]] = None,
+    progress: Optional[Progress] = None,
 ) -> Simulation:
     """Flies the glider through time as its FMU does; `to_pandas()` is the time history.
 
@@ -270,6 +274,7 @@ def simulate(
         interval_s: time between two rows [s].
         tolerance: relative tolerance of the integration.
         actuation: who moves ballast and moving mass; servos by default.
+        progress: as in `identify`; counts the variants of a sweep.
     """
     stop, interval = stop_s, interval_s
     options = _options(locals(), "stop", "interval", "tolerance", "actuation")
@@ -277,31 +282,38 @@ def simulate(
     with TemporaryDirectory(prefix="glidepolar-") as folder:
         file, log = Path(folder) / "history.csv", Path(folder) / "log.csv"
         first = ["--csv", str(file), *([] if mission is None else ["--log", str(log)])]
-        output, again = _of_vehicle("simulate", vehicle, options, first=first, inputs=inputs, sweep=sweep)
+        output, again = _of_vehicle("simulate", vehicle, options, first, progress, inputs=inputs, sweep=sweep)
         return Simulation(output, again, read_columns(file), None if mission is None else read_columns(log))
 
 
-def _on_log(command: str, log: Log, vehicle: Vehicle, trim: Optional[Trim], options: list[str]) -> tuple[Output, Again]:
-    """Runs a command on a log."""
+def _on_log(
+    command: str, log: Log, vehicle: Vehicle, trim: Optional[Trim], options: list[str], progress: Optional[Progress]
+) -> tuple[Output, Again]:
+    """Runs a command on a log; `progress` is for the first time only."""
     if trim is None and vehicle._given is None and vehicle._is_builtin:
         trim = "neutral"  # as the built-in vehicle that it was made of
     options = options + ([] if trim is None else ["--trim", trim]) + log._reading.arguments()
 
-    def again(further: list[str]) -> Output:
+    def again(further: list[str], progress: Optional[Progress] = None) -> Output:
         # The log is kept by this function, and so are its columns in memory.
         with vehicle._named() as name:
-            return run(["glidepolar", command, *log.files, "--vehicle", name, *options, *further])
+            return run(["glidepolar", command, *log.files, "--vehicle", name, *options, *further], progress)
 
-    return again(["--json", "-"]), again
+    return again(["--json", "-"], progress), again
 
 
 def _of_vehicle(
-    command: str, vehicle: AnyVehicle, options: list[str], first: Sequence[str] = (), **tables: Optional[AnyTable]
+    command: str,
+    vehicle: AnyVehicle,
+    options: list[str],
+    first: Sequence[str] = (),
+    progress: Optional[Progress] = None,
+    **tables: Optional[AnyTable],
 ) -> tuple[Output, Again]:
-    """Runs a command on a vehicle, with tables as files; `first` are options of the first time only."""
+    """Runs a command on a vehicle, with tables as files; `first` and `progress` are for the first time only."""
     made = as_vehicle(vehicle)
 
-    def again(further: list[str]) -> Output:
+    def again(further: list[str], progress: Optional[Progress] = None) -> Output:
         with ExitStack() as stack:
             files = [
                 word
@@ -310,9 +322,9 @@ def _of_vehicle(
                 for word in (f"--{name}", _file(table, stack))
             ]
             name = stack.enter_context(made._named())
-            return run(["glidepolar", command, name, *options, *files, *further])
+            return run(["glidepolar", command, name, *options, *files, *further], progress)
 
-    return again(["--json", "-", *first]), again
+    return again(["--json", "-", *first], progress), again
 
 
 def _options(given: Mapping[str, Any], *names: str) -> list[str]:

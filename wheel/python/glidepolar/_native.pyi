@@ -1,5 +1,6 @@
 """The extension module. Its functions are for this package; users take those of `glidepolar`."""
 
+from collections.abc import Callable
 from typing import Optional
 
 import numpy as np
@@ -10,7 +11,9 @@ class Table:
     @property
     def path(self) -> str: ...
 
-def run(arguments: list[str]) -> tuple[Optional[str], str, list[str]]: ...
+def run(
+    arguments: list[str], progress: Optional[Callable[[str, int, Optional[int]], object]] = None
+) -> tuple[Optional[str], str, list[str]]: ...
 def read(
     files: list[str], columns: list[str], units: list[str], caches: list[str], speed: Optional[str]
 ) -> tuple[dict[str, npt.NDArray[np.float64]], list[str], list[str]]: ...

@@ -9,7 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Optional, Union
 
-from ._command import Output, run
+from ._command import Output, Progress, run
 from ._functions import AnyTable, _file, write_table
 from ._results import Reduction
 from ._vehicle import PathLike
@@ -50,6 +50,9 @@ def reduce(
     *,
     range_deg: Optional[float] = None,
     strict: bool = False,
+    out: Optional[PathLike] = None,
+    force: bool = False,
+    progress: Optional[Progress] = None,
 ) -> Reduction:
     """Reduces a campaign's folder, a Campaign, or a table of points to coefficients with intervals.
 
@@ -58,8 +61,11 @@ def reduce(
         hull: hull.toml of a table of points.
         range_deg: fit the points up to this angle [deg]; 10 by default.
         strict: take one unusable run for an error instead of leaving it out.
+        out: folder for report.html and tables, which are thrown away without it; `report(path)` would do the work once more.
+        force: replace in that folder what this package did not write, too.
+        progress: is called with what is counted, how many are done, and of how many where that is known.
     """
-    return _reduce(source, hull, range_deg, strict, [])
+    return _reduce(source, hull, range_deg, strict, [], _kept(out, force), progress)
 
 
 def diagnose(
@@ -68,9 +74,12 @@ def diagnose(
     *,
     range_deg: Optional[float] = None,
     strict: bool = False,
+    out: Optional[PathLike] = None,
+    force: bool = False,
+    progress: Optional[Progress] = None,
 ) -> Reduction:
     """Reduces, and finds what the steady runs depart from, why, and how much a correction gains."""
-    return _reduce(source, hull, range_deg, strict, ["--diagnose"])
+    return _reduce(source, hull, range_deg, strict, ["--diagnose"], _kept(out, force), progress)
 
 
 def demo(folder: PathLike, *, seed: int = 1, effects: tuple[str, ...] = (), force: bool = False) -> Path:
@@ -86,19 +95,25 @@ def _reduce(
     range_deg: Optional[float],
     strict: bool,
     options: list[str],
+    kept: list[str],
+    progress: Optional[Progress],
 ) -> Reduction:
     options = options + (["--strict"] if strict else [])
     options += [] if range_deg is None else [f"--range-deg={float(range_deg)!r}"]
     options += [] if hull is None else ["--hull", os.fspath(hull)]
 
-    def again(further: list[str]) -> Output:
+    def again(further: list[str], progress: Optional[Progress] = None) -> Output:
         with ExitStack() as stack:
             name = stack.enter_context(_named(source))
             # Results always go into a folder; nobody asked for this one.
             unasked = [] if "--out" in further else ["--out", stack.enter_context(TemporaryDirectory())]
-            return run(["tank-reduce", name, *options, *unasked, *further])
+            return run(["tank-reduce", name, *options, *unasked, *further], progress)
 
-    return Reduction(again(["--json", "-"]), again)
+    return Reduction(again(["--json", "-", *kept], progress), again)
+
+
+def _kept(out: Optional[PathLike], force: bool) -> list[str]:
+    return [] if out is None else ["--out", os.fspath(out), *(["--force"] if force else [])]
 
 
 @contextmanager
