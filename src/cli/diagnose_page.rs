@@ -5,8 +5,8 @@ use crate::diagnose::sea::SeaDiagnosis;
 use crate::diagnose::{Checked, Diagnosis};
 use crate::report::{Axis, Cell, Figure, Layer, Panel, Report, Section, Table, probability, with_interval};
 
-/// The page of a log's diagnosis.
-pub(super) fn page(vehicle: &str, found: &SeaDiagnosis, trim: &str) -> Report {
+/// The page of a log's diagnosis. `notes` are those of the reading, which stand among its warnings, too.
+pub(super) fn page(vehicle: &str, found: &SeaDiagnosis, trim: &str, notes: &[String]) -> Report {
     let diagnosis = &found.outcome.diagnosis;
     let subject = format!("{vehicle}, {} stretches of steady glide", found.problem.n_bins());
     let mut report = Report::new("Diagnosis", subject).finding(format!("Baseline: {trim}."));
@@ -18,7 +18,9 @@ pub(super) fn page(vehicle: &str, found: &SeaDiagnosis, trim: &str) -> Report {
         report = report.warning(format!("{}.", capital(&checked(check))));
     }
     for warning in &diagnosis.warnings {
-        report = report.warning(format!("{}.", capital(warning)));
+        let is_note = notes.contains(warning);
+        report =
+            if is_note { report.note(format!("{warning}.")) } else { report.warning(format!("{}.", capital(warning))) };
     }
     let sentences = [wrong(diagnosis), cause(diagnosis), extension(diagnosis), gain(diagnosis)];
     for sentence in &sentences {
@@ -80,7 +82,9 @@ fn cause(found: &Diagnosis) -> String {
                 .iter()
                 .map(|(name, e)| {
                     let [low, high] = e.ci95;
-                    format!("{name} = {}{}", with_interval(e.value, low, high), unit(e))
+                    // The only parameter needs no name beside that of its cause.
+                    let name = if cause.parameters.len() == 1 { String::new() } else { format!("{} = ", words(name)) };
+                    format!("{name}{}{}", with_interval(e.value, low, high), unit(e))
                 })
                 .collect();
             let sizes =
@@ -132,7 +136,7 @@ fn extension(found: &Diagnosis) -> String {
     };
     match &found.extended {
         Some(path) => format!("{what}, written to {path}; the FMU flies it as it is."),
-        None => format!("{what}; `--extended` writes it as a vehicle that the FMU flies."),
+        None => format!("{what}; the option --extended writes it as a vehicle that the FMU flies."),
     }
 }
 
@@ -186,6 +190,17 @@ fn misfit(found: &SeaDiagnosis) -> Figure {
     ))
 }
 
+/// Places on the scale of evidence that have a number.
+const EVIDENCE: [f64; 8] = [0.0, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0];
+
+/// Mechanisms in the figure at most; the table has all that were rejected.
+const MOST_WEIGHED: usize = 12;
+
+/// Where some evidence stands: on a logarithmic scale from 0 on, so that the second best is seen beside the best.
+fn place(evidence: f64) -> f64 {
+    evidence.max(0.0).ln_1p()
+}
+
 /// How much each mechanism explains.
 fn weighed(found: &Diagnosis) -> Figure {
     let evidence = |p: f64| -p.max(1e-300).log10();
@@ -195,11 +210,22 @@ fn weighed(found: &Diagnosis) -> Figure {
         .map(|cause| (format!("{} (named)", words(&cause.cause)), evidence(cause.p_value)))
         .collect();
     rows.extend(found.rejected.iter().filter_map(|r| Some((words(&r.cause), evidence(r.p_value?)))));
+    rows.sort_by(|a, b| b.1.total_cmp(&a.1));
+    rows.truncate(MOST_WEIGHED.max(found.causes.len()));
     let names: Vec<String> = rows.iter().map(|row| row.0.clone()).collect();
-    let panel = Panel::new(Axis::of_names("", names))
-        .layer(Layer::points(rows.iter().map(|row| row.1).collect(), (0..rows.len()).map(|i| i as f64).collect()));
-    Figure::new("cause", Axis::new("Evidence, -log10 of the probability by chance", "", "")).panel(panel).caption(
-        "What each mechanism explains: the named ones beside the others that are named, the others beside all that are.",
+    let (places, lines): (Vec<f64>, Vec<f64>) =
+        rows.iter().zip(0..).map(|(row, i)| (place(row.1), f64::from(i))).unzip();
+    let most = rows.first().map_or(1.0, |row| row.1.max(1.0));
+    let x = Axis {
+        names: EVIDENCE.iter().filter(|e| **e <= 1.5 * most).map(|e| (place(*e), format!("{e}"))).collect(),
+        ..Axis::new("Evidence, -log10 of the probability by chance", "", "").range(-0.1, place(1.3 * most))
+    };
+    let bars = lines.iter().zip(&places).map(|(line, place)| Layer::line(vec![0.0, *place], vec![*line; 2]).slot(0));
+    let panel =
+        Panel::new(Axis::of_names("", names)).layers(bars).layer(Layer::points(places.clone(), lines.clone()).slot(0));
+    Figure::new("cause", x).panel(panel).caption(
+        "What each mechanism explains, the strongest first, on a logarithmic scale from 0 on: the named ones beside the others that are named, \
+         the others beside all that are.",
     )
 }
 

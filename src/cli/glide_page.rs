@@ -3,7 +3,9 @@
 use crate::dynamics::forces::Flow;
 use crate::dynamics::{Parameters, Surroundings};
 use crate::glide::{Attitude, SteadyGlide, at_pitch, shallowest};
-use crate::report::{Axis, Block, Cell, Figure, Layer, Panel, Report, Section, Table, significant};
+use crate::report::{
+    Axis, Block, Cell, Explorer, Figure, Layer, Panel, Quantity, Report, Section, Slider, Table, significant,
+};
 use crate::vehicle::Vehicle;
 
 /// Beyond the angles at which hulls are towed the laws of lift and drag say nothing: a polar ends here \[deg\].
@@ -70,6 +72,7 @@ pub(super) fn page(
                 .text("Where the glider goes through the water, for the net masses that its buoyancy engine gives: a straight line from the origin is a glide path, and its steepness the glide angle.")
                 .figure(polars.velocities(glides)),
         )
+        .section(by_hand(parameters, water))
         .section(Section::new("Against pitch").figure(polars.against_pitch(parameters)))
         .section(Section::new("Coefficients").figure(coefficients(parameters, water, &polars)).block(source(vehicle)))
         .section(Section::new("Glides").folded().table(table(glides)))
@@ -165,6 +168,76 @@ impl Polars {
     }
 }
 
+/// Net masses of one leg on the slider.
+const MASSES: usize = 12;
+
+/// Steepest pitch on the slider \[deg\].
+const STEEPEST_DEG: usize = 70;
+
+fn by_hand(parameters: &Parameters<f64>, water: &Surroundings<f64>) -> Section {
+    let section = Section::new("By net mass and pitch");
+    match explorer(parameters, water) {
+        explorer if explorer.curve.values.is_empty() => {
+            section.text("The buoyancy engine makes the glider neither heavy nor light.")
+        }
+        explorer => section.block(Block::Explorer(explorer)),
+    }
+}
+
+/// The polar at any net mass that the buoyancy engine gives, and the glide at any pitch.
+fn explorer(parameters: &Parameters<f64>, water: &Surroundings<f64>) -> Explorer {
+    let heaviest = parameters.net_mass_kg(parameters.ballast_min_m3, water);
+    let lightest = parameters.net_mass_kg(parameters.ballast_max_m3, water);
+    let share = |most: f64| (1..=MASSES).map(move |i| (most * i as f64 / MASSES as f64 * 1e4).round() / 1e4);
+    let mut masses: Vec<f64> = share(lightest).rev().filter(|mass| *mass < 0.0).collect();
+    let heavy_from = masses.len();
+    masses.extend(share(heaviest).filter(|mass| *mass > 0.0));
+    let begins_at = (heavy_from + MASSES / 2).min(masses.len().saturating_sub(1));
+    let pitches: Vec<f64> = (1..=STEEPEST_DEG).map(|pitch| pitch as f64).collect();
+    let glide = |mass: f64, pitch: f64| {
+        let pitch_rad = -mass.signum() * pitch.to_radians();
+        at_pitch(parameters, water, Attitude { pitch_rad, net_mass_kg: mass }).ok().filter(is_within)
+    };
+    let all: Vec<Vec<Option<Glide>>> =
+        masses.iter().map(|&mass| pitches.iter().map(|&pitch| glide(mass, pitch)).collect()).collect();
+    let quantity = |axis: Axis, of: fn(&Glide) -> f64| {
+        let value = |glide: &Option<Glide>| glide.as_ref().map_or(f64::NAN, of);
+        Quantity { axis, values: all.iter().map(|glides| glides.iter().map(value).collect()).collect() }
+    };
+    let most = |of: fn(&Glide) -> f64| all.iter().flatten().flatten().map(of).fold(0.0, f64::max);
+    let (along, down) = (most(|g| g.horizontal_velocity_m_s), most(|g| g.vertical_velocity_m_s));
+    let up = most(|g| -g.vertical_velocity_m_s);
+    let x = Axis::new("Horizontal speed", "V_x", "m/s").range(0.0, 1.04 * along);
+    let y = Axis::new("Vertical speed, downwards", "V_z", "m/s").range(-1.04 * up, 1.04 * down).reversed();
+    Explorer {
+        caption: "The polar at one net mass, and the glide at one pitch. A glider is heavy on descents, with its nose down, and light \
+                  on ascents, with its nose up."
+            .to_owned(),
+        curve: Slider { label: "Net mass".to_owned(), unit: "kg".to_owned(), values: masses, begins_at },
+        point: Slider {
+            label: "Pitch, down or up".to_owned(),
+            unit: "deg".to_owned(),
+            begins_at: 25.min(pitches.len() - 1),
+            values: pitches,
+        },
+        x: quantity(x, |g| g.horizontal_velocity_m_s),
+        y: quantity(y, |g| g.vertical_velocity_m_s),
+        further: vec![
+            quantity(Axis::new("Speed along the path", "V", "m/s"), |g| g.speed_m_s),
+            quantity(Axis::new("Glide path", "ξ", "deg"), |g| g.glide_angle_rad.to_degrees()),
+            quantity(Axis::new("Angle of attack", "α", "deg"), |g| g.angle_of_attack_rad.to_degrees()),
+            quantity(Axis::new("Glide ratio", "", ""), |g| {
+                (g.horizontal_velocity_m_s / g.vertical_velocity_m_s).abs()
+            }),
+            quantity(Axis::new("Moving mass, forward", "r_{p1}", "mm"), |g| g.moving_mass_m * 1e3),
+        ],
+    }
+}
+
+fn is_within(glide: &Glide) -> bool {
+    glide.angle_of_attack_rad.to_degrees().abs() <= WIDEST_ANGLE_OF_ATTACK_DEG
+}
+
 /// Every half degree of pitch at which this net mass glides.
 fn leg(parameters: &Parameters<f64>, water: &Surroundings<f64>, net_mass_kg: f64) -> Vec<Glide> {
     let nose = -net_mass_kg.signum();
@@ -172,8 +245,7 @@ fn leg(parameters: &Parameters<f64>, water: &Surroundings<f64>, net_mass_kg: f64
         let pitch_rad = nose * (0.5 * f64::from(halves)).to_radians();
         at_pitch(parameters, water, Attitude { pitch_rad, net_mass_kg }).ok()
     };
-    let within = |g: &Glide| g.angle_of_attack_rad.to_degrees().abs() <= WIDEST_ANGLE_OF_ATTACK_DEG;
-    (1..=140).filter_map(glide).filter(within).collect()
+    (1..=140).filter_map(glide).filter(is_within).collect()
 }
 
 /// Descents and ascents apart, so that no line joins them.

@@ -154,7 +154,7 @@ fn pilots_constants(
         ["Constant", "Value", "Standard error", "Unit"],
     );
     if lines.is_empty() {
-        return Section::new("For the pilot").text("Best glide and usual speeds stand above; `glidepolar plan` and `glidepolar track` take the vehicle that --write writes.");
+        return Section::new("For the pilot").text("Best glide and usual speeds stand above; glidepolar plan and glidepolar track take the vehicle that --write writes.");
     }
     for line in lines {
         table.push(line.map(Cell::from));

@@ -323,6 +323,75 @@ def test_a_figure_answers_the_mouse(page, tmp_path, width):
     assert read["after"] == pytest.approx([0.2 * read["before"][0]], rel=0.1), "dragging over a fifth zooms to it"
 
 
+SLIDE = """<!doctype html><meta charset="utf-8">
+<style>body { margin: 0 } iframe { border: 0; width: %(width)dpx; height: 3000px }</style>
+<iframe src="%(page)s"></iframe><pre id="found"></pre>
+<script>
+const frame = document.querySelector("iframe");
+frame.addEventListener("load", () => setTimeout(() => {
+  const page = frame.contentDocument, place = page.querySelector(".explorer");
+  const [mass, pitch] = place.querySelectorAll("input");
+  const read = () => ({
+    width: place.scrollWidth, room: place.clientWidth,
+    sliders: [...place.querySelectorAll("output")].map(cell => cell.textContent),
+    values: Object.fromEntries([...place.querySelectorAll("dt")].map(name => [name.textContent, name.nextSibling.textContent])),
+  });
+  const move = (slider, to) => {
+    slider.value = to;
+    slider.dispatchEvent(new frame.contentWindow.Event("input", { bubbles: true }));
+  };
+  const found = [read()];
+  for (const [i, j] of [[0, 40], [Number(mass.max), 19], [5, 59]]) { move(mass, i); move(pitch, j); found.push(read()); }
+  document.getElementById("found").textContent = JSON.stringify(found);
+}, 300));
+</script>"""
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_sliders_of_the_polar_show_the_glide_that_the_command_computes(tables, tmp_path, width):
+    program = path_from("GLIDEPOLAR_COMMAND")
+    subprocess.run([program, "glide", "slocum-049", "--quiet", "--out", tmp_path / "polar"], check=True)
+    wrapper = tmp_path / "wrapper.html"
+    wrapper.write_text(SLIDE % {"width": WIDTHS[width], "page": (tmp_path / "polar/report.html").as_uri()}, encoding="utf-8")
+    seen = browse(wrapper, tmp_path, "--dump-dom", "--virtual-time-budget=20000", width=max(WIDTHS[width], 600))
+    read = json.loads(re.search(r'<pre id="found">(.*?)</pre>', seen.output, re.DOTALL)[1])
+    assert len(read) == 4 and len({tuple(state["sliders"]) for state in read}) == 4
+    for state in read:
+        assert state["width"] <= state["room"]
+        mass, pitch = (float(text.split()[0]) for text in state["sliders"])
+        pitch *= -1 if mass > 0 else 1
+        asked = ["--net-mass-kg", f"{mass}", f"--pitch-deg={pitch}"]
+        glide = json.loads(subprocess.check_output([program, "glide", "slocum-049", *asked, "--json", "-"], text=True))["glide"]
+        shown = {name.split()[0]: float(value) for name, value in state["values"].items() if name.split()[0] in ("Horizontal", "Vertical", "Speed")}
+        expected = {"Horizontal": "horizontal_velocity_m_s", "Vertical": "vertical_velocity_m_s", "Speed": "speed_m_s"}
+        assert shown == {name: pytest.approx(glide[key], rel=1e-3) for name, key in expected.items()}
+
+
+def test_pages_say_what_matters_first_and_in_words(page):
+    text = page.read_text(encoding="utf-8")
+    body = re.sub(r"(?s)<script.*?</script>|<style.*?</style>|<pre>.*?</pre>|<!--.*?-->", "", text)
+    words = re.sub(r"<[^>]+>", " ", body)
+    assert "`" not in words
+    assert not re.search(r"p [<=] 1\.?0?e-?(0|[1-9]\d\d)", words), "a probability that nobody can mean"
+    warnings = re.search(r'(?s)<section class="warnings".*?</section>', text)
+    for housekeeping in ("gaps in the record", "left out", "has no position"):
+        assert not (warnings and housekeeping in warnings[0]), housekeeping
+    if page.parent.name == "diagnose":
+        (notes,) = re.findall(r'(?s)<details class="notes">.*?</details>', text)
+        assert "gaps in the record" in notes
+
+
+def test_the_second_best_mechanism_is_seen_beside_the_best(tables, tmp_path):
+    """On the scale of evidence the second is more than a tenth of the way to the first, though it is a hundredth of it."""
+    program = path_from("GLIDEPOLAR_COMMAND")
+    command = [program, "diagnose", tables["SEA_LOG"], "--vehicle", tables["SEA_VEHICLE"], "--quiet", "--out", tmp_path / "page"]
+    subprocess.run([str(word) for word in command], check=True, capture_output=True)
+    figure = (tmp_path / "page/figures/cause.svg").read_text(encoding="utf-8")
+    bars = [[float(value) for value in re.findall(r"[-\d.]+", points)] for points in re.findall(r'<polyline[^>]*points="([^"]+)"', figure)]
+    lengths = sorted((abs(bar[2] - bar[0]) for bar in bars if len(bar) == 4 and bar[1] == bar[3]), reverse=True)
+    assert len(lengths) >= 3 and lengths[1] > 0.1 * lengths[0], lengths
+
+
 def cut_or_covered(figure: dict):
     """Says which texts leave the figure or lie on one another."""
     left, top, right, bottom = figure["box"]

@@ -34,6 +34,7 @@
 mod brush;
 mod canvas;
 mod draw;
+mod explorer;
 mod figure;
 mod labels;
 mod legend;
@@ -51,6 +52,7 @@ mod ticks;
 #[cfg(test)]
 mod tests;
 
+pub use explorer::{Explorer, Quantity, Slider};
 pub use figure::{Axis, Dash, Figure, Layer, Panel, Shape};
 pub use number::{estimate, interval, probability, significant, with_interval};
 pub use page::{Block, InputFile, Report, Section, as_command};

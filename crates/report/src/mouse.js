@@ -2,15 +2,17 @@
    Without this script, and in print, the drawings stay. */
 (function () {
   "use strict";
-  const source = document.getElementById("figures");
-  if (!source || typeof uPlot === "undefined") return;
-  const figures = JSON.parse(source.textContent);
   const style = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
   const dark = matchMedia("(prefers-color-scheme: dark)");
   const lighter = { "#0072B2": "#4f9fe0", "#D55E00": "#ff8a3d", "#009E73": "#2cc79a", "#CC79A7": "#e396c1", "#E69F00": "#f5bd45", "#56B4E9": "#9ad6ff" };
   const shade = (colour) => (dark.matches && lighter[colour]) || colour;
-  const named = (axis) => axis.label + (axis.unit ? " [" + axis.unit + "]" : "");
+  const named = (axis) => axis.label + (axis.symbol ? " " + axis.symbol : "") + (axis.unit ? " [" + axis.unit + "]" : "");
   const shown = (value) => (value == null ? "–" : String(Number(value.toPrecision(5))));
+
+  globalThis.glidepolarPage = { style, named, shown };
+  const source = document.getElementById("figures");
+  if (!source || typeof uPlot === "undefined") return;
+  const figures = JSON.parse(source.textContent);
 
   /* One column of x for all layers: values of the same x stand in one row, so that a pointer reads them all. */
   function aligned(panel) {

@@ -13,10 +13,11 @@ pub(super) const STYLE: &str = include_str!("uplot/uPlot.min.css");
 const LICENCE: &str = include_str!("uplot/LICENSE");
 const UPLOT: &str = include_str!("uplot/uPlot.iife.min.js");
 const OWN: &str = include_str!("mouse.js");
+const EXPLORER: &str = include_str!("explorer.js");
 
 /// The whole script of a page.
 pub(super) fn script() -> String {
-    format!("/* uPlot\n{LICENCE}*/\n{UPLOT}\n{OWN}")
+    format!("/* uPlot\n{LICENCE}*/\n{UPLOT}\n{OWN}\n{EXPLORER}")
 }
 
 /// What allows this script, and no other, to run in a page.
@@ -82,14 +83,16 @@ fn layer_of(layer: &Layer, styles: &Styles) -> Value {
     }
 }
 
-fn axis(axis: &Axis) -> Value {
+pub(super) fn axis(axis: &Axis) -> Value {
     let finite = |&(a, b): &(f64, f64)| a.is_finite() && b.is_finite();
     let range = axis.range.filter(finite).map(|(from, to)| [from, to]);
-    json!({ "label": axis.label, "unit": axis.unit, "range": range, "reversed": axis.reversed })
+    // Subscripts are letters of the same size here.
+    let symbol = axis.symbol.replace(['_', '{', '}'], "");
+    json!({ "label": axis.label, "symbol": symbol, "unit": axis.unit, "range": range, "reversed": axis.reversed })
 }
 
 /// Numbers as a drawing needs them, six digits; missing ones as null.
-fn plain(values: &[f64]) -> Vec<Option<f64>> {
+pub(super) fn plain(values: &[f64]) -> Vec<Option<f64>> {
     values.iter().map(|v| v.is_finite().then(|| format!("{v:.5e}").parse().unwrap_or(*v))).collect()
 }
 

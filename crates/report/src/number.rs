@@ -49,10 +49,14 @@ fn to_shared_place<const N: usize>(values: [f64; N], width: f64) -> [String; N] 
     values.map(|v| significant(v, (exponent_of(v) - place + 1).clamp(2, 12) as usize))
 }
 
-/// A probability of chance: `p = 7.2e-21`; one too small for a number of the machine is below the smallest that is printed.
+/// A probability of chance: `p = 0.24`, `p = 1.9e-6`, `p < 1e-12`. What is smaller rests on tails that no noise has so exactly.
 pub fn probability(p: f64) -> String {
-    const SMALLEST: f64 = 1e-300;
-    if p < SMALLEST { format!("p < {SMALLEST:e}") } else { format!("p = {p:.1e}") }
+    const SMALLEST: f64 = 1e-12;
+    match p {
+        p if p < SMALLEST => format!("p < {SMALLEST:e}"),
+        p if p < 0.01 => format!("p = {p:.1e}"),
+        p => format!("p = {p:.2}"),
+    }
 }
 
 /// A number to so many significant digits, without a needless exponent: `0.001234`, `5.68e-10`, `12350`.
@@ -113,7 +117,8 @@ mod tests {
 
     #[test]
     fn no_probability_is_zero() {
-        assert_eq!([probability(7.24e-21), probability(0.0)], ["p = 7.2e-21", "p < 1e-300"]);
+        let texts = [7.24e-7, 0.0, 1e-30, 0.238, 1.0].map(probability);
+        assert_eq!(texts, ["p = 7.2e-7", "p < 1e-12", "p < 1e-12", "p = 0.24", "p = 1.00"]);
     }
 
     #[test]

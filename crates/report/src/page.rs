@@ -1,6 +1,7 @@
 //! The page: what was read, what was found, how to repeat it, as one HTML file that asks nothing of any other.
 
 use super::draw::document;
+use super::explorer::Explorer;
 use super::figure::Figure;
 use super::mouse;
 use super::table::{Cell, Table};
@@ -23,6 +24,8 @@ pub struct Report {
     pub subject: String,
     /// What the reader must know before believing anything below; a sentence each.
     pub warnings: Vec<String>,
+    /// What was done to the data before anything else, of which nothing follows: folded away.
+    pub notes: Vec<String>,
     /// The results in a few sentences.
     pub findings: Vec<String>,
     /// The body.
@@ -62,6 +65,10 @@ pub enum Block {
     Figure(Figure),
     /// A table, numbered likewise.
     Table(Table),
+    /// A curve with sliders, on the screen only.
+    Explorer(Explorer),
+    /// Other pages: what is there, and the file, relative to this one.
+    Links(Vec<(String, String)>),
 }
 
 /// A file that was read, so that a reader can tell whether theirs is the same.
@@ -172,6 +179,7 @@ impl Report {
             title: title.into(),
             subject: subject.into(),
             warnings: Vec::new(),
+            notes: Vec::new(),
             findings: Vec::new(),
             sections: Vec::new(),
             program: concat!("glidepolar ", env!("CARGO_PKG_VERSION")).to_owned(),
@@ -185,6 +193,12 @@ impl Report {
     /// With one more warning.
     pub fn warning(mut self, warning: impl Into<String>) -> Self {
         self.warnings.push(warning.into());
+        self
+    }
+
+    /// With one more note, which is folded away.
+    pub fn note(mut self, note: impl Into<String>) -> Self {
+        self.notes.push(note.into());
         self
     }
 
@@ -225,6 +239,7 @@ impl Report {
                     program: self.program.clone(),
                     command: self.command.clone(),
                     warnings: Vec::new(),
+                    notes: Vec::new(),
                     findings: Vec::new(),
                     inputs: Vec::new(),
                     sections: vec![section],
@@ -267,7 +282,7 @@ impl Report {
     }
 
     fn values(&self) -> Value {
-        let mut count = Count { figures: 0, tables: 0, numbers: Vec::new() };
+        let mut count = Count::default();
         let mut taken = HashSet::new();
         let mut link =
             |s: &Section| s.own_page.as_ref().map(|stem| format!("{}.html", free_name(stem.clone(), &mut taken)));
@@ -277,24 +292,21 @@ impl Report {
             .iter()
             .map(|i| context! { name => visible(&i.name), bytes => grouped(i.bytes), sha256 => i.sha256.as_str() })
             .collect();
-        // A `<` in a text must not end the block of numbers.
-        let numbers = if count.numbers.is_empty() {
-            String::new()
-        } else {
-            format!("{{{}}}", count.numbers.join(",")).replace('<', "\\u003c")
-        };
-        let script = if count.numbers.is_empty() { String::new() } else { mouse::script() };
+        let (numbers, explorers) = (json_of(&count.numbers), json_of(&count.explorers));
+        let script = if numbers.is_empty() && explorers.is_empty() { String::new() } else { mouse::script() };
         let style = if script.is_empty() { "" } else { mouse::STYLE };
         context! {
             style => Value::from_safe_string(format!("{style}\n{}", include_str!("page.css"))),
             allowance => Value::from_safe_string(mouse::allowance(&script)),
             script => Value::from_safe_string(script),
             numbers => Value::from_safe_string(numbers),
+            explorers => Value::from_safe_string(explorers),
             title => visible(&self.title),
             subject => visible(&self.subject),
             warnings => all_visible(&self.warnings),
             // One more than these is shown as well: a fold for a single line hides nothing.
             shown_warnings => if self.warnings.len() == SHOWN_WARNINGS + 1 { SHOWN_WARNINGS + 1 } else { SHOWN_WARNINGS },
+            notes => all_visible(&self.notes),
             findings => all_visible(&self.findings),
             sections,
             program => visible(&self.program),
@@ -315,11 +327,23 @@ fn free_name(name: String, taken: &mut HashSet<String>) -> String {
     free
 }
 
+#[derive(Default)]
 struct Count {
     figures: usize,
     tables: usize,
     /// Of each figure that a mouse can explore: its number on the page and what it shows, as JSON.
     numbers: Vec<String>,
+    /// Likewise of each curve with sliders.
+    explorers: Vec<String>,
+}
+
+/// Entries of an object as JSON for a block of the page; empty without any.
+fn json_of(entries: &[String]) -> String {
+    if entries.is_empty() {
+        return String::new();
+    }
+    // A `<` in a text must not end the block.
+    format!("{{{}}}", entries.join(",")).replace('<', "\\u003c")
 }
 
 fn section(section: &Section, link: Option<String>, count: &mut Count) -> Value {
@@ -333,6 +357,16 @@ fn block(block: &Block, count: &mut Count) -> Value {
         Block::Text(text) => context! { kind => "text", text => visible(text) },
         Block::List(points) => context! { kind => "list", points => all_visible(points) },
         Block::Code(text) => context! { kind => "code", text => visible(text) },
+        Block::Links(links) => {
+            let links: Vec<Value> =
+                links.iter().map(|(text, file)| context! { text => visible(text), file => visible(file) }).collect();
+            context! { kind => "links", links }
+        }
+        Block::Explorer(explorer) => {
+            let number = count.explorers.len() + 1;
+            count.explorers.push(format!("\"{number}\":{}", explorer.numbers()));
+            context! { kind => "explorer", number, caption => visible(&explorer.caption) }
+        }
         Block::Figure(figure) => {
             count.figures += 1;
             if let Some(numbers) = mouse::numbers(figure) {
