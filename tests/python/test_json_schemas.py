@@ -35,6 +35,7 @@ COMMANDS = [
     ("plan", "glidepolar plan seaglider --moves MOVES --dives DIVES"),
     ("tank-reduce", "tank-reduce POINTS --hull HULL --out OUT"),
     ("tank-reduce", "tank-reduce CAMPAIGN --diagnose --out OUT"),
+    ("demo", "glidepolar demo DEMO --python no-such-python"),
     ("assemble", "glidepolar assemble FITS --hull LDR8.5 WING -o ASSEMBLED"),
 ]
 
@@ -43,7 +44,7 @@ COMMANDS = [
 def files(tmp_path_factory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("schemas")
     found = {name: folder / f"{name.lower()}.csv" for name in ("FLIGHT", "VARIANTS", "MOVES", "DIVES")}
-    found |= {"MISSION": ROOT / "missions/rising-seabed.toml", "LAWN_MOWER": ROOT / "missions/lawn-mower.toml", "OUT": folder / "out", "ASSEMBLED": folder / "assembled.toml"}
+    found |= {"MISSION": ROOT / "missions/rising-seabed.toml", "LAWN_MOWER": ROOT / "missions/lawn-mower.toml", "OUT": folder / "out", "ASSEMBLED": folder / "assembled.toml", "DEMO": folder / "demo"}
     found |= {"POINTS": ROOT / "tank/data/suboff_roddy1990.csv", "HULL": ROOT / "tank/data/suboff.toml"}
     program, tank, sea = (path_from(f"GLIDEPOLAR_{name}") for name in ("COMMAND", "TANK_REDUCE", "VIRTUAL_SEA"))
     subprocess.run([program, "simulate", "slocum-049", "--mission", found["MISSION"], "--log", found["FLIGHT"], "-q"], check=True)

@@ -72,7 +72,7 @@ enum Chore {
         #[arg(long, value_enum)]
         only: Option<test::Part>,
     },
-    /// Reduce hull tests, fly both FMUs in FMPy, and leave a page in target/demo/
+    /// From a hull test and a faulty flight log to an FMU that flies a held-out dive in FMPy; a page in target/demo/
     Demo,
     /// Draw the figures in docs/figures/ anew
     Figures {

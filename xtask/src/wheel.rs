@@ -140,12 +140,20 @@ fn gather(workspace: &Workspace, project: &Path, kind: Kind, fmus: &Fmus) -> Res
     Ok(())
 }
 
-/// Both programs as they are packed: for others optimised, without symbols and against an old C library.
+/// Both programs as they are packed.
 fn programs_of(workspace: &Workspace, kind: Kind) -> Result<Vec<PathBuf>> {
-    let file = |name: &str| format!("{name}{}", std::env::consts::EXE_SUFFIX);
     if kind == Kind::Tests {
-        return Ok(PROGRAMS.iter().map(|(name, ..)| workspace.target("debug").join(file(name))).collect());
+        return Ok(PROGRAMS.iter().map(|(name, ..)| workspace.target("debug").join(executable(name))).collect());
     }
+    release_programs(workspace)
+}
+
+fn executable(name: &str) -> String {
+    format!("{name}{}", std::env::consts::EXE_SUFFIX)
+}
+
+/// Builds both programs for others: optimised, without symbols, on Linux against an old C library.
+pub fn release_programs(workspace: &Workspace) -> Result<Vec<PathBuf>> {
     let host = Platform::host()?;
     let portable = if host.is_linux() { fmu::portable_cargo(workspace, host) } else { None };
     let is_portable = portable.is_some();
@@ -159,7 +167,7 @@ fn programs_of(workspace: &Workspace, kind: Kind) -> Result<Vec<PathBuf>> {
     command.env("CARGO_ENCODED_RUSTFLAGS", rustc_flags(workspace, host).join("\x1f"));
     run_command(&mut command)?;
     let folder = workspace.target(host.triple).join("release");
-    let programs: Vec<PathBuf> = PROGRAMS.iter().map(|(name, ..)| folder.join(file(name))).collect();
+    let programs: Vec<PathBuf> = PROGRAMS.iter().map(|(name, ..)| folder.join(executable(name))).collect();
     for program in programs.iter().filter(|_| is_portable) {
         let bytes = fs::read(program).with_context(|| format!("cargo did not leave {}", workspace.shown(program)))?;
         check_portable(&workspace.shown(program).to_string(), &bytes)?;
@@ -174,5 +182,5 @@ pub fn build_programs(workspace: &Workspace) -> Result<()> {
 
 /// One of them, to be run at the checkout's root.
 pub fn program(workspace: &Workspace, name: &str) -> Command {
-    workspace.command(workspace.target("debug").join(format!("{name}{}", std::env::consts::EXE_SUFFIX)))
+    workspace.command(workspace.target("debug").join(executable(name)))
 }
