@@ -254,6 +254,8 @@ def test_no_text_in_a_figure_is_cut_off_or_covered_by_another(page, tmp_path, wi
     for number, figure in enumerate(measure(page, tmp_path, WIDTHS[width], "light")["figures"], start=1):
         left, top, right, bottom = figure["box"]
         assert right - left > 200 and bottom - top > 60, f"figure {number} is too small"
+        # The smallest letters are 12 of the 600 units of a drawing's width.
+        assert (right - left) * 12 / 600 >= 10, f"letters of figure {number} cannot be read"
         assert figure["texts"], f"figure {number} has no text"
         assert list(cut_or_covered(figure)) == [], f"figure {number}"
 
