@@ -14,7 +14,6 @@ use crate::log::{
     Preparation, PreparationSettings, Shorten, take_out_interpolated_speeds, take_out_lost_speeds,
 };
 use crate::vehicle::Vehicle;
-use glidepolar_progress::step;
 
 /// Why a log gives no samples.
 #[derive(Debug, thiserror::Error)]
@@ -74,7 +73,6 @@ pub fn read_watched(
     gathering.gravity_is_known = states_gravity(vehicle);
     let mut files = LogFiles::open(logs, &request.columns)?;
     while let Some(piece) = files.next_piece(PIECE_ROWS)? {
-        step("rows read", gathering.rows, 0);
         match piece {
             Piece::Series(piece) => gathering.push(*piece),
             Piece::Glides(glides) => gathering.push_glides(with_density(glides, request.density_kg_m3, &logs[0])?),

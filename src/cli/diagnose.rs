@@ -84,7 +84,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         found.outcome.diagnosis.extended = Some(path.display().to_string());
     }
     if let Some(out) = &arguments.out {
-        let mut page = diagnose_page::page(&vehicle.name, &found, trim.sentence(), &log.notes);
+        let mut page = diagnose_page::page(&vehicle.name, &found, trim.sentence());
         for log in &arguments.logs {
             page = page.input(InputFile::read(log)?);
         }

@@ -5,8 +5,8 @@ use crate::diagnose::sea::SeaDiagnosis;
 use crate::diagnose::{Checked, Diagnosis};
 use crate::report::{Axis, Cell, Figure, Layer, Panel, Report, Section, Table, probability, with_interval};
 
-/// The page of a log's diagnosis. `notes` are those of the reading, which stand among its warnings, too.
-pub(super) fn page(vehicle: &str, found: &SeaDiagnosis, trim: &str, notes: &[String]) -> Report {
+/// The page of a log's diagnosis.
+pub(super) fn page(vehicle: &str, found: &SeaDiagnosis, trim: &str) -> Report {
     let diagnosis = &found.outcome.diagnosis;
     let subject = format!("{vehicle}, {} stretches of steady glide", found.problem.n_bins());
     let mut report = Report::new("Diagnosis", subject).finding(format!("Baseline: {trim}."));
@@ -18,9 +18,7 @@ pub(super) fn page(vehicle: &str, found: &SeaDiagnosis, trim: &str, notes: &[Str
         report = report.warning(format!("{}.", capital(&checked(check))));
     }
     for warning in &diagnosis.warnings {
-        let is_note = notes.contains(warning);
-        report =
-            if is_note { report.note(format!("{warning}.")) } else { report.warning(format!("{}.", capital(warning))) };
+        report = report.warning(format!("{}.", capital(warning)));
     }
     let sentences = [wrong(diagnosis), cause(diagnosis), extension(diagnosis), gain(diagnosis)];
     for sentence in &sentences {

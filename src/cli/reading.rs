@@ -1,16 +1,15 @@
 //! The options by which the commands read flight logs; the reading itself is in [`crate::reading`]. Knows no command.
 
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
 
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{CliError, water_density};
 use crate::input::{InputError, Place};
 use crate::log::{Channel, Columns, Shorten};
 use crate::reading::{PreparedLog, Progress, ReadingError, Request, read_watched};
 use crate::vehicle::Vehicle;
+use glidepolar_progress::step;
 
 /// How logs are read; the same for every command that takes one.
 #[derive(Debug, Clone, Args)]
@@ -62,44 +61,15 @@ impl Reading {
             density_kg_m3: water_density(self.density)?,
             shorten: how,
         };
-        let bar = Bar::begin();
-        Ok(read_watched(logs, vehicle, &request, &|progress| bar.show(progress))?)
+        Ok(read_watched(logs, vehicle, &request, &said)?)
     }
 }
 
-/// Reads shorter than this show no bar.
-const SHOWN_AFTER: Duration = Duration::from_millis(500);
-
-/// How far a reading is, on a terminal only: indicatif hides itself elsewhere. Gone when it is dropped.
-pub struct Bar {
-    bar: ProgressBar,
-    begin: Instant,
-}
-
-impl Bar {
-    /// Begins with nothing read.
-    pub fn begin() -> Self {
-        let bar = ProgressBar::new(0);
-        if let Ok(style) = ProgressStyle::with_template("reading {bar:40} {pos}/{len} files, {msg} rows, {elapsed}") {
-            bar.set_style(style);
-        }
-        Bar { bar, begin: Instant::now() }
-    }
-
-    /// Shows how far it is.
-    pub fn show(&self, progress: Progress) {
-        if self.begin.elapsed() < SHOWN_AFTER {
-            return;
-        }
-        self.bar.set_length(progress.files as u64);
-        self.bar.set_message(progress.rows.to_string());
-        self.bar.set_position(progress.begun as u64);
-    }
-}
-
-impl Drop for Bar {
-    fn drop(&mut self) {
-        self.bar.finish_and_clear();
+/// Says how far a reading is.
+pub(super) fn said(progress: Progress) {
+    match progress.files {
+        1 => step("rows (reading)", progress.rows, 0),
+        files => step("files (reading)", progress.begun, files),
     }
 }
 

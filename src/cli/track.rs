@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
-use super::reading::{Bar, columns};
+use super::reading::{columns, said};
 use super::table::for_each_row;
 use super::track_page::{self, Remarks};
 use super::{CliError, Output, housekeeping, log_vehicle, print_notes, vehicle_input, warn, water_density};
@@ -215,7 +215,6 @@ fn read(a: &Arguments, vehicle: Vehicle) -> Result<Read, CliError> {
     let columns = columns(&a.column, &a.unit, &a.cache, None)?;
     let mut log = FlightLog::default();
     let mut gathering = Gathering::new(settings(&vehicle, water_density(a.density)?), Shorten::Means);
-    let bar = Bar::begin();
     let mut files = LogFiles::open(&a.logs, &columns)?;
     while let Some(piece) = files.next_piece(PIECE_ROWS)? {
         match piece {
@@ -228,9 +227,8 @@ fn read(a: &Arguments, vehicle: Vehicle) -> Result<Read, CliError> {
                 return Err(error.help("name the log it was made from").into());
             }
         }
-        bar.show(gathering.progress(&files));
+        said(gathering.progress(&files));
     }
-    drop(bar);
     let mut prepared = gathering.finish()?;
     let vehicle = prepared.located(vehicle)?;
     let (mut warnings, density_error) = prepared.checked(&vehicle)?;

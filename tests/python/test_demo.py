@@ -83,5 +83,3 @@ def test_a_second_demonstration_replaces_the_first_and_nothing_else(programs, ma
     done = subprocess.run([programs / "glidepolar", "demo", "mine"], cwd=tmp_path, env=ENVIRONMENT, capture_output=True, text=True)
     assert done.returncode == 2 and "no earlier demonstration" in done.stderr
     assert [file.name for file in (tmp_path / "mine").iterdir()] == ["thesis.txt"]
-    done = subprocess.run([programs / "glidepolar", "demo", "--effect", "traped_air"], cwd=tmp_path, env=ENVIRONMENT, capture_output=True, text=True)
-    assert done.returncode == 2 and "traped_air" in done.stderr

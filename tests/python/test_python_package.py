@@ -199,7 +199,7 @@ def test_long_work_says_how_far_it_is_and_ends_where_the_callback_fails(programs
         assert [done for _, done, _ in steps] == sorted(done for _, done, _ in steps)
         steps.clear()
         glidepolar.diagnose(sys.argv[1], "slocum-049", progress=lambda *step: steps.append(step))
-        assert {"rows read", "flights of the model"} >= {what for what, _, _ in steps} and steps
+        assert {"rows (reading)", "flights of the model"} >= {what for what, _, _ in steps} and steps
         assert all(total is None for _, _, total in steps)
 
         def fails(what, done, total):

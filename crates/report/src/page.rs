@@ -24,8 +24,6 @@ pub struct Report {
     pub subject: String,
     /// What the reader must know before believing anything below; a sentence each.
     pub warnings: Vec<String>,
-    /// What was done to the data before anything else, of which nothing follows: folded away.
-    pub notes: Vec<String>,
     /// The results in a few sentences.
     pub findings: Vec<String>,
     /// The body.
@@ -179,7 +177,6 @@ impl Report {
             title: title.into(),
             subject: subject.into(),
             warnings: Vec::new(),
-            notes: Vec::new(),
             findings: Vec::new(),
             sections: Vec::new(),
             program: concat!("glidepolar ", env!("CARGO_PKG_VERSION")).to_owned(),
@@ -193,12 +190,6 @@ impl Report {
     /// With one more warning.
     pub fn warning(mut self, warning: impl Into<String>) -> Self {
         self.warnings.push(warning.into());
-        self
-    }
-
-    /// With one more note, which is folded away.
-    pub fn note(mut self, note: impl Into<String>) -> Self {
-        self.notes.push(note.into());
         self
     }
 
@@ -239,7 +230,6 @@ impl Report {
                     program: self.program.clone(),
                     command: self.command.clone(),
                     warnings: Vec::new(),
-                    notes: Vec::new(),
                     findings: Vec::new(),
                     inputs: Vec::new(),
                     sections: vec![section],
@@ -306,7 +296,6 @@ impl Report {
             warnings => all_visible(&self.warnings),
             // One more than these is shown as well: a fold for a single line hides nothing.
             shown_warnings => if self.warnings.len() == SHOWN_WARNINGS + 1 { SHOWN_WARNINGS + 1 } else { SHOWN_WARNINGS },
-            notes => all_visible(&self.notes),
             findings => all_visible(&self.findings),
             sections,
             program => visible(&self.program),

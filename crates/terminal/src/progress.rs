@@ -12,11 +12,8 @@ const PATIENCE: Duration = Duration::from_millis(500);
 
 static LINE: Mutex<Option<ProgressBar>> = Mutex::new(None);
 
-/// Does some work and shows on a terminal how far it is, unless this program was started with `--quiet`.
+/// Does some work and shows on a terminal how far it is.
 pub fn on_terminal<T>(work: impl FnOnce() -> T) -> T {
-    if std::env::args_os().any(|word| word == "--quiet" || word == "-q") {
-        return work();
-    }
     let begin = Instant::now();
     let watch = Watch::new(move |step| {
         if begin.elapsed() >= PATIENCE {

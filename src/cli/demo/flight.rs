@@ -74,6 +74,12 @@ impl Dive {
         self.time_s.last().copied().unwrap_or(0.0)
     }
 
+    /// Depths of a flight less those that were measured, at the times of the measurement \[m\].
+    pub fn less_measured(&self, time_s: &[f64], depth_m: &[f64]) -> Vec<f64> {
+        let model = interpolated(time_s, depth_m, &self.time_s);
+        model.iter().zip(&self.depth_m).map(|(model, read)| model - read).collect()
+    }
+
     /// The inputs of the FMU for these places of the moving mass, as a table.
     fn inputs(&self, moving_mass_m: &[f64]) -> String {
         let mut table =
@@ -149,8 +155,7 @@ pub(super) struct Misfit {
 impl Misfit {
     /// Compares at the times of the measurement.
     pub fn of(dive: &Dive, time_s: &[f64], depth_m: &[f64]) -> Misfit {
-        let model = interpolated(time_s, depth_m, &dive.time_s);
-        let off: Vec<f64> = model.iter().zip(&dive.depth_m).map(|(model, read)| model - read).collect();
+        let off = dive.less_measured(time_s, depth_m);
         // The mean velocity over a minute is the change of depth over it.
         let later = |i: usize| dive.time_s.partition_point(|t| *t < dive.time_s[i] + MEAN_S);
         let changes: Vec<f64> = (0..off.len())

@@ -82,7 +82,7 @@ fn quantity_text(quantity: &Value) -> String {
 fn tank(shown: &Shown) -> Section {
     let hull = &shown.tank["hulls"][0];
     let columns = ["Coefficient", "Reduced", "Corrected", "True"];
-    let corrected = &hull["diagnosis"]["corrected"];
+    let corrected = &hull["extended"];
     let mut table = Table::new(
         format!(
             "Coefficients of {HULL} on the frontal area, with standard errors; corrected: with what the diagnosis names taken out."
@@ -148,15 +148,15 @@ fn held_out(shown: &Shown) -> Section {
         let (label, time_s, depth_m, dash) = *curve;
         panel.layer(Layer::line(minutes(time_s), depth_m.clone()).label(label).dash(dash))
     });
-    let velocity =
-        curves.iter().fold(Panel::new(Axis::new("Vertical velocity, downwards", "V_z", "m/s")), |panel, curve| {
-            let (label, time_s, depth_m, dash) = *curve;
-            let (middles, rates) = rates(time_s, depth_m);
-            panel.layer(Layer::line(minutes(&middles), rates).label(label).dash(dash))
-        });
-    let figure = Figure::new("held-out", Axis::new("Time", "t", "min")).panel(depth).panel(velocity).caption(
-        "A dive that the diagnosis has not read: measured, and flown with the same ballast, pitch and water by both vehicles. Velocities are \
-         means over a minute.",
+    let less = Panel::new(Axis::new("Less measured", "Δz", "m")).layer(Layer::at_y(0.0));
+    let less = curves[1..].iter().fold(less, |panel, curve| {
+        let (label, time_s, depth_m, dash) = *curve;
+        let less = dive.less_measured(time_s, depth_m);
+        panel.layer(Layer::line(minutes(&dive.time_s), less).label(label).dash(dash))
+    });
+    let figure = Figure::new("held-out", Axis::new("Time", "t", "min")).panel(depth).panel(less).caption(
+        "A dive that the diagnosis has not read: measured, and flown with the same ballast, pitch and water by both vehicles; below, \
+         their depths less the measured one.",
     );
     let by = if shown.result.flown_by_fmpy {
         "The extended vehicle was flown by FMPy from Extended.fmu, as any importer of FMUs would."
@@ -165,14 +165,4 @@ fn held_out(shown: &Shown) -> Section {
          folder."
     };
     Section::new("The held-out dive").text(by).figure(figure)
-}
-
-/// Mean velocities over a minute, and the middles of the minutes.
-fn rates(time_s: &[f64], depth_m: &[f64]) -> (Vec<f64>, Vec<f64>) {
-    let later = |i: usize| time_s.partition_point(|t| *t < time_s[i] + 60.0);
-    (0..time_s.len())
-        .map(|i| (i, later(i)))
-        .take_while(|(_, j)| *j < time_s.len())
-        .map(|(i, j)| (0.5 * (time_s[i] + time_s[j]), (depth_m[j] - depth_m[i]) / (time_s[j] - time_s[i])))
-        .unzip()
 }
