@@ -218,7 +218,7 @@ def test_an_interrupted_sweep_goes_on_where_it_stopped(glidepolar, tmp_path):
     mark, *rows = kept.read_text().splitlines()
     assert 0 < len(rows) < 2000 and rows == whole.splitlines()[1 : 1 + len(rows)], "finished rows stand on the disk"
 
-    done = run(glidepolar, *sweep, "--stop", "1000", "--csv", "ends.csv", "--resume", cwd=tmp_path)
+    done = run(glidepolar, *sweep, "--tolerance", "1e-5", "--csv", "ends.csv", "--resume", cwd=tmp_path)
     assert done.returncode == 2 and "another sweep left" in done.stderr, done.stderr
     # A mark in a finished row shows that it is taken as it is; a row that was cut off is flown again.
     marked = rows[0] + "00"
@@ -233,7 +233,7 @@ def test_long_work_shows_on_a_terminal_how_far_it_is(glidepolar, tmp_path):
     sweep = [glidepolar, "simulate", "slocum-graver", "--stop", "3000", "--sweep", tmp_path / "variants.csv"]
     shown = on_a_terminal(*sweep)
     counts = [int(count) for count in re.findall(r"(\d+)/3000 variants", shown)]
-    assert counts and counts == sorted(counts), shown[-500:]
+    assert counts and counts[0] < 3000 and max(counts) == 3000, shown[-500:]
     done = run(*sweep)
     assert "/3000" not in done.stderr + done.stdout
 

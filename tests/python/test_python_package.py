@@ -196,7 +196,7 @@ def test_long_work_says_how_far_it_is_and_ends_where_the_callback_fails(programs
         variants = {"b": [0.1 + 1e-4 * i for i in range(600)]}
         glidepolar.simulate("slocum-graver", sweep=variants, progress=lambda *step: steps.append(step))
         assert steps[-1] == ("variants", 600, 600) and len(steps) > 1, steps
-        assert [done for _, done, _ in steps] == sorted(done for _, done, _ in steps)
+        assert steps[0][1] < 600 and {(what, total) for what, _, total in steps} == {("variants", 600)}
         steps.clear()
         glidepolar.diagnose(sys.argv[1], "slocum-049", progress=lambda *step: steps.append(step))
         assert {"rows (reading)", "flights of the model"} >= {what for what, _, _ in steps} and steps

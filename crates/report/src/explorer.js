@@ -50,7 +50,7 @@
       return { input, value, slider };
     });
     const holder = document.createElement("div");
-    holder.className = "plot";
+    holder.className = "curve";
     place.append(holder);
     const list = document.createElement("dl");
     const cells = explorer.quantities.map((quantity) => {
