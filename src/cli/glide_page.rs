@@ -180,7 +180,7 @@ fn by_hand(parameters: &Parameters<f64>, water: &Surroundings<f64>) -> Section {
         explorer if explorer.curve.values.is_empty() => {
             section.text("The buoyancy engine makes the glider neither heavy nor light.")
         }
-        explorer => section.block(Block::Explorer(explorer)),
+        explorer => section.block(Block::Explorer(Box::new(explorer))),
     }
 }
 

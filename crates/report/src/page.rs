@@ -64,7 +64,7 @@ pub enum Block {
     /// A table, numbered likewise.
     Table(Table),
     /// A curve with sliders, on the screen only.
-    Explorer(Explorer),
+    Explorer(Box<Explorer>),
     /// Other pages: what is there, and the file, relative to this one.
     Links(Vec<(String, String)>),
 }
