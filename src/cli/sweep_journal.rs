@@ -27,7 +27,7 @@ impl Journal {
     /// Where the file cannot be written, or to resume is of another sweep.
     pub fn open(table: &Path, question: &str, resumes: bool) -> Result<Journal, CliError> {
         let path = PathBuf::from(format!("{}.unfinished", table.display()));
-        let mark = format!("# finished rows of the sweep {}\n", InputFile::of("", question.as_bytes()).sha256);
+        let mark = format!("# finished rows of the sweep {}\n", InputFile::new("", question.as_bytes()).sha256);
         let rows = if resumes { finished(&path, &mark)? } else { String::new() };
         // Written again without a row that was cut off.
         let begun = File::create(&path).and_then(|mut file| {

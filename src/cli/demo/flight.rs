@@ -12,7 +12,7 @@ use glidepolar_virtual_sea::log::Log;
 use crate::cli::CliError;
 use crate::dynamics::Actuation;
 use crate::glide::start;
-use crate::simulate::{Row, Schedule, Settings, fly_from};
+use crate::simulate::{Row, Schedule, SimulationSettings, fly_from};
 use crate::vehicle::Vehicle;
 
 /// The flight begins where the glider is this deep: where the FMU begins, too \[m\].
@@ -111,8 +111,12 @@ impl Flight {
         let p = &parameters;
         let mut begin = start(p);
         begin.state.depth_m = dive.depth_m[0];
-        let settings =
-            Settings { actuation: Actuation::Servo, stop_s: dive.end_s(), interval_s: INTERVAL_S, tolerance: 1e-8 };
+        let settings = SimulationSettings {
+            actuation: Actuation::Servo,
+            stop_s: dive.end_s(),
+            interval_s: INTERVAL_S,
+            tolerance: 1e-8,
+        };
         let height_m = p.moving_mass_height_m;
         let mut mass_m: Vec<f64> = dive.pitch_rad.iter().map(|pitch| -height_m * pitch.tan()).collect();
         let mut flown = (String::new(), Vec::<Row>::new());
@@ -217,7 +221,7 @@ mod tests {
         let parameters = vehicle.parameters().unwrap();
         let begin = crate::glide::start(&parameters);
         let mut dive = Dive::default();
-        let settings = crate::simulate::Settings {
+        let settings = crate::simulate::SimulationSettings {
             actuation: crate::dynamics::Actuation::Servo,
             stop_s: 400.0,
             interval_s: 4.0,
