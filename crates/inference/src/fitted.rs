@@ -3,6 +3,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::covariance::inverse_symmetric;
 use super::evidence::{Candidate, Evidence, Point, Problem, names};
 use super::findings::HalfSize;
 use super::holdout::{self, least_squares};
@@ -230,7 +231,8 @@ impl Fitted {
         all.column_mut(k).copy_from(&self.evidence.residual);
         let all = whiten_with_prior(&self.evidence, &self.noises, &all, k);
         let design = all.columns(0, k);
-        let covariance = (design.tr_mul(&design)).pseudo_inverse(1e-14).unwrap_or_else(|_| DMatrix::zeros(k, k));
+        // Parameters have units of their own: unscaled, the singular values of their products may not converge.
+        let covariance = inverse_symmetric(&design.tr_mul(&design));
         let mut by_block: std::collections::BTreeMap<usize, DVector<f64>> = std::collections::BTreeMap::new();
         for row in 0..all.nrows() {
             // Each belief is a block of its own.

@@ -20,7 +20,7 @@ pub const FIRST_FELT: usize = 2;
 /// States of the memory of mechanisms, at rest where no mechanism needs it.
 pub const N_MEMORY: usize = 3;
 
-/// [`NOMINALS`] as an array.
+/// Nominal sizes of the states, in their order.
 pub const NOMINAL_VALUES: [f64; N_STATES] = State::NOMINALS;
 
 /// Slopes of rates of change in space, along the states that they can depend on and along time.
