@@ -63,11 +63,14 @@ fn the_fmi_crate_flies_co_simulation() {
     }
 }
 
-/// Its own solver is the forward Euler method: the trajectory is followed, not met.
+/// Its own solver is the forward Euler method: the trajectory is followed, not met. Roll and yaw are faster than pitch, and the
+/// error is of first order in the step.
 #[test]
 fn the_fmi_crate_flies_model_exchange_coarsely() {
     for fmu in ALL {
-        fly_and_compare(fmu, "fly-with-fmi-sim", &["--interface=me", "--output-interval=0.0625"], 1e-2);
+        let is_space = matches!(fmu, Built::SpaceFmu2 | Built::SpaceFmu3);
+        let interval = if is_space { "--output-interval=0.015625" } else { "--output-interval=0.0625" };
+        fly_and_compare(fmu, "fly-with-fmi-sim", &["--interface=me", interval], 1e-2);
     }
 }
 
