@@ -16,7 +16,7 @@ import pytest
 from conftest import path_from
 
 ROOT = Path(__file__).parents[2]
-COMMANDS = ["glide", "compare", "demo", "simulate", "identify", "diagnose", "track", "turn", "plan", "assemble", "vehicles", "export-fmu", "fmu", "completions", "man"]  # fmt: skip
+COMMANDS = ["glide", "compare", "simulate", "identify", "diagnose", "track", "turn", "plan", "assemble", "vehicles", "export-fmu", "fmu", "demo", "completions", "man"]  # fmt: skip
 
 
 @pytest.fixture(scope="session")
@@ -233,7 +233,8 @@ def test_long_work_shows_on_a_terminal_how_far_it_is(glidepolar, tmp_path):
     sweep = [glidepolar, "simulate", "slocum-graver", "--stop", "3000", "--sweep", tmp_path / "variants.csv"]
     shown = on_a_terminal(*sweep)
     counts = [int(count) for count in re.findall(r"(\d+)/3000 variants", shown)]
-    assert counts and counts[0] < 3000 and max(counts) == 3000, shown[-500:]
+    # It is drawn a few times a second, so that the last rows may end between two drawings.
+    assert counts and counts[0] < 3000 and 2700 < max(counts) <= 3000, shown[-500:]
     done = run(*sweep)
     assert "/3000" not in done.stderr + done.stdout
 
@@ -345,11 +346,11 @@ def test_text_from_files_cannot_act_on_a_terminal_or_a_page(glidepolar, tank_red
     assert len(pages) >= 3
     for page in pages:
         assert "<script>alert" not in page
-        # The page's own: the values of its figures, and what draws them under the mouse.
-        own = re.findall(r"<script(?: type=\"application/json\" id=\"figures\")?>", page)
-        assert page.count("<script") == len(own) <= 3
-        values = re.search(r'<script type="application/json" id="figures">(.*?)</script>', page, re.DOTALL)
-        assert values is None or "<" not in values[1]
+        # The page's own: the values of its figures and sliders, and what draws them under the mouse.
+        own = re.findall(r"<script(?: type=\"application/json\" id=\"(?:figures|explorers)\")?>", page)
+        assert page.count("<script") == len(own) <= 5
+        for values in re.findall(r'<script type="application/json" id="\w+">(.*?)</script>', page, re.DOTALL):
+            assert "<" not in values
         assert not set("\x1b\x07\x9b\u202e") & set(page)
 
     for arguments in (

@@ -1,5 +1,6 @@
 """`glidepolar demo`, from the wheel alone: the fault that was hidden is named, and the extended vehicle's FMU flies the held-out dive."""
 
+import html
 import json
 import os
 import re
@@ -57,14 +58,16 @@ def test_the_fmu_flies_what_the_equations_fly(programs, made, tmp_path):
     assert flown["depth_m"].max() > 50
     without = demo(programs, tmp_path, "there", "--python", "no-such-python")
     assert not without["flown_by_fmpy"] and not (tmp_path / "there/flight/held-out-flown.csv").exists()
-    for key, value in with_fmpy["after"].items():
-        assert without["after"][key] == pytest.approx(value, rel=0.02), key
+    # An importer interpolates between the rows of its inputs, so that commands reach the pump earlier or later by a part of the
+    # ten seconds between two rows: at 0.2 m/s a few centimetres, and at the turn a vertical velocity of its own.
+    for key, apart in {"depth_rms_m": 0.05, "vertical_velocity_rms_m_s": 1.5e-3}.items():
+        assert without["after"][key] == pytest.approx(with_fmpy["after"][key], abs=apart), key
 
 
 def test_the_page_leads_to_all_others_and_its_commands_repeat_it(programs, made):
     folder, _, _ = made
     page = (folder / "report.html").read_text(encoding="utf-8")
-    links = re.findall(r'href="([^"#:]+)"', page)
+    links = [html.unescape(link) for link in re.findall(r'href="([^"#][^":]*)"', page)]
     assert {"tank/report.html", "diagnosis/report.html", "extended.toml"} <= set(links)
     assert all((folder / link).is_file() for link in links)
     commands = re.search(r"The commands.*?<code>(.*?)</code>", page, re.DOTALL)[1].splitlines()
