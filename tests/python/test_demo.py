@@ -64,6 +64,14 @@ def test_the_fmu_flies_what_the_equations_fly(programs, made, tmp_path):
         assert without["after"][key] == pytest.approx(with_fmpy["after"][key], abs=apart), key
 
 
+@pytest.mark.xfail(reason="open: 2.8 % in depth and 22 % in vertical velocity; inputs between rows, not isolated", strict=False)
+def test_the_fmu_flies_what_the_equations_fly_within_two_per_cent(programs, made, tmp_path):
+    _, with_fmpy, _ = made
+    without = demo(programs, tmp_path, "there", "--python", "no-such-python")
+    for key, value in with_fmpy["after"].items():
+        assert without["after"][key] == pytest.approx(value, rel=0.02), key
+
+
 def test_the_page_leads_to_all_others_and_its_commands_repeat_it(programs, made):
     folder, _, _ = made
     page = (folder / "report.html").read_text(encoding="utf-8")

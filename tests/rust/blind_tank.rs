@@ -34,7 +34,7 @@ const CATALOGUED: &[&str] = &[
 /// Effects that steady runs cannot show, and nothing at all.
 const UNSEEN: &[&str] = &["none", "speed_scale", "moment_centre_error", "strut_tare"];
 
-/// Effects without a name in the catalogue of mechanisms.
+/// Effects outside the catalogue of mechanisms.
 const UNCATALOGUED: &[&str] = &[
     "uncatalogued-gyre",
     "uncatalogued-separation-bubble",
@@ -361,7 +361,7 @@ impl Count {
 }
 
 /// Floors: of relevant effects that the runs can show the true name first in 93 %, in name or group in 98 %, the size in its
-/// interval in 92 to 98 %; of effects without a name a wrong first or second one in at most 5 %; two standard errors for
+/// interval in 92 to 98 %; of effects outside the catalogue a wrong first or second one in at most 5 %; two standard errors for
 /// chance.
 #[test]
 #[ignore = "hundreds of campaigns"]

@@ -1,4 +1,4 @@
-//! Work in a thread of its own, while Python goes on, is told how far the work is, and can interrupt it.
+//! Work in a thread of its own, while Python goes on, shows how far the work is, and can interrupt it.
 
 use std::any::Any;
 use std::ops::ControlFlow;

@@ -16,7 +16,7 @@ const MOST_SETS: usize = 3;
 /// Most sets that are held against data that were held out.
 const MOST_TRIED: usize = 12;
 
-/// The sets that explain as much as the named one, within the margin of a stand-in, and predict no worse; the best first,
+/// The sets that explain as much as the named one, within the margin of a replacement, and predict no worse; the best first,
 /// of those that differ by one member the best alone.
 pub(super) fn alternatives(
     problem: &impl Problem,

@@ -222,7 +222,7 @@ pub struct Diagnosis {
     pub rejected: Vec<Rejected>,
     /// For each quantity the clearest dependence that is left beside the causes, with its size and whether that is relevant.
     pub left: Vec<Left>,
-    /// What is left without a name.
+    /// What is left unexplained.
     pub unexplained: Option<Unexplained>,
     /// The table that the extension carries for it, where one predicts.
     pub empirical: Option<Empirical>,

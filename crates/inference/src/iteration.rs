@@ -1,4 +1,4 @@
-//! One round of the search around a fit: every mechanism and every curve without a name as regressors of one search.
+//! One round of the search around a fit: every mechanism and every unnamed curve as regressors of one search.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -3,7 +3,7 @@
 //! - [`evidence`]: what the engine is given: residuals and sensitivities at a point, by a [`Problem`].
 //! - [`crate::noise`]: what is left when the model is right, so that correlated residuals count for as little as they tell.
 //! - [`score`], [`subset_search`]: what each set of mechanisms explains, and which set is worth its cost.
-//! - [`smooth`]: curves without a name that run in the same search; where one wins, no mechanism is named.
+//! - [`smooth`]: curves of unknown cause that run in the same search; where one wins, no mechanism is named.
 //! - `clusters`: a test by the scatter between legs or runs, beside that by the model of noise.
 //! - [`relevance`]: which misfit is large enough to act on.
 //! - [`holdout`]: the gain on data that no fit saw.

@@ -214,7 +214,7 @@ fn effective_rows(evidence: &Evidence, noises: &[Noise]) -> f64 {
     effective.clamp(2.0, n as f64)
 }
 
-/// Probability below which a curve without a name refutes a name.
+/// Probability below which an unnamed curve refutes a mechanism.
 pub(crate) const SIGNIFICANT: f64 = 0.01;
 
 /// Probability below which a misfit is called one where nothing explains it. In worlds with nothing hidden (virtual-sea, seeds

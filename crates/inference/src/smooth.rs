@@ -1,4 +1,4 @@
-//! Flexible curves in a covariate: what something without a name could look like.
+//! Flexible curves in a covariate: what an unknown effect could look like.
 //!
 //! A natural cubic spline with knots at quantiles, or a short Fourier series where the covariate is an angle. A spline is
 //! centred: its level belongs to the model. A wave is not: what goes as the sine of a heading has its zero where the

@@ -6,7 +6,7 @@
 
 use super::score::Score;
 
-/// By how much a curve without a name must be better before it keeps a mechanism from being named, and how much worse
+/// By how much an unnamed curve must be better before it keeps a mechanism from being named, and how much worse
 /// a mechanism may be and still count as a stand-in: a factor of 20 in evidence.
 pub(crate) const MARGIN: f64 = 6.0;
 
@@ -17,7 +17,7 @@ pub struct Regressor {
     pub columns: Vec<usize>,
     /// Runners of one family exclude each other: versions of one mechanism.
     pub family: usize,
-    /// Whether it is a curve without a name.
+    /// Whether it is an unnamed curve.
     pub is_curve: bool,
     /// Smallest and largest step that physics allows each of its columns; empty where any is allowed.
     pub bounds: Vec<(f64, f64)>,
