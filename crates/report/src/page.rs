@@ -8,7 +8,7 @@ use super::table::{Cell, Table};
 use crate::output::{OutputError, OutputFolder};
 use glidepolar_input::memory::Table as InMemory;
 use glidepolar_input::{InputError, turns};
-use minijinja::{Environment, Value, context};
+use minijinja::{Environment, HtmlEscape, Value, context};
 use sha2::{Digest, Sha256};
 use std::cell::RefCell;
 use std::collections::HashSet;
@@ -244,6 +244,7 @@ impl Report {
         if let Ok(syntax) = pages.syntax().to_builder().trim_blocks(true).lstrip_blocks(true).build() {
             pages.set_syntax(syntax);
         }
+        pages.add_filter("with_code", with_code);
         // Template and values are the program's own, so neither step fails for any user's data; tests render them all.
         let _ = pages.add_template("report.html", include_str!("page.html"));
         let rendered = pages.get_template("report.html").and_then(|t| t.render(values));
@@ -394,6 +395,20 @@ fn block(block: &Block, count: &mut Count) -> Value {
 fn visible(text: &str) -> String {
     let forbidden = |c: &char| (c.is_control() && !matches!(c, '\n' | '\t')) || turns(*c);
     text.chars().map(|c| if forbidden(&c) { '\u{FFFD}' } else { c }).collect()
+}
+
+/// Sets what stands between two backticks as code, the rest as text with HTML's own characters escaped. A backtick
+/// without a second one stays as it is.
+fn with_code(text: &str) -> Value {
+    let mut parts = text.split('`');
+    let mut html = HtmlEscape(parts.next().unwrap_or("")).to_string();
+    while let Some(code) = parts.next() {
+        html += &match parts.next() {
+            Some(after) => format!("<code>{}</code>{}", HtmlEscape(code), HtmlEscape(after)),
+            None => format!("`{}", HtmlEscape(code)),
+        };
+    }
+    Value::from_safe_string(html)
 }
 
 fn all_visible(texts: &[String]) -> Vec<String> {

@@ -145,7 +145,7 @@ fn points_beyond_a_given_range_are_counted() {
     assert!(!figure(10.0).contains("outside the axes"));
 }
 
-const HOSTILE: &str = "</title></svg><script>alert(1)</script><img src=http://evil/x onerror=alert(1)>\" ' & {{ 7*7 }} \u{0}\u{1b}[31m\u{202e}";
+const HOSTILE: &str = "`</title></svg><script>alert(1)</script><img src=http://evil/x onerror=alert(1)>\" ' & {{ 7*7 }} \u{0}\u{1b}[31m\u{202e}";
 
 fn hostile() -> Report {
     let t = HOSTILE;
@@ -164,6 +164,12 @@ fn hostile() -> Report {
     let blocks = [Block::Text(t.into()), Block::List(vec![t.into()]), Block::Code(t.into())];
     let section = blocks.into_iter().fold(Section::new(t).figure(figure).table(table), Section::block);
     report.section(section.clone()).section(section.clone().folded()).section(section)
+}
+
+#[test]
+fn names_between_backticks_are_set_as_code() {
+    let page = Report::new("t", "s").warning("`a < b` is held, `c` & one ` alone").html();
+    assert!(page.contains("<code>a &lt; b</code> is held, <code>c</code> &amp; one ` alone"), "{page}");
 }
 
 #[test]
