@@ -196,7 +196,7 @@ impl PreparedLog {
         if checks.iter().any(|check| check.outcome == Checked::Wrong) {
             return Err(ReadingError::Inconsistent { checks, notes: self.notes.clone() });
         }
-        let found = checks.iter().filter(|check| check.outcome == Checked::Mended);
+        let found = checks.iter().filter(|check| check.outcome == Checked::Corrected);
         let warning = |check: &Check| format!("{}: {}; corrected before anything else", check.check, check.says);
         Ok((self.left_out.iter().cloned().chain(found.map(warning)).collect(), error))
     }

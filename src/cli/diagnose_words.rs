@@ -41,7 +41,7 @@ pub(super) fn less(percent: f64) -> String {
 pub(super) fn checked(check: &Check) -> String {
     let outcome = match check.outcome {
         Checked::Consistent => "consistent",
-        Checked::Mended => "wrong, corrected",
+        Checked::Corrected => "wrong, corrected",
         Checked::Wrong => "wrong",
         Checked::NotChecked => "not checked",
     };

@@ -41,7 +41,7 @@ impl History {
         if thinned == 1 {
             return report;
         }
-        report.warning(format!("The figures show every {thinned}th row of {}; --csv has them all.", self.count))
+        report.warning(format!("The figures show one row in {thinned} of {}; --csv has them all.", self.count))
     }
 
     fn vertical(&self) -> Figure {

@@ -27,7 +27,7 @@
 //!
 //! `W` net weight less what the surface or the seabed carries (their friction and damping: [`super::contact`]), `S1`, `S3` the first moments of all masses off the
 //! centre, `M` the hydrodynamic moment without the Munk couple, which `ps3 v1 - ps1 v3` holds. With every offset zero
-//! these are the papers' equations, their printing errors mended.
+//! these are the papers' equations, their printing errors corrected.
 //!
 //! Where the moving mass is held along an axis, `u` there is whatever gives it the acceleration `w` relative to the
 //! hull: `u1 = mbar (v1' + r3 Om' + r3' Om + w1)`, `u3 = mbar (v3' - r1 Om' - r1' Om + w3)`. Put into the rows above,

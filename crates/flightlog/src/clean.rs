@@ -110,13 +110,13 @@ pub(super) fn order(log: &mut FlightLog, last_time_s: f64, notes: &mut Notes) {
     let time = log.column(Channel::Time).to_vec();
     let step = median_step(&time);
     let mut keep = vec![true; time.len()];
-    let mut mended = time.clone();
+    let mut corrected = time.clone();
     let (mut last, mut shift) = (last_time_s, 0.0);
     let mut i = 0;
     while i < time.len() {
         let t = time[i] + shift;
         if last.is_nan() || t > last {
-            (mended[i], last) = (t, t);
+            (corrected[i], last) = (t, t);
             i += 1;
             continue;
         }
@@ -131,7 +131,7 @@ pub(super) fn order(log: &mut FlightLog, last_time_s: f64, notes: &mut Notes) {
             // The seconds that passed meanwhile are not known: one sampling interval is put between.
             // Steps of a damaged clock may be too small to be seen beside its time.
             last = (last + step).max(last.next_up());
-            mended[i] = last;
+            corrected[i] = last;
             shift = last - time[i];
             i += 1;
             notes.add("times at which the clock was set back, carried on from the row before", 1);
@@ -141,7 +141,7 @@ pub(super) fn order(log: &mut FlightLog, last_time_s: f64, notes: &mut Notes) {
             i += back;
         }
     }
-    log.set(Channel::Time, mended);
+    log.set(Channel::Time, corrected);
     log.retain(&keep);
 }
 

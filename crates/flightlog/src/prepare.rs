@@ -1,4 +1,4 @@
-//! From raw pieces of a log to observations: mended, with in-situ density, vertical velocity and legs.
+//! From raw pieces of a log to observations: corrected, with in-situ density, vertical velocity and legs.
 //!
 //! Pieces are cut at turning points: what follows the last one waits for the next piece, so that a log of any length
 //! passes through a bounded memory.

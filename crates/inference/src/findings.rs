@@ -26,8 +26,8 @@ pub enum Verdict {
 pub enum Checked {
     /// As it should be.
     Consistent,
-    /// Wrong, and mended before anything was fitted.
-    Mended,
+    /// Wrong, and corrected before anything was fitted.
+    Corrected,
     /// Wrong: nothing can be diagnosed with it.
     Wrong,
     /// The data lack what the check needs.

@@ -19,7 +19,7 @@ use crate::estimate::Estimate;
 const HARDLY_SHOWN: f64 = 0.1;
 
 /// Most covariates that are reported of what nothing explains.
-const MOST_TOLD: usize = 3;
+const MOST_REPORTED: usize = 3;
 
 pub(super) fn report(
     problem: &impl Problem,
@@ -48,7 +48,7 @@ pub(super) fn report(
     let mut depends_on: Vec<String> = curve.into_iter().collect();
     if depends_on.is_empty() && causes.is_empty() {
         // Nothing deserved a name, a curve neither: what is wrong is unexplained all the same.
-        for misfit in wrong.iter().filter(|misfit| misfit.quantity == wrong[0].quantity).take(MOST_TOLD) {
+        for misfit in wrong.iter().filter(|misfit| misfit.quantity == wrong[0].quantity).take(MOST_REPORTED) {
             depends_on.push(misfit.regime.clone());
         }
     }

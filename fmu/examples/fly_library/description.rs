@@ -30,7 +30,7 @@ impl Description {
         for (i, line) in lines.iter().enumerate() {
             let Some(reference) = attribute(line, "valueReference") else { continue };
             let reference = reference.parse()?;
-            let name = attribute(line, "name").ok_or("a variable without a name")?;
+            let name = attribute(line, "name").ok_or("modelDescription.xml: a variable has no attribute `name`")?;
             let kind = if version == 2 { lines[i + 1] } else { line };
             let is_number = kind.contains("<Real") || kind.contains("<Float64");
             n_states += usize::from(attribute(kind, "derivative").is_some());

@@ -534,9 +534,9 @@ pub(super) fn derivative(
     index: usize,
     nominal: f64,
 ) -> Variable {
-    /// Time over which a state changes by its usual size \[s\].
-    const USUAL_TIME_S: f64 = 10.0;
-    let row = (reference, name, unit, 0.0, 0.0, nominal / USUAL_TIME_S, description);
+    /// Time over which a state changes by its nominal value \[s\].
+    const TYPICAL_TIME_S: f64 = 10.0;
+    let row = (reference, name, unit, 0.0, 0.0, nominal / TYPICAL_TIME_S, description);
     Variable { bounds: None, ..real(&row, Slot::Derivative(index)) }
 }
 

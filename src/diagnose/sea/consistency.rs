@@ -254,11 +254,11 @@ fn density(observations: &[Observation], carried_bias_kg_m3: f64) -> (Check, Opt
         let says = format!(
             "the density is that of the same water at p = 0 (share of the compression that it lacks: {missing:.3})"
         );
-        return (of(Checked::Mended, says), Some(DensityError::AtZeroPressure));
+        return (of(Checked::Corrected, says), Some(DensityError::AtZeroPressure));
     }
     if missing.abs() < SHARE_MARGIN {
         let says = format!("the density differs from TEOS-10 in situ by a constant, {:+.3} kg/m3", -bias);
-        return (of(Checked::Mended, says), Some(DensityError::Bias(bias, BIAS_SE_KG_M3)));
+        return (of(Checked::Corrected, says), Some(DensityError::Bias(bias, BIAS_SE_KG_M3)));
     }
     let says = format!(
         "the density fits its temperature and salinity at {:.2} times the pressure that is read, {:+.3} kg/m3 apart; density, salinity, temperature or pressure is in another unit than its column says",

@@ -309,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bias_that_the_vehicle_carries_is_not_mended_again() {
+    fn a_bias_that_the_vehicle_carries_is_not_corrected_again() {
         let truth = Vehicle::load("slocum-049").expect("a vehicle").glide_parameters();
         let log = flight(&truth, 0.8);
         let diagnose = |carried: f64, log: &[Observation]| {

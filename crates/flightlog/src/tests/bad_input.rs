@@ -1,4 +1,4 @@
-//! What cannot be used is said with its place; what is merely damaged is mended and counted.
+//! What cannot be used is said with its place; what is merely damaged is corrected and counted.
 
 use super::*;
 

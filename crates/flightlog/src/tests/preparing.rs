@@ -82,7 +82,7 @@ fn pieces_of_any_size_give_the_same_observations() {
 }
 
 #[test]
-fn clocks_duplicates_and_rows_without_time_are_mended_and_counted() {
+fn clocks_duplicates_and_rows_without_time_are_corrected_and_counted() {
     let mut log = saw_tooth(2);
     let time = log.column_mut(Channel::Time);
     time[100] = time[99];
