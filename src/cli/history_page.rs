@@ -107,7 +107,7 @@ mod tests {
         assert!(history.rows.len() < MOST_ROWS);
         let steps: Vec<f64> = history.rows.windows(2).map(|w| w[1][0] - w[0][0]).collect();
         assert!(steps.iter().all(|step| *step == history.stride as f64), "evenly thinned");
-        assert!(history.page("").warnings[0].contains("every 4th row"), "{:?}", history.page("").warnings);
+        assert!(history.page("").warnings[0].contains("one row in 4 of"), "{:?}", history.page("").warnings);
     }
 
     #[test]
