@@ -101,7 +101,7 @@ pub fn sweep_misses(results: &Results, truth: &Truth) -> Vec<Miss> {
     misses
 }
 
-/// A campaign of one hull to be spoilt, and mended again.
+/// A campaign of one hull to be spoilt, and put right again.
 pub struct Spoilt {
     _holder: TempDir,
     pub folder: PathBuf,
