@@ -3,7 +3,7 @@
 //!
 //! `cargo test -p glidepolar-tests --release --test confusions -- --ignored --nocapture` prints it over `BLIND_SEEDS`
 //! seeds (20) from `BLIND_FIRST` (0) on; `BLIND_EFFECT` (parts of names, by commas) and `BLIND_SPEED` (`measured`, `none`)
-//! choose. A log counts as relevant where its misfit beside the polar alone exceeds the limit of relevance of any quantity.
+//! choose; with `BLIND_WORLDS=drawn` every seed has a world of its own, as in `blind_worlds`. A log counts as relevant where its misfit beside the polar alone exceeds the limit of relevance of any quantity.
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -13,7 +13,8 @@ use glidepolar::diagnose::sea::{Request, diagnose_vehicle};
 use glidepolar::diagnose::{Diagnosis, Verdict};
 use glidepolar::reading;
 use glidepolar::vehicle::Vehicle;
-use glidepolar_virtual_sea::{Options, catalogue, generate};
+use glidepolar_virtual_sea::catalogue::Drawn;
+use glidepolar_virtual_sea::{Options, catalogue, generate, worlds};
 
 /// What the table must reach, with measured speed and on vertical velocity alone, as shares.
 struct Floors {
@@ -66,19 +67,26 @@ struct Answer {
 }
 
 impl Answer {
-    fn diagnose(effect: &'static str, seed: u64, speed: bool) -> Answer {
+    /// `None` where the log holds too little steady glide for an answer.
+    fn diagnose(effect: &'static str, seed: u64, speed: bool, drawn: bool) -> Option<Answer> {
         let effects = catalogue::parse_requests(effect).expect("an effect of the virtual sea");
-        let sea = generate(&Options { effects, speed, ..Options::seeded(seed) });
+        let (log, vehicle_toml, truth, world) = if drawn {
+            let world = worlds::generate_with(seed, speed, &effects);
+            (world.log, world.vehicle_toml, world.effects, world.drawn)
+        } else {
+            let sea = generate(&Options { effects, speed, ..Options::seeded(seed) });
+            (sea.log, sea.vehicle_toml, sea.truth.effects, String::new())
+        };
         let folder = tempfile::tempdir().expect("a folder");
         let path = |name: &str| folder.path().join(name);
-        std::fs::write(path("log.csv"), sea.log.to_csv()).expect("the log");
-        std::fs::write(path("vehicle.toml"), &sea.vehicle_toml).expect("the vehicle");
-        let found = diagnosis(&path("log.csv"), &path("vehicle.toml"));
+        std::fs::write(path("log.csv"), log.to_csv()).expect("the log");
+        std::fs::write(path("vehicle.toml"), &vehicle_toml).expect("the vehicle");
+        let found = diagnosis(&path("log.csv"), &path("vehicle.toml"))?;
         let mechanism = glidepolar::mechanisms::at_sea(effect);
         let parameters = mechanism.iter().flat_map(|mechanism| mechanism.parameters);
         let first = found.causes.first().filter(|cause| cause.cause == effect);
         let covered = parameters
-            .filter_map(|parameter| Some((sea.truth.parameter(parameter)?, first?.parameters.get(*parameter)?)))
+            .filter_map(|parameter| Some((true_size(&truth, parameter)?, first?.parameters.get(*parameter)?)))
             // A time constant is one of a few, of which each stands for a range.
             .map(|(size, estimate)| estimate.ci95[0] <= size && size <= estimate.ci95[1])
             .collect();
@@ -92,8 +100,8 @@ impl Answer {
             (true, _) => "unexplained".to_owned(),
             _ => causes.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join("+"),
         };
-        let evidence = evidence(&sea.truth, &found);
-        Answer { evidence, effect, seed, causes, verdict: found.verdict, is_relevant, covered, said }
+        let evidence = format!("{}; {world}", evidence(&truth, &found));
+        Some(Answer { evidence, effect, seed, causes, verdict: found.verdict, is_relevant, covered, said })
     }
 
     fn wanted(&self) -> Vec<&'static str> {
@@ -135,8 +143,8 @@ impl Answer {
 }
 
 /// The truth and the causes with their sizes, groups, halves, and what is left, in a line.
-fn evidence(truth: &glidepolar_virtual_sea::truth::Truth, found: &Diagnosis) -> String {
-    let mut text = format!("true {:?}", truth.effects.iter().map(|drawn| &drawn.parameters).collect::<Vec<_>>());
+fn evidence(truth: &[Drawn], found: &Diagnosis) -> String {
+    let mut text = format!("true {:?}", truth.iter().map(|drawn| &drawn.parameters).collect::<Vec<_>>());
     for cause in &found.causes {
         let sizes = cause.parameters.iter().map(|(name, e)| format!("{name} {:.3e} +- {:.1e}", e.value, e.se));
         let halves: Vec<String> =
@@ -178,12 +186,18 @@ fn evidence(truth: &glidepolar_virtual_sea::truth::Truth, found: &Diagnosis) -> 
     text
 }
 
-/// What `glidepolar diagnose log.csv --vehicle vehicle.toml` does.
-fn diagnosis(log: &std::path::Path, vehicle: &std::path::Path) -> Diagnosis {
+/// True value of a parameter that is hidden in the log.
+fn true_size(truth: &[Drawn], name: &str) -> Option<f64> {
+    let parameters = truth.iter().flat_map(|drawn| &drawn.parameters);
+    parameters.into_iter().find(|(parameter, _)| *parameter == name).map(|(_, value)| *value)
+}
+
+/// What `glidepolar diagnose log.csv --vehicle vehicle.toml` does; `None` where the log holds too little steady glide.
+fn diagnosis(log: &std::path::Path, vehicle: &std::path::Path) -> Option<Diagnosis> {
     let vehicle = Vehicle::load(&vehicle.to_string_lossy()).expect("a vehicle");
-    let log = reading::read(&[log.to_owned()], &vehicle, &reading::Request::default()).expect("a log");
-    let (_, found) = diagnose_vehicle(&vehicle, &log.observations, &Request::default()).expect("a diagnosis");
-    found.outcome.diagnosis
+    let log = reading::read(&[log.to_owned()], &vehicle, &reading::Request::default()).ok()?;
+    let found = diagnose_vehicle(&vehicle, &log.observations, &Request::default());
+    found.ok().map(|(_, found)| found.outcome.diagnosis)
 }
 
 /// Counts over logs.
@@ -244,7 +258,7 @@ impl Tally {
 fn an_effect_outside_the_catalogue_gets_no_name() {
     let wrong: Vec<String> = ["uncatalogued-compass-pitch", "uncatalogued-layer", "uncatalogued-tide"]
         .into_iter()
-        .map(|effect| Answer::diagnose(effect, 31, true))
+        .map(|effect| Answer::diagnose(effect, 31, true, false).expect("a diagnosis"))
         .filter(|answer| !answer.causes.is_empty())
         .map(|answer| format!("{} was called {}", answer.effect, answer.said))
         .collect();
@@ -263,6 +277,7 @@ fn the_table_of_confusions() {
         Ok("none") => vec![false],
         _ => vec![true, false],
     };
+    let drawn = std::env::var("BLIND_WORLDS").is_ok_and(|worlds| worlds == "drawn");
     let mut failed: Vec<String> = Vec::new();
     for speed in speeds {
         println!("measured speed: {speed}");
@@ -273,7 +288,7 @@ fn the_table_of_confusions() {
             if effects.is_empty() {
                 continue;
             }
-            let answers = answers(&effects, first..first + seeds, speed);
+            let answers = answers(&effects, first..first + seeds, speed, drawn);
             for effect in &effects {
                 Tally::count(answers.iter().filter(|answer| answer.effect == *effect)).row(effect);
             }
@@ -313,7 +328,7 @@ fn below(part: &str, sum: &Tally, floors: &Floors) -> Vec<String> {
 }
 
 /// Diagnoses every effect under every seed, on all cores.
-fn answers(effects: &[&'static str], seeds: std::ops::Range<u64>, speed: bool) -> Vec<Answer> {
+fn answers(effects: &[&'static str], seeds: std::ops::Range<u64>, speed: bool, drawn: bool) -> Vec<Answer> {
     let tasks: Vec<(&'static str, u64)> =
         effects.iter().flat_map(|effect| seeds.clone().map(|seed| (*effect, seed))).collect();
     let (next, found) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
@@ -321,8 +336,8 @@ fn answers(effects: &[&'static str], seeds: std::ops::Range<u64>, speed: bool) -
         for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
             scope.spawn(|| {
                 while let Some((effect, seed)) = tasks.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let answer = Answer::diagnose(effect, *seed, speed);
-                    found.lock().expect("the answers").push(answer);
+                    let answer = Answer::diagnose(effect, *seed, speed, drawn);
+                    found.lock().expect("the answers").extend(answer);
                 }
             });
         }

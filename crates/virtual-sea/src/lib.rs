@@ -28,6 +28,7 @@ pub mod outside;
 pub mod pilot;
 pub mod random;
 pub mod sensors;
+pub mod shown;
 pub mod truth;
 pub mod vehicle;
 pub mod worlds;

@@ -8,7 +8,7 @@ use crate::flight::{Instant, STEP_S};
 use crate::log::Log;
 use crate::ocean::{Wander, Water};
 use crate::random::{Stream, between, chance, normal};
-use std::collections::VecDeque;
+use crate::shown::{Row, Shown};
 
 /// Depth above which the acoustic speed is missing, m.
 const SPEED_FROM_M: f64 = 8.0;
@@ -97,30 +97,15 @@ impl Quality {
     }
 }
 
-/// What one row of the log is made of.
-struct Row {
-    time_s: f64,
-    /// The instant that attitude and motors are written from.
-    attitude: Instant,
-    /// The instant that water, pressure and speed are written from.
-    water: Instant,
-    /// Temperature in the conductivity cell, degrees Celsius.
-    cell_c: f64,
-}
-
 /// Instruments at work on one flight.
 pub struct Instruments<'a> {
     hidden: &'a Hidden,
     quality: Quality,
     random: Stream,
-    pressure_read_dbar: Option<f64>,
-    largest_dbar: f64,
-    /// The latest instants with the pressure that the instrument shows, as far back as the latest column is late.
-    past: VecDeque<(Instant, f64)>,
+    shown: Shown<'a>,
     pitch_wander: Wander,
     speed_wander: Wander,
     next_row_s: f64,
-    felt: crate::outside::Felt,
     log: Log,
 }
 
@@ -130,13 +115,10 @@ impl<'a> Instruments<'a> {
         Self {
             hidden,
             quality,
-            pressure_read_dbar: None,
-            largest_dbar: 0.0,
-            past: VecDeque::new(),
+            shown: Shown::new(hidden, STEP_S),
             pitch_wander: Wander::new(&mut random, quality.pitch_wander_rad, 7200.0, STEP_S),
             speed_wander: Wander::new(&mut random, quality.speed_wander_m_s, 60.0, STEP_S),
             next_row_s: 0.0,
-            felt: crate::outside::Felt::default(),
             log: Log { speed_through_water_m_s: speed.then(Vec::new), ..Log::default() },
             random,
         }
@@ -144,28 +126,15 @@ impl<'a> Instruments<'a> {
 
     /// Sees one instant; writes a row when one is due.
     pub fn see(&mut self, now: &Instant) {
-        let true_dbar = now.pressure_pa * 1e-4;
-        // A dive begins anew near the surface; what is less than the largest is on the way up.
-        self.largest_dbar = if now.depth_m < 2.0 { 0.0 } else { self.largest_dbar.max(true_dbar) };
-        let hysteresis_dbar = self.hidden.hysteresis_dbar(true_dbar, self.largest_dbar);
-        let now = &self.felt.step(self.hidden, now, STEP_S);
-        let zero_dbar = self.hidden.pressure_zero_dbar(&self.felt);
-        let goal_dbar = self.hidden.pressure_reading_dbar(true_dbar) + hysteresis_dbar + zero_dbar;
-        let late_dbar = self.pressure_read_dbar.unwrap_or(goal_dbar);
-        let pressure_dbar = late_dbar + (goal_dbar - late_dbar) * self.hidden.pressure_catch_up(STEP_S);
-        self.pressure_read_dbar = Some(pressure_dbar);
-        let delays = self.hidden.delays_s().map(|delay_s| (delay_s / STEP_S).round() as usize);
-        self.past.push_front((*now, pressure_dbar));
-        self.past.truncate(delays.into_iter().max().unwrap_or(0) + 1);
+        self.shown.see(now);
         let pitch_error_rad = self.pitch_wander.next(&mut self.random);
         let speed_error_m_s = self.speed_wander.next(&mut self.random);
         if now.time_s >= self.next_row_s {
             self.schedule(now.time_s);
-            let [attitude, water, cell] = delays.map(|delay| self.past[delay.min(self.past.len() - 1)]);
-            // The row's own clock is that of the water.
-            let row =
-                Row { time_s: now.time_s, attitude: attitude.0, water: water.0, cell_c: cell.0.water.temperature_c };
-            self.write(&row, water.1, pitch_error_rad, speed_error_m_s);
+            if let Some(row) = self.shown.row() {
+                // The row's own clock is that of the water.
+                self.write(now.time_s, &row, pitch_error_rad, speed_error_m_s);
+            }
         }
     }
 
@@ -183,20 +152,19 @@ impl<'a> Instruments<'a> {
         }
     }
 
-    fn write(&mut self, row: &Row, pressure_dbar: f64, pitch_error_rad: f64, speed_error_m_s: f64) {
+    fn write(&mut self, time_s: f64, row: &Row, pitch_error_rad: f64, speed_error_m_s: f64) {
         let (now, flown) = (&row.attitude, &row.water);
         let quality = self.quality;
         let mut noise = |sd: f64| sd * normal(&mut self.random);
-        let pressure = to_step(pressure_dbar + noise(quality.pressure_dbar), quality.pressure_step_dbar);
+        let pressure = to_step(row.pressure_dbar + noise(quality.pressure_dbar), quality.pressure_step_dbar);
         let read = Water {
             temperature_c: flown.water.temperature_c + noise(quality.temperature_k),
-            salinity_psu: self.hidden.salinity_reading(&flown.water, row.cell_c, row.time_s)
-                + noise(quality.salinity_psu),
+            salinity_psu: self.hidden.salinity_reading(&flown.water, row.cell_c, time_s) + noise(quality.salinity_psu),
             ..flown.water
         };
         let pitch =
             self.hidden.pitch_reading(now.pitch_rad, now.heading_rad) + pitch_error_rad + noise(quality.pitch_rad);
-        let pitch = self.hidden.pitch_shown(pitch, &self.felt);
+        let pitch = self.hidden.pitch_shown(pitch, &row.felt);
         let late_s = if self.hidden.clock_jitter > 0.0 {
             self.hidden.clock_jitter * quality.interval_s * between(&mut self.random, -1.0, 1.0)
         } else {
@@ -206,7 +174,7 @@ impl<'a> Instruments<'a> {
         let ballast =
             self.hidden.ballast_reading_cc(now.engine_cc, now.water.temperature_c) + noise(quality.ballast_cc);
         let log = &mut self.log;
-        log.time_s.push(row.time_s + late_s);
+        log.time_s.push(time_s + late_s);
         log.pressure_dbar.push(pressure);
         log.pitch_rad.push(pitch);
         log.roll_rad.push(now.roll_rad + noise(quality.attitude_rad));

@@ -13,13 +13,23 @@
 //! longer than the glider takes to follow it.
 
 use super::weight_n;
-use crate::ocean::{GRAVITY_M_S2, density_eos80};
+use crate::effects::{Flow, Hidden, Memory};
+use crate::hidden::Instant;
+use crate::ocean::{GRAVITY_M_S2, Water, density_eos80};
 use crate::random::{Stream, between, chance, normal, sign};
+use crate::vehicle::Vehicle;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
 /// Step of the integration, s.
 pub const STEP_S: f64 = 0.5;
+
+/// Vertical velocity from which the number of dives is drawn, m/s.
+const VERTICAL_M_S: f64 = 0.17;
+/// Length of the hull, m.
+const LENGTH_M: f64 = 1.8;
+/// Temperature at which the volume of the file holds, degrees Celsius.
+const REFERENCE_C: f64 = 15.0;
 
 /// How much of the motion is unsteady.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -116,10 +126,11 @@ impl Sea {
         (self.surface_c - self.fall_k * deep, self.surface_psu + self.rise_psu * deep)
     }
 
-    /// Temperature, salinity, density at a depth of water that was moved there from `heave_m` above.
-    fn water(&self, depth_m: f64, heave_m: f64) -> (f64, f64, f64) {
-        let (c, psu) = self.temperature_and_salinity(depth_m - heave_m);
-        (c, psu, density_eos80(psu, c, self.pressure_dbar(depth_m)))
+    /// The water at a depth, of water that was moved there from `heave_m` above.
+    fn water(&self, depth_m: f64, heave_m: f64) -> Water {
+        let (temperature_c, salinity_psu) = self.temperature_and_salinity(depth_m - heave_m);
+        let density_kg_m3 = density_eos80(salinity_psu, temperature_c, self.pressure_dbar(depth_m));
+        Water { temperature_c, salinity_psu, density_kg_m3 }
     }
 
     fn pressure_dbar(&self, depth_m: f64) -> f64 {
@@ -195,8 +206,9 @@ impl DrawnGlider {
         let ascent = if chance(random, 0.3) { apart } else { descent };
         let (compressibility_per_pa, expansion_per_k) = (between(random, 3e-10, 6e-10), between(random, 3e-5, 9e-5));
         let middle_m = 0.4 * sea.depth_m;
-        let (c, _, density) = sea.water(middle_m, 0.0);
-        let stretched = 1.0 - compressibility_per_pa * sea.pressure_dbar(middle_m) * 1e4 + expansion_per_k * (c - 15.0);
+        let Water { temperature_c: c, density_kg_m3: density, .. } = sea.water(middle_m, 0.0);
+        let stretched =
+            1.0 - compressibility_per_pa * sea.pressure_dbar(middle_m) * 1e4 + expansion_per_k * (c - REFERENCE_C);
         let trim_kg = between(random, -0.02, 0.02);
         let added_kg = [mass_kg * between(random, 0.04, 0.1), mass_kg * between(random, 0.9, 1.2)];
         DrawnGlider {
@@ -213,10 +225,34 @@ impl DrawnGlider {
         }
     }
 
-    fn net_kg(&self, ballast_cc: f64, pressure_dbar: f64, temperature_c: f64, density: f64) -> f64 {
-        let hull =
-            1.0 - self.compressibility_per_pa * pressure_dbar * 1e4 + self.expansion_per_k * (temperature_c - 15.0);
-        self.mass_kg - density * (self.volume_m3 * hull + ballast_cc * 1e-6)
+    /// The glider with the polar of one leg, as the effects see it. Its attitude is imposed: what only moves the pitch is 0.
+    pub fn as_vehicle(&self, polar: &Polar) -> Vehicle {
+        Vehicle {
+            frontal_area_m2: self.area_m2,
+            length_m: LENGTH_M,
+            mass_kg: self.mass_kg,
+            displaced_volume_m3: self.volume_m3,
+            moving_mass_kg: 0.0,
+            moving_mass_height_m: 0.0,
+            added_mass_1_kg: self.added_kg[0],
+            added_mass_3_kg: self.added_kg[1],
+            pitch_inertia_kg_m2: 0.0,
+            a_per_rad: polar.a,
+            b: polar.b,
+            c_per_rad2: polar.c,
+            d_per_rad: 0.0,
+            pitch_damping_n_m_s: 0.0,
+            compressibility_per_pa: self.compressibility_per_pa,
+            thermal_expansion_per_k: self.expansion_per_k,
+            reference_temperature_c: REFERENCE_C,
+            ballast_min_cc: -self.engine_cc,
+            ballast_max_cc: self.engine_cc,
+            ballast_in_cc_s: self.rate_cc_s,
+            ballast_out_cc_s: self.rate_cc_s,
+            moving_mass_travel_m: 0.0,
+            moving_mass_rate_m_s: 0.0,
+            depth_limit_m: f64::INFINITY,
+        }
     }
 
     /// Shallowest pitch that is flown: an angle of attack of 0.6 of that of the best glide. Beyond that of the best glide a
@@ -240,7 +276,7 @@ impl DrawnGlider {
                 let _ = writeln!(out, "{key} = {value:?}");
             });
         };
-        table("geometry", &[("frontal_area_m2", self.area_m2), ("length_m", 1.8)]);
+        table("geometry", &[("frontal_area_m2", self.area_m2), ("length_m", LENGTH_M)]);
         table(
             "mass",
             &[
@@ -264,7 +300,7 @@ impl DrawnGlider {
             &[
                 ("compressibility_per_Pa", self.compressibility_per_pa),
                 ("thermal_expansion_per_K", self.expansion_per_k),
-                ("reference_temperature_C", 15.0),
+                ("reference_temperature_C", REFERENCE_C),
             ],
         );
         table("ballast", &[("min_cc", -self.engine_cc), ("max_cc", self.engine_cc), ("rate_cc_s", self.rate_cc_s)]);
@@ -290,9 +326,14 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// How long it takes at a vertical velocity of 0.17 m/s, hours.
+    pub fn hours(&self) -> f64 {
+        self.legs.len() as f64 * self.bottom_m / VERTICAL_M_S / 3600.0
+    }
+
     /// Draws a plan of some eight to sixteen hours.
     pub fn draw(random: &mut Stream, glider: &DrawnGlider, bottom_m: f64) -> Plan {
-        let dives = ((between(random, 7.0, 14.0) * 3600.0 / (2.0 * bottom_m / 0.17)) as usize).clamp(4, 60);
+        let dives = ((between(random, 7.0, 14.0) * 3600.0 / (2.0 * bottom_m / VERTICAL_M_S)) as usize).clamp(4, 60);
         // Either one glide for all, or each leg its own.
         let varied = chance(random, 0.6);
         let mut glide = || (between(random, 12.0, 40.0).to_radians(), between(random, 0.5, 0.95) * glider.engine_cc);
@@ -325,44 +366,30 @@ impl Plan {
     }
 }
 
-/// What is true at one moment.
+/// All that a flight follows from.
 #[derive(Debug, Clone, Copy)]
-pub struct Instant {
-    /// Time, s.
-    pub time_s: f64,
-    /// Number of the dive, from 1.
-    pub dive: u32,
-    /// Pressure, dbar.
-    pub pressure_dbar: f64,
-    /// Temperature, degrees Celsius.
-    pub temperature_c: f64,
-    /// Practical salinity.
-    pub salinity_psu: f64,
-    /// Pitch, rad.
-    pub pitch_rad: f64,
-    /// Roll, rad.
-    pub roll_rad: f64,
-    /// Heading, rad.
-    pub heading_rad: f64,
-    /// Ballast volume, cc.
-    pub ballast_cc: f64,
-    /// Speed through the water, m/s.
-    pub speed_m_s: f64,
+pub struct Voyage<'a> {
+    /// The water.
+    pub sea: &'a Sea,
+    /// The glider as it is, effects apart.
+    pub glider: &'a DrawnGlider,
+    /// The effects.
+    pub hidden: &'a Hidden,
+    /// How much of its motion is unsteady.
+    pub motion: Motion,
+    /// How it is flown.
+    pub plan: &'a Plan,
 }
 
 /// Flies the plan and shows every step to `observe`.
-pub fn fly(
-    sea: &Sea,
-    glider: &DrawnGlider,
-    motion: Motion,
-    plan: &Plan,
-    random: &mut Stream,
-    mut observe: impl FnMut(&Instant),
-) {
+pub fn fly(voyage: &Voyage, random: &mut Stream, mut observe: impl FnMut(&Instant)) {
+    let Voyage { sea, glider, hidden, motion, plan } = *voyage;
+    let vehicles = [glider.as_vehicle(&glider.descent), glider.as_vehicle(&glider.ascent)];
     let (mut time_s, mut depth_m, mut speed, mut alpha) = (0.0, 1.0, 0.1, 0.0);
     let (mut ballast_cc, mut held_rad) = (plan.legs[0].1, plan.legs[0].0);
     let mut wander = sea.wander_m_s * normal(random);
     let mut pitch_wander = normal(random);
+    let mut memory = Memory::afloat(&sea.water(0.0, 0.0));
     for (leg, &(pitch_rad, wanted_cc)) in plan.legs.iter().enumerate() {
         let up = leg % 2 == 1;
         let heading_rad = plan.headings_rad[leg / 2];
@@ -371,33 +398,50 @@ pub fn fly(
         while time_s < gives_up_s && if up { depth_m > 3.0 } else { depth_m < plan.bottom_m } {
             let ease = 1.0 - (-STEP_S / 20.0f64).exp();
             held_rad += ease * (pitch_rad - held_rad);
-            ballast_cc += (wanted_cc - ballast_cc).clamp(-glider.rate_cc_s * STEP_S, glider.rate_cc_s * STEP_S);
+            let pumped_cc = (wanted_cc - ballast_cc).clamp(-glider.rate_cc_s * STEP_S, glider.rate_cc_s * STEP_S);
+            ballast_cc += pumped_cc;
             pitch_wander = keep(pitch_wander, 1.0, 400.0, random);
             wander = keep(wander, sea.wander_m_s, sea.wander_s, random);
             let pitch =
                 held_rad + plan.hunting_rad * (TAU * time_s / plan.hunting_s).sin() + plan.wander_rad * pitch_wander;
             let (wave_m_s, heave_m) = sea.heave(depth_m, time_s);
-            let (temperature_c, salinity_psu, density) = sea.water(depth_m, heave_m);
-            let pressure_dbar = sea.pressure_dbar(depth_m);
-            let net_n = weight_n(glider.net_kg(ballast_cc, pressure_dbar, temperature_c, density));
-            let polar = if pitch > 0.0 { glider.ascent } else { glider.descent };
-            let half = 0.5 * density * glider.area_m2;
-            let [surge_kg, heave_kg] = glider.added_kg.map(|added| glider.mass_kg + added);
+            let water = sea.water(depth_m, heave_m + hidden.internal_tide(depth_m, time_s).1);
+            let pressure_pa = sea.pressure_dbar(depth_m) * 1e4;
+            memory.step(hidden, &water, pressure_pa, pumped_cc, STEP_S);
+            let vehicle = &vehicles[usize::from(pitch > 0.0)];
+            let mass_kg = hidden.mass_kg(glider.mass_kg, time_s, &memory, pressure_pa);
+            let volume_m3 = hidden.volume_m3(vehicle, pressure_pa, water.temperature_c, ballast_cc, &memory);
+            let net_mass_kg = mass_kg - water.density_kg_m3 * volume_m3;
+            let net_n = weight_n(net_mass_kg);
+            let half = 0.5 * water.density_kg_m3 * glider.area_m2;
+            let [surge_kg, heave_kg] = glider.added_kg.map(|added| mass_kg + added);
+            let flow = |angle_rad: f64, speed: f64| Flow {
+                time_s,
+                angle_rad,
+                density_kg_m3: water.density_kg_m3,
+                dynamic_pressure_pa: 0.5 * water.density_kg_m3 * speed * speed,
+                rising: pitch > 0.0,
+                roll_rad: plan.list_rad,
+                rudder_rad: 0.0,
+                depth_m,
+            };
             // The angle of attack that carries the net weight at this speed.
-            let mut balanced = alpha;
+            let mut balanced: f64 = alpha;
             for _ in 0..8 {
-                balanced = (net_n * (balanced - pitch).cos() / (half * speed * speed * polar.a)).clamp(-0.4, 0.4);
+                let wanted = net_n * (balanced - pitch).cos() / (half * speed * speed);
+                let lift = hidden.lift_coefficient(vehicle, &flow(balanced, speed));
+                balanced = (balanced + (wanted - lift) / vehicle.a_per_rad).clamp(-0.4, 0.4);
             }
             alpha = match motion {
                 Motion::SurgeAndHeave => {
-                    let follow_s = heave_kg / (half * speed * polar.a);
+                    let follow_s = heave_kg / (half * speed * vehicle.a_per_rad);
                     alpha + (1.0 - (-STEP_S / follow_s).exp()) * (balanced - alpha)
                 }
                 _ => 0.7 * alpha + 0.3 * balanced,
             };
             let xi = alpha - pitch;
             let along_n = net_n * xi.sin();
-            let drag = half * (polar.b + polar.c * alpha * alpha);
+            let drag = half * hidden.drag_coefficient(vehicle, &flow(alpha, speed));
             if motion == Motion::QuasiSteady {
                 // Some relaxation towards the balance, which a second reaches.
                 speed += 0.5 * ((along_n.max(1e-3) / drag).sqrt() - speed);
@@ -406,18 +450,26 @@ pub fn fly(
                 speed += STEP_S * ((along_n - drag * speed * speed) / surge_kg - water);
             }
             speed = speed.max(0.03);
-            depth_m = (depth_m + STEP_S * (speed * xi.sin() + wave_m_s + wander)).max(0.0);
+            let water_sinking_m_s = wave_m_s + wander + hidden.sinking_water_m_s(depth_m, time_s);
+            let sinking_m_s = speed * xi.sin() + water_sinking_m_s;
+            depth_m = (depth_m + STEP_S * sinking_m_s).max(0.0);
             observe(&Instant {
                 time_s,
                 dive: leg as u32 / 2 + 1,
-                pressure_dbar,
-                temperature_c,
-                salinity_psu,
+                depth_m,
+                sinking_m_s,
+                water_sinking_m_s,
+                speed_m_s: speed,
+                angle_rad: alpha,
                 pitch_rad: pitch,
                 roll_rad: plan.list_rad,
                 heading_rad,
-                ballast_cc,
-                speed_m_s: speed,
+                rudder_rad: 0.0,
+                engine_cc: ballast_cc,
+                moving_mass_m: 0.0,
+                pressure_pa,
+                water,
+                net_mass_kg,
             });
             time_s += STEP_S;
         }

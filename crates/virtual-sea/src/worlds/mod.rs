@@ -1,22 +1,26 @@
-//! Worlds: logs of gliders with nothing hidden, each in a world of its own.
+//! Worlds: logs of gliders, each in a world of its own, with nothing hidden or with the effects of the catalogue.
 //!
 //! A diagnosis that is calm in one virtual sea may raise alarms in another one. Here everything is drawn from the seed that
 //! a stranger's log may differ in: the kind of motion, the water's motion, the column, the glider, how it is flown, what the
 //! instruments read and how often. The equations are other ones than those of [`crate::motion`]: a point mass on its path.
 //!
-//! Nothing is hidden: masses, volumes and instruments are as the vehicle file says. Its coefficients may be off, by one
-//! factor for both legs, since a fit of the polar is no diagnosis.
+//! Masses, volumes and instruments are as the vehicle file says, effects apart. Its coefficients may be off, by one factor
+//! for both legs, since a fit of the polar is no diagnosis. No rudder moves here and the roll is constant: drag that goes
+//! with either cannot show.
 
 mod colour;
 mod flight;
 
 use std::fmt::Write as _;
 
+use crate::catalogue::{self, Drawn, Request};
+use crate::effects::Hidden;
 use crate::log::Log;
-use crate::ocean::{GRAVITY_M_S2, density_eos80};
+use crate::ocean::{GRAVITY_M_S2, Water};
 use crate::random::{Part, Stream, between, chance, stream};
+use crate::shown::{Row, Shown};
 pub use colour::{Colour, Noise};
-pub use flight::{DrawnGlider, Motion, Plan, Polar, Sea, Shear};
+pub use flight::{DrawnGlider, Motion, Plan, Polar, Sea, Shear, Voyage};
 
 /// A log with its vehicle file and what was drawn.
 #[derive(Debug, Clone)]
@@ -25,6 +29,8 @@ pub struct World {
     pub log: Log,
     /// The vehicle as its owner describes it.
     pub vehicle_toml: String,
+    /// The hidden effects with their sizes.
+    pub effects: Vec<Drawn>,
     /// What was drawn, in a line.
     pub drawn: String,
 }
@@ -61,8 +67,13 @@ struct Speed {
     every: usize,
 }
 
-/// Generates the world of a seed; `speed` is whether the log has a measured speed.
+/// Generates the world of a seed with nothing hidden; `speed` is whether the log has a measured speed.
 pub fn generate(seed: u64, speed: bool) -> World {
+    generate_with(seed, speed, &[])
+}
+
+/// Generates the world of a seed with effects hidden in it; nothing else of it changes with them.
+pub fn generate_with(seed: u64, speed: bool, effects: &[Request]) -> World {
     let random = &mut stream(seed, Part::Ocean);
     let bottom_m = match (5.0 * between(random, 0.0, 1.0)) as u32 {
         0 => between(random, 20.0, 60.0),
@@ -84,19 +95,28 @@ pub fn generate(seed: u64, speed: bool) -> World {
     let mut instruments = Instruments::draw(random, bottom_m, speed);
     let described = describe(&sea, &glider, motion, &plan, &instruments);
 
+    let vehicle = glider.as_vehicle(&glider.descent);
+    let effects = catalogue::draw(effects, &vehicle, seed, plan.hours());
+    let hidden = Hidden::new(&effects, &vehicle);
+
     let mut log = Log { speed_through_water_m_s: speed.then(Vec::new), ..Log::default() };
+    let mut shown = Shown::new(&hidden, flight::STEP_S);
     let mut next_row_s = 0.0;
     let mut rows = 0;
     let random_flight = &mut stream(seed, Part::Path);
-    flight::fly(&sea, &glider, motion, &plan, random_flight, |now| {
+    let voyage = Voyage { sea: &sea, glider: &glider, hidden: &hidden, motion, plan: &plan };
+    flight::fly(&voyage, random_flight, |now| {
         instruments.advance(random, flight::STEP_S);
+        shown.see(now);
         if now.time_s >= next_row_s {
             next_row_s = now.time_s + instruments.until_next_s(random);
-            instruments.write(random, now, rows, &mut log);
+            if let Some(row) = shown.row() {
+                instruments.write(random, &hidden, now.time_s, &row, rows, &mut log);
+            }
             rows += 1;
         }
     });
-    World { log, vehicle_toml: glider.file(&mut stream(seed, Part::Effect(0))), drawn: described }
+    World { log, vehicle_toml: glider.file(&mut stream(seed, Part::Effect(0))), effects, drawn: described }
 }
 
 impl Instruments {
@@ -159,24 +179,34 @@ impl Instruments {
         self.interval_s * (1.0 + spread) + if gap { between(random, 60.0, 400.0) } else { 0.0 }
     }
 
-    fn write(&mut self, random: &mut Stream, now: &flight::Instant, row: usize, log: &mut Log) {
+    fn write(&mut self, random: &mut Stream, hidden: &Hidden, time_s: f64, row: &Row, number: usize, log: &mut Log) {
+        let (now, flown) = (&row.attitude, &row.water);
         let mut read = |reading: &mut Reading, value: f64| reading.read(random, value);
-        let pressure_dbar = read(&mut self.pressure, now.pressure_dbar);
-        let temperature_c = read(&mut self.temperature, now.temperature_c);
-        let salinity_psu = read(&mut self.salinity, now.salinity_psu);
+        let pressure_dbar = read(&mut self.pressure, row.pressure_dbar);
+        let water = Water {
+            temperature_c: read(&mut self.temperature, flown.water.temperature_c),
+            salinity_psu: read(&mut self.salinity, hidden.salinity_reading(&flown.water, row.cell_c, time_s)),
+            ..flown.water
+        };
         log.pressure_dbar.push(pressure_dbar);
-        log.temperature_c.push(temperature_c);
-        log.salinity_psu.push(salinity_psu);
-        log.density_kg_m3.push(density_eos80(salinity_psu, temperature_c, pressure_dbar));
-        log.pitch_rad.push(read(&mut self.pitch, now.pitch_rad));
+        log.temperature_c.push(water.temperature_c);
+        log.salinity_psu.push(water.salinity_psu);
+        log.density_kg_m3.push(hidden.density_reading(&water, pressure_dbar));
+        let pitch_rad = read(&mut self.pitch, hidden.pitch_reading(now.pitch_rad, now.heading_rad));
+        log.pitch_rad.push(hidden.pitch_shown(pitch_rad, &row.felt));
         log.roll_rad.push(read(&mut self.roll, now.roll_rad));
-        log.vbd_cc.push(read(&mut self.ballast, now.ballast_cc));
+        let ballast_cc = hidden.ballast_reading_cc(now.engine_cc, now.water.temperature_c);
+        log.vbd_cc.push(read(&mut self.ballast, ballast_cc));
         if let (Some(speed), Some(column)) = (&mut self.speed, &mut log.speed_through_water_m_s) {
-            let value = read(&mut speed.reading, now.speed_m_s).abs();
-            column.push(if row.is_multiple_of(speed.every) { value } else { f64::NAN });
+            let value = speed.reading.read(random, flown.speed_m_s * hidden.speed_scale).abs();
+            column.push(if number.is_multiple_of(speed.every) { value } else { f64::NAN });
         }
         let jitter_s = self.clock_jitter_s * between(random, -1.0, 1.0);
-        log.time_s.push(((self.starts_s + now.time_s + jitter_s) * 100.0).round() / 100.0);
+        let hidden_jitter_s = match hidden.clock_jitter {
+            0.0 => 0.0,
+            share => share * self.interval_s * between(random, -1.0, 1.0),
+        };
+        log.time_s.push(((self.starts_s + time_s + jitter_s + hidden_jitter_s) * 100.0).round() / 100.0);
         log.heading_rad.push(now.heading_rad);
         log.fin_rad.push(f64::NAN);
         log.battpos_m.push(f64::NAN);
