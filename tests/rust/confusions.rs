@@ -3,7 +3,9 @@
 //!
 //! `cargo test -p glidepolar-tests --release --test confusions -- --ignored --nocapture` prints it over `BLIND_SEEDS`
 //! seeds (20) from `BLIND_FIRST` (0) on; `BLIND_EFFECT` (parts of names, by commas) and `BLIND_SPEED` (`measured`, `none`)
-//! choose; with `BLIND_WORLDS=drawn` every seed has a world of its own, as in `blind_worlds`. A log counts as relevant where its misfit beside the polar alone exceeds the limit of relevance of any quantity.
+//! choose; with `BLIND_WORLDS=drawn` every seed has a world of its own, as in `blind_worlds`. A log counts as relevant where
+//! its misfit beside the polar alone exceeds the limit of relevance of any quantity and is significant: what noise hides
+//! cannot be named.
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -32,6 +34,9 @@ struct Floors {
 
 const MEASURED: Floors = Floors { first: 0.93, in_group: 0.98, covered: 0.92, large_groups: 0.10, wrong: 0.05 };
 const VERTICAL_ALONE: Floors = Floors { first: 0.0, in_group: 0.92, covered: 0.92, large_groups: 0.10, wrong: 0.07 };
+
+/// Probability below which a misfit is significant.
+const SIGNIFICANT: f64 = 0.01;
 
 /// Names that a group may have beside which it is of use.
 const LARGEST_GROUP: usize = 4;
@@ -94,7 +99,7 @@ impl Answer {
             found.causes.iter().map(|cause| (cause.cause.clone(), cause.indistinguishable_from.clone())).collect();
         let is_relevant = !found.wrong.is_empty()
             || !causes.is_empty()
-            || found.left.iter().any(|left| left.size > left.relevant_above);
+            || found.left.iter().any(|left| left.size > left.relevant_above && left.p_value < SIGNIFICANT);
         let said = match (causes.is_empty(), found.verdict) {
             (true, Verdict::None) => "none".to_owned(),
             (true, _) => "unexplained".to_owned(),
@@ -294,9 +299,9 @@ fn the_table_of_confusions() {
             }
             let all = Tally::count(answers.iter());
             all.row(&format!("all of {part}"));
-            for answer in
-                answers.iter().filter(|answer| answer.wrong_names() > 0 || !answer.is_right() && answer.is_relevant)
-            {
+            for answer in answers.iter().filter(|answer| {
+                answer.wrong_names() > 0 || !answer.is_right() && answer.is_relevant || answer.covered.contains(&false)
+            }) {
                 println!("  {} seed {} was called {}: {}", answer.effect, answer.seed, answer.said, answer.evidence);
             }
             let floors = if speed { &MEASURED } else { &VERTICAL_ALONE };

@@ -125,7 +125,7 @@ impl Fitted {
         }
     }
 
-    /// A law whose size is hardly known resembles too many others to be named.
+    /// A law whose size is hardly known, by the noise or by the scatter between clusters, resembles too many others to be named.
     pub(super) fn drop_what_is_hardly_known(&mut self, problem: &impl Problem, baseline: &Fitted) {
         while !self.included.is_empty() {
             let iteration = Iteration::new(problem.candidates(), self);
@@ -133,9 +133,12 @@ impl Fitted {
             let first_column = |place: usize| -> usize {
                 self.included[..place].iter().map(|member| iteration.regressors[*member].columns.len()).sum()
             };
+            let covariances = self.covariances();
+            let n_baseline = self.evidence.baseline.ncols();
             let known = |place: usize| {
                 let column = first_column(place);
-                fit.step[column].abs() / fit.se(column)
+                let row = n_baseline + column;
+                fit.step[column].abs() / fit.se(column).max(covariances.by_clusters[(row, row)].max(0.0).sqrt())
             };
             let least = (0..self.included.len()).map(|place| (known(place), place)).min_by(|a, b| a.0.total_cmp(&b.0));
             match least.filter(|(known, _)| *known < problem.least_known()) {

@@ -16,14 +16,16 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::noise::orthonormal;
 
-/// Clusters into which long blocks are divided: with fewer the quantiles of F reject next to nothing.
+/// Clusters into which few long blocks are divided and many short ones put together: with fewer the quantiles of F reject next
+/// to nothing, with more a cluster lasts no longer than what makes its rows err together.
 const ENOUGH_CLUSTERS: usize = 24;
 
 /// Correlation times of the noise that a part of a block must last for the parts to count as independent: after the
 /// whitening what correlation is left beyond e^-2 is small.
 const CORRELATION_TIMES: f64 = 2.0;
 
-/// Which cluster each row belongs to: its block, or where blocks are few and long an equal part of it.
+/// Which cluster each row belongs to: its block; where blocks are few and long an equal part of it, where they are many some
+/// neighbours together, since what lasts longer than a block makes neighbours err together.
 pub fn clusters(block: &[usize], time_s: &[f64], longest_correlation_s: f64) -> Vec<usize> {
     let mut spans: std::collections::BTreeMap<usize, (f64, f64)> = std::collections::BTreeMap::new();
     for (block, time_s) in block.iter().zip(time_s) {
@@ -31,6 +33,9 @@ pub fn clusters(block: &[usize], time_s: &[f64], longest_correlation_s: f64) -> 
         *span = (span.0.min(*time_s), span.1.max(*time_s));
     }
     let wanted = ENOUGH_CLUSTERS.div_ceil(spans.len().max(1));
+    let together = (spans.len() / ENOUGH_CLUSTERS).max(1);
+    let places: std::collections::BTreeMap<usize, usize> =
+        spans.keys().enumerate().map(|(place, block)| (*block, place / together)).collect();
     let parts_of = |(low, high): (f64, f64)| {
         let most = ((high - low) / (CORRELATION_TIMES * longest_correlation_s).max(f64::MIN_POSITIVE)).floor();
         (most.min(wanted as f64) as usize).max(1)
@@ -39,7 +44,7 @@ pub fn clusters(block: &[usize], time_s: &[f64], longest_correlation_s: f64) -> 
         let (low, high) = spans[block];
         let parts = parts_of((low, high));
         let place = if high > low { (time_s - low) / (high - low) * parts as f64 } else { 0.0 };
-        block * wanted + (place as usize).min(parts - 1)
+        places[block] * wanted + (place as usize).min(parts - 1)
     };
     block.iter().zip(time_s).map(row).collect()
 }

@@ -15,12 +15,18 @@ use super::gram::Gram;
 
 /// Covariance of the free parameters by the delete-one-dive jackknife; infinite with fewer than two dives.
 pub fn jackknife(n: usize, grams: &[Gram]) -> DMatrix<f64> {
+    jackknife_beside(&Gram::new(n), grams)
+}
+
+/// The same where rows belong to no dive and are never left out: prior knowledge.
+pub fn jackknife_beside(prior: &Gram, grams: &[Gram]) -> DMatrix<f64> {
+    let n = prior.n;
     let dives: Vec<&Gram> = grams.iter().filter(|gram| gram.rows > 0).collect();
     let count = dives.len() as f64;
     if dives.len() < 2 {
         return DMatrix::from_element(n, n, f64::INFINITY);
     }
-    let whole = Gram::sum(n, dives.iter().copied()).normal_matrix();
+    let whole = Gram::sum(n, dives.iter().copied().chain([prior])).normal_matrix();
     let moves: Vec<DVector<f64>> =
         dives.iter().map(|dive| solve_symmetric(&(&whole - dive.normal_matrix()), &dive.gradient())).collect();
     let mean = moves.iter().fold(DVector::zeros(n), |sum, delta| sum + delta) / count;

@@ -3,12 +3,14 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::covariance::inverse_symmetric;
+use super::clusters::clusters;
+use super::covariance::{inverse_symmetric, jackknife_beside};
 use super::evidence::{Candidate, Evidence, Point, Problem, names};
 use super::findings::HalfSize;
+use super::gram::Gram;
 use super::holdout::{self, least_squares};
 use super::outcome::Stage;
-use super::score::{whiten, whiten_with_prior};
+use super::score::{longest_correlation_s, whiten, whiten_with_prior};
 use crate::noise::{self, Lasting, Noise};
 
 /// Steps of Gauss and Newton to one fit.
@@ -36,6 +38,16 @@ pub(super) struct Fitted {
     pub(super) included: Vec<usize>,
     pub(super) evidence: Evidence,
     pub(super) noises: Vec<Noise>,
+}
+
+/// Covariances of one fit.
+pub(super) struct Covariances {
+    /// By the model of the noise.
+    pub(super) by_model: DMatrix<f64>,
+    /// By the scatter between clusters of rows.
+    pub(super) by_clusters: DMatrix<f64>,
+    /// The number of clusters.
+    pub(super) clusters: usize,
 }
 
 impl Fitted {
@@ -225,33 +237,39 @@ impl Fitted {
         for (quantity, noise) in self.evidence.quantities.iter().zip(&self.noises) {
             quantity.rows.clone().for_each(|row| sd[row] = noise.sd(self.evidence.stated_sd[row]));
         }
-        let columns = self.columns();
-        let (n, k) = columns.shape();
-        let mut all = columns.insert_column(k, 0.0);
-        all.column_mut(k).copy_from(&self.evidence.residual);
-        let all = whiten_with_prior(&self.evidence, &self.noises, &all, k);
-        let design = all.columns(0, k);
-        // Parameters have units of their own: unscaled, the singular values of their products may not converge.
-        let covariance = inverse_symmetric(&design.tr_mul(&design));
-        let mut by_block: std::collections::BTreeMap<usize, DVector<f64>> = std::collections::BTreeMap::new();
-        for row in 0..all.nrows() {
-            // Each belief is a block of its own.
-            let block = if row < n { self.evidence.block[row] } else { usize::MAX - row };
-            let score = by_block.entry(block).or_insert_with(|| DVector::zeros(k));
-            *score += design.row(row).transpose() * all[(row, k)];
-        }
-        let blocks = by_block.len() as f64 - (all.nrows() - n) as f64;
-        let few = blocks / (blocks - 1.0).max(1.0) * n as f64 / (n as f64 - k as f64).max(1.0);
-        let between = by_block.values().fold(DMatrix::zeros(k, k), |sum, score| sum + score * score.transpose());
-        let covariance_by_blocks = &covariance * between * &covariance * few;
+        let Covariances { by_model, by_clusters, clusters } = self.covariances();
         Stage {
             point: self.point.clone(),
             residual: self.evidence.residual.clone(),
             held_out,
             sd,
-            covariance,
-            covariance_by_blocks,
+            covariance: by_model,
+            covariance_by_clusters: by_clusters,
+            clusters,
         }
+    }
+
+    /// Covariances of what was fitted: the baseline's parameters, then those of each included candidate.
+    pub(super) fn covariances(&self) -> Covariances {
+        let columns = self.columns();
+        let k = columns.ncols();
+        let mut all = columns.insert_column(k, 0.0);
+        all.column_mut(k).copy_from(&self.evidence.residual);
+        let all = whiten_with_prior(&self.evidence, &self.noises, &all, k);
+        let design = all.columns(0, k);
+        // Parameters have units of their own: unscaled, the singular values of their products may not converge.
+        let by_model = inverse_symmetric(&design.tr_mul(&design));
+        let (mut prior, mut by_cluster) = (Gram::new(k), std::collections::BTreeMap::new());
+        let cluster = clusters(&self.evidence.block, &self.evidence.time_s, longest_correlation_s(&self.noises));
+        for row in 0..all.nrows() {
+            let gram = match cluster.get(row) {
+                Some(cluster) => by_cluster.entry(*cluster).or_insert_with(|| Gram::new(k)),
+                None => &mut prior,
+            };
+            gram.add_row(&all.row(row).iter().copied().collect::<Vec<_>>());
+        }
+        let by_cluster: Vec<Gram> = by_cluster.into_values().collect();
+        Covariances { by_model, by_clusters: jackknife_beside(&prior, &by_cluster), clusters: by_cluster.len() }
     }
 
     /// The first parameter of an included mechanism, fitted to each half of the data alone.

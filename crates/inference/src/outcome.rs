@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::evidence::{Evidence, Point, Quantity};
 use super::findings::{Diagnosis, Gain};
 use super::holdout;
+use crate::estimate::Estimate;
 
 /// A diagnosis with the figures that it rests on, for tables and drawings.
 #[derive(Debug, Clone)]
@@ -38,8 +39,23 @@ pub struct Stage {
     pub sd: Vec<f64>,
     /// Covariance of what was fitted: the baseline's parameters, then those of each candidate in [`Outcome::fitted`].
     pub covariance: DMatrix<f64>,
-    /// The same by the scatter between blocks (Liang and Zeger 1986): right where the rows of a block err together.
-    pub covariance_by_blocks: DMatrix<f64>,
+    /// The same by the scatter between clusters of rows that are independent of each other (delete-one-cluster jackknife): right
+    /// where the rows of a cluster err together.
+    pub covariance_by_clusters: DMatrix<f64>,
+    /// The number of these clusters.
+    pub clusters: usize,
+}
+
+impl Stage {
+    /// An estimate of the fitted parameter in a column, whose error by the model of the noise (and what else is known of it)
+    /// is given: the error by the scatter between clusters stands in its place where that is larger.
+    pub fn with_scatter(&self, by_model: &Estimate, column: usize) -> Estimate {
+        let by_clusters = self.covariance_by_clusters[(column, column)].max(0.0).sqrt();
+        if by_clusters <= by_model.se {
+            return by_model.clone();
+        }
+        Estimate::student(by_model.value, by_clusters, self.clusters as f64 - 1.0, &by_model.unit)
+    }
 }
 
 /// The gain from one set of held-out residuals to another, for each quantity.

@@ -1,6 +1,6 @@
 //! What is said of a fit: causes with their stand-ins, what was rejected and why, where the baseline misses the data.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 use super::alternatives::alternatives;
 use super::change_point;
@@ -9,11 +9,10 @@ use super::findings::{Cause, Diagnosis, Left, Rejected, Unexplained, Verdict, Wh
 use super::fitted::{Fitted, expected_rms};
 use super::holdout;
 use super::iteration::Iteration;
-use super::outcome::{Outcome, gains};
+use super::outcome::{Outcome, Stage, gains};
 use super::replacements::replacements;
 use super::score::{CLEARLY_WRONG, SIGNIFICANT, chance};
 use super::subset_search::SubsetSearch;
-use crate::estimate::Estimate;
 
 /// Share of a mechanism's trace beside the baseline's parameters below which it hardly shows.
 const HARDLY_SHOWN: f64 = 0.1;
@@ -37,9 +36,8 @@ pub(super) fn report(
     let search = iteration.search();
     let n_names = names(candidates).len() as f64;
     let after_stage = extended.stage(after.clone());
-    let by_blocks = &after_stage.covariance_by_blocks;
     let mut named: Vec<Named> = (0..extended.included.len())
-        .map(|place| cause(problem, extended, &iteration, &search, place, n_names, by_blocks))
+        .map(|place| cause(problem, extended, &iteration, &search, place, n_names, &after_stage))
         .collect();
     named.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let causes: Vec<Cause> = named.iter().map(|named| named.cause.clone()).collect();
@@ -131,7 +129,7 @@ pub(super) fn cause(
     search: &SubsetSearch<'_>,
     place: usize,
     n_names: f64,
-    by_blocks: &DMatrix<f64>,
+    stage: &Stage,
 ) -> Named {
     let candidates = problem.candidates();
     let member = extended.included[place];
@@ -143,11 +141,9 @@ pub(super) fn cause(
     let first = extended.evidence.baseline.ncols()
         + extended.included[..place].iter().map(|i| candidates[*i].prior_sd.len()).sum::<usize>();
     let mut parameters = change_point::estimates(problem, iteration, &extended.included, place, &extended.point);
-    for (i, (name, unit)) in candidate.parameters.iter().enumerate() {
-        let of_blocks = by_blocks[(first + i, first + i)].max(0.0).sqrt();
-        let size = parameters.get_mut(*name).filter(|size| size.se < of_blocks);
-        if let Some(size) = size {
-            *size = Estimate::normal(size.value, of_blocks, unit);
+    for (i, (name, _)) in candidate.parameters.iter().enumerate() {
+        if let Some(size) = parameters.get_mut(*name) {
+            *size = stage.with_scatter(size, first + i);
         }
     }
 
@@ -170,7 +166,7 @@ pub(super) fn cause(
         holdout_rms_before: holdout::rms(&before, quantity.rows.clone()),
         holdout_rms_after: holdout::rms(&after, quantity.rows.clone()),
         stability: extended.halves(problem, place),
-        indistinguishable_from: replacements(problem, extended, iteration, place),
+        indistinguishable_from: replacements(problem, extended, iteration, place, &before, gain),
     };
     Named { cause, candidate: member, gain, without: before }
 }

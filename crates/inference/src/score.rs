@@ -193,8 +193,8 @@ fn absorbed(all: &DMatrix<f64>, nb: usize, nc: usize) -> DMatrix<f64> {
     steps
 }
 
-/// Longest correlation time of what is slow in these noises \[s\].
-fn longest_correlation_s(noises: &[Noise]) -> f64 {
+/// The longest correlation time of the noises, s; 0 where all are white.
+pub fn longest_correlation_s(noises: &[Noise]) -> f64 {
     let slow = noises.iter().flat_map(|noise| &noise.slow).filter(|slow| slow.variance > 0.0);
     slow.map(|slow| slow.correlation_time_s).fold(0.0, f64::max)
 }

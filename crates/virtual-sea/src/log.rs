@@ -1,6 +1,5 @@
 //! The log as columns, and the folder of files that a diagnosis is given.
 
-use crate::Sea;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -98,12 +97,10 @@ pub struct WriteError {
 ///
 /// # Errors
 /// Where the folder cannot be made or a file cannot be written.
-pub fn write(sea: &Sea, folder: &Path) -> Result<(), WriteError> {
+pub fn write(log: &Log, vehicle_toml: &str, truth: &serde_json::Value, folder: &Path) -> Result<(), WriteError> {
     std::fs::create_dir_all(folder).map_err(|cause| WriteError { path: folder.to_owned(), cause })?;
-    let truth = format!("{:#}\n", sea.truth.to_json());
-    for (name, text) in
-        [("log.csv", sea.log.to_csv()), ("vehicle.toml", sea.vehicle_toml.clone()), ("truth.json", truth)]
-    {
+    let truth = format!("{truth:#}\n");
+    for (name, text) in [("log.csv", log.to_csv()), ("vehicle.toml", vehicle_toml.to_owned()), ("truth.json", truth)] {
         let path = folder.join(name);
         write_whole(&path, folder, &text).map_err(|cause| WriteError { path, cause })?;
     }

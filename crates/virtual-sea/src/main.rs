@@ -3,7 +3,7 @@
 use clap::{Parser, ValueEnum};
 use glidepolar_virtual_sea::ocean::Weather;
 use glidepolar_virtual_sea::vehicle::Hull;
-use glidepolar_virtual_sea::{Options, catalogue, generate, log};
+use glidepolar_virtual_sea::{Options, catalogue, generate, log, worlds};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -33,6 +33,9 @@ struct Arguments {
     /// A shelf in summer, its thermocline some metres thick; with `--dives 80` in 12 hours the dives end at some 60 m
     #[arg(long)]
     shelf: bool,
+    /// Draw everything from the seed that a stranger's log may differ in: motion, water, glider, legs, instruments, duration
+    #[arg(long, conflicts_with_all = ["hull", "shelf", "hours", "dives"])]
+    world: bool,
     /// Folder for the files
     #[arg(long, required_unless_present = "list")]
     out: Option<PathBuf>,
@@ -70,9 +73,17 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<(), String> {
+    let folder = arguments.out.as_deref().ok_or("--out DIR is missing")?;
+    let effects = catalogue::parse_requests(&arguments.effect).map_err(|error| error.to_string())?;
+    let speed = matches!(arguments.speed, YesNo::Yes);
+    if arguments.world {
+        let world = worlds::generate_with(arguments.seed, speed, &effects);
+        return log::write(&world.log, &world.vehicle_toml, &world.truth_json(), folder)
+            .map_err(|error| error.to_string());
+    }
     let options = Options {
-        effects: catalogue::parse_requests(&arguments.effect).map_err(|error| error.to_string())?,
-        speed: matches!(arguments.speed, YesNo::Yes),
+        effects,
+        speed,
         hours: arguments.hours,
         dives: arguments.dives,
         hull: arguments.hull.map(|name| match name {
@@ -83,8 +94,8 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         weather: Weather { shelf: arguments.shelf, ..Weather::default() },
         ..Options::seeded(arguments.seed)
     };
-    let folder = arguments.out.as_deref().ok_or("--out DIR is missing")?;
-    log::write(&generate(&options), folder).map_err(|error| error.to_string())
+    let sea = generate(&options);
+    log::write(&sea.log, &sea.vehicle_toml, &sea.truth.to_json(), folder).map_err(|error| error.to_string())
 }
 
 fn hours(text: &str) -> Result<f64, String> {

@@ -41,7 +41,7 @@ impl Truth {
 
     /// The content of `truth.json`.
     pub fn to_json(&self) -> Value {
-        let effects: Vec<Value> = self.effects.iter().map(effect_json).collect();
+        let effects = effects_json(&self.effects);
         json!({
             "seed": self.seed,
             "effects": effects,
@@ -65,6 +65,11 @@ impl Truth {
             "dives": self.dives,
         })
     }
+}
+
+/// The hidden effects with their parameters and definitions.
+pub(crate) fn effects_json(effects: &[Drawn]) -> Vec<Value> {
+    effects.iter().map(effect_json).collect()
 }
 
 fn effect_json(drawn: &Drawn) -> Value {

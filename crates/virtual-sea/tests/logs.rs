@@ -145,7 +145,7 @@ fn measurement_noise_is_what_the_truth_says() {
 fn the_folder_keeps_the_truth_apart() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let sea: Sea = generate(&Options { hours: 0.5, ..with(3, "trapped_air=70,uncatalogued-tide") });
-    log::write(&sea, folder.path()).expect("a folder that can be written");
+    log::write(&sea.log, &sea.vehicle_toml, &sea.truth.to_json(), folder.path()).expect("a folder that can be written");
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("a file");
     let (log, vehicle, truth) = (read("log.csv"), read("vehicle.toml"), read("truth.json"));
     assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 3);

@@ -17,6 +17,10 @@ const LEAST_RANGE_K: f64 = 0.1;
 /// The same of the density of the water brought to p = 0 \[kg/m3\]: some grams in the largest flooded spaces.
 const LEAST_RANGE_KG_M3: f64 = 0.1;
 
+/// Error of the density that a fouled conductivity cell makes of the salinity, one standard deviation \[kg/m3\]: 0.2 to 0.3 in
+/// practical salinity, as biofouled cells are found to be off before they are cleaned. Judgement.
+const FOULED_CELL_KG_M3: f64 = 0.2;
+
 /// What other channels of the log show of sizes, by the name of the mechanism.
 #[derive(Debug, Clone, Default)]
 pub struct Channels(Vec<(&'static str, Shown)>);
@@ -41,6 +45,7 @@ pub const WITH_A_LEVEL: [&str; 4] = ["hull_compressibility", "thermal_expansion"
 /// The mechanisms that these data could show, with the row of their parameter.
 pub fn list(bins: &[Bin], shown: &Channels, jumps: &[Jump], parameters: &Parameters<f64>) -> Vec<(Candidate, usize)> {
     let varies = |value: fn(&Bin) -> f64| bins.iter().any(|bin| value(bin).is_finite() && value(bin).abs() > 1e-4);
+    let has_salinity = bins.iter().any(|bin| bin.mean.teos10_density_kg_m3.is_finite());
     let mut found = Vec::new();
     for mechanism in AT_SEA {
         let Some(index) = crate::mechanisms::size_parameter(mechanism) else {
@@ -54,7 +59,7 @@ pub fn list(bins: &[Bin], shown: &Channels, jumps: &[Jump], parameters: &Paramet
             "thermal_lag" => range(bins, |bin| bin.mean.temperature_C) < LEAST_RANGE_K,
             "carried_water" => range(bins, surface_density_kg_m3) < LEAST_RANGE_KG_M3,
             // A density that the user stated has no cell that could drift.
-            "conductivity_drift" => !bins.iter().any(|bin| bin.mean.teos10_density_kg_m3.is_finite()),
+            "conductivity_drift" => !has_salinity,
             _ => mechanism.enters == Enters::Consistency,
         };
         if missing {
@@ -67,14 +72,19 @@ pub fn list(bins: &[Bin], shown: &Channels, jumps: &[Jump], parameters: &Paramet
             "drag_step" => jumps.iter().map(version).collect(),
             name => history::versions(name),
         };
+        // Where the density follows from temperature and salinity, a bias of it is one of the salinity.
+        let prior_sd = match mechanism.name {
+            "density_bias" if has_salinity => FOULED_CELL_KG_M3,
+            _ => mechanism.prior_sd,
+        };
         // A channel that shows less than is believed anyhow says nothing.
-        let shown = shown.shown(mechanism.name).filter(|shown| shown.se < mechanism.prior_sd);
+        let shown = shown.shown(mechanism.name).filter(|shown| shown.se < prior_sd);
         for version in versions {
             let candidate = Candidate {
                 name: mechanism.name,
                 parameters: vec![(row.name, row.unit)],
                 neutral: vec![*parameters.clone().at(index)],
-                prior_sd: vec![shown.map_or(mechanism.prior_sd, |shown| shown.se)],
+                prior_sd: vec![shown.map_or(prior_sd, |shown| shown.se)],
                 bounds: vec![(row.min, row.max)],
                 least: mechanism.least,
                 shown: shown.map(|shown| shown.value),

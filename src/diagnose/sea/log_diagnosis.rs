@@ -184,7 +184,7 @@ fn tell_trim(outcome: &mut Outcome, baseline: &Parameters<f64>) {
 const SEA_WATER_KG_M3: f64 = 1025.0;
 
 /// Without temperature and salinity a density at p = 0 is a hull that yields less than it does by the compressibility of
-/// the water: where that is the size that was found, the two cannot be outcome apart.
+/// the water: where that is the size that was found, the two cannot be separated.
 fn name_what_density_hides(outcome: &mut Outcome, problem: &SeaProblem, checks: &[Check]) {
     let unchecked =
         checks.iter().any(|check| check.check == consistency::DENSITY && check.outcome == Checked::NotChecked);

@@ -144,8 +144,8 @@ impl Teller<'_> {
         let first = self.problem.baseline().len() + before.map(sizes).sum::<usize>();
         let df = sizes(&candidate);
         let model = self.outcome.after.covariance.view((first, first), (df, df));
-        let blocks = self.outcome.after.covariance_by_blocks.view((first, first), (df, df));
-        let growth = |i: usize| (blocks[(i, i)] / model[(i, i)]).max(1.0).sqrt();
+        let runs = self.outcome.after.covariance_by_clusters.view((first, first), (df, df));
+        let growth = |i: usize| (runs[(i, i)] / model[(i, i)]).max(1.0).sqrt();
         DMatrix::from_fn(df, df, |i, j| model[(i, j)] * growth(i) * growth(j))
     }
 

@@ -26,6 +26,8 @@ pub const STEP_S: f64 = 0.5;
 
 /// Vertical velocity from which the number of dives is drawn, m/s.
 const VERTICAL_M_S: f64 = 0.17;
+/// Angle over which the slope of the lift is taken, rad.
+const SLOPE_OVER_RAD: f64 = 1e-4;
 /// Length of the hull, m.
 const LENGTH_M: f64 = 1.8;
 /// Temperature at which the volume of the file holds, degrees Celsius.
@@ -165,9 +167,12 @@ impl Sea {
 /// Lift slope, drag at no angle of attack, its growth with the squared angle; on the frontal area.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Polar {
-    a: f64,
-    b: f64,
-    c: f64,
+    /// Lift slope, per rad.
+    pub a: f64,
+    /// Drag coefficient at no angle of attack.
+    pub b: f64,
+    /// Its growth with the squared angle of attack, per rad2.
+    pub c: f64,
 }
 
 /// The glider.
@@ -425,12 +430,14 @@ pub fn fly(voyage: &Voyage, random: &mut Stream, mut observe: impl FnMut(&Instan
                 rudder_rad: 0.0,
                 depth_m,
             };
-            // The angle of attack that carries the net weight at this speed.
+            // The angle of attack that carries the net weight at this speed, by Newton's method from the angle so far.
             let mut balanced: f64 = alpha;
             for _ in 0..8 {
                 let wanted = net_n * (balanced - pitch).cos() / (half * speed * speed);
-                let lift = hidden.lift_coefficient(vehicle, &flow(balanced, speed));
-                balanced = (balanced + (wanted - lift) / vehicle.a_per_rad).clamp(-0.4, 0.4);
+                let lift = |angle_rad: f64| hidden.lift_coefficient(vehicle, &flow(angle_rad, speed));
+                let slope =
+                    (lift(balanced + SLOPE_OVER_RAD) - lift(balanced - SLOPE_OVER_RAD)) / (2.0 * SLOPE_OVER_RAD);
+                balanced = (balanced + (wanted - lift(balanced)) / slope).clamp(-0.4, 0.4);
             }
             alpha = match motion {
                 Motion::SurgeAndHeave => {

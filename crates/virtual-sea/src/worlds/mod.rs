@@ -19,6 +19,7 @@ use crate::log::Log;
 use crate::ocean::{GRAVITY_M_S2, Water};
 use crate::random::{Part, Stream, between, chance, stream};
 use crate::shown::{Row, Shown};
+use crate::truth::effects_json;
 pub use colour::{Colour, Noise};
 pub use flight::{DrawnGlider, Motion, Plan, Polar, Sea, Shear, Voyage};
 
@@ -31,8 +32,23 @@ pub struct World {
     pub vehicle_toml: String,
     /// The hidden effects with their sizes.
     pub effects: Vec<Drawn>,
+    /// The true polars of descents and ascents.
+    pub polars: [Polar; 2],
     /// What was drawn, in a line.
     pub drawn: String,
+}
+
+impl World {
+    /// The content of `truth.json`.
+    pub fn truth_json(&self) -> serde_json::Value {
+        let [descent, ascent] = self.polars.map(|polar| [polar.a, polar.b, polar.c]);
+        serde_json::json!({
+            "effects": effects_json(&self.effects),
+            "polar_descent": descent,
+            "polar_ascent": ascent,
+            "drawn": self.drawn,
+        })
+    }
 }
 
 /// How the instruments read.
@@ -116,7 +132,8 @@ pub fn generate_with(seed: u64, speed: bool, effects: &[Request]) -> World {
             rows += 1;
         }
     });
-    World { log, vehicle_toml: glider.file(&mut stream(seed, Part::Effect(0))), effects, drawn: described }
+    let vehicle_toml = glider.file(&mut stream(seed, Part::Effect(0)));
+    World { log, vehicle_toml, effects, polars: [glider.descent, glider.ascent], drawn: described }
 }
 
 impl Instruments {
