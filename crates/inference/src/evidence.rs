@@ -54,6 +54,9 @@ pub struct Evidence {
     pub prior: Vec<(f64, f64)>,
     /// Sensitivity to each candidate's parameters, in the order of [`Problem::candidates`].
     pub candidates: Vec<DMatrix<f64>>,
+    /// What one standard error of each error that all rows share changes in them: rows by errors. It widens the intervals of
+    /// sizes and takes no part in the choice of names.
+    pub shared: DMatrix<f64>,
     /// What the residuals may go with.
     pub covariates: Vec<Covariate>,
 }

@@ -48,6 +48,8 @@ pub(super) struct Covariances {
     pub(super) by_clusters: DMatrix<f64>,
     /// The number of clusters.
     pub(super) clusters: usize,
+    /// Standard error of each parameter by the errors that all rows share.
+    pub(super) by_shared: DVector<f64>,
 }
 
 impl Fitted {
@@ -237,7 +239,7 @@ impl Fitted {
         for (quantity, noise) in self.evidence.quantities.iter().zip(&self.noises) {
             quantity.rows.clone().for_each(|row| sd[row] = noise.sd(self.evidence.stated_sd[row]));
         }
-        let Covariances { by_model, by_clusters, clusters } = self.covariances();
+        let Covariances { by_model, by_clusters, clusters, by_shared } = self.covariances();
         Stage {
             point: self.point.clone(),
             residual: self.evidence.residual.clone(),
@@ -246,6 +248,7 @@ impl Fitted {
             covariance: by_model,
             covariance_by_clusters: by_clusters,
             clusters,
+            se_by_shared: by_shared,
         }
     }
 
@@ -269,7 +272,22 @@ impl Fitted {
             gram.add_row(&all.row(row).iter().copied().collect::<Vec<_>>());
         }
         let by_cluster: Vec<Gram> = by_cluster.into_values().collect();
-        Covariances { by_model, by_clusters: jackknife_beside(&prior, &by_cluster), clusters: by_cluster.len() }
+        let by_shared = self.moved_by_shared(&design.into_owned(), &by_model);
+        Covariances {
+            by_model,
+            by_clusters: jackknife_beside(&prior, &by_cluster),
+            clusters: by_cluster.len(),
+            by_shared,
+        }
+    }
+
+    /// How far each fitted parameter moves by one standard error of the errors that all rows share.
+    fn moved_by_shared(&self, design: &DMatrix<f64>, by_model: &DMatrix<f64>) -> DVector<f64> {
+        let mut shared = self.evidence.shared.clone();
+        whiten(&self.evidence, &self.noises, &mut shared);
+        let rows = shared.nrows();
+        let moved = by_model * design.rows(0, rows).tr_mul(&shared);
+        DVector::from_fn(moved.nrows(), |i, _| moved.row(i).norm())
     }
 
     /// The first parameter of an included mechanism, fitted to each half of the data alone.

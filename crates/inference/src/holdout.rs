@@ -100,6 +100,7 @@ fn subset(evidence: &Evidence, kept: &[usize]) -> Evidence {
         baseline: DMatrix::zeros(0, 0),
         prior: evidence.prior.clone(),
         candidates: Vec::new(),
+        shared: DMatrix::zeros(kept.len(), 0),
         covariates: Vec::new(),
     };
     let mut start = 0;

@@ -44,17 +44,30 @@ pub struct Stage {
     pub covariance_by_clusters: DMatrix<f64>,
     /// The number of these clusters.
     pub clusters: usize,
+    /// Standard error of each parameter by the errors that all rows share.
+    pub se_by_shared: DVector<f64>,
 }
 
 impl Stage {
     /// An estimate of the fitted parameter in a column, whose error by the model of the noise (and what else is known of it)
-    /// is given: the error by the scatter between clusters stands in its place where that is larger.
+    /// is given: the error by the scatter between clusters stands in its place where that is larger, and that of what all rows
+    /// share comes on top.
     pub fn with_scatter(&self, by_model: &Estimate, column: usize) -> Estimate {
         let by_clusters = self.covariance_by_clusters[(column, column)].max(0.0).sqrt();
-        if by_clusters <= by_model.se {
-            return by_model.clone();
+        let alone = if by_clusters <= by_model.se {
+            by_model.clone()
+        } else {
+            Estimate::student(by_model.value, by_clusters, self.clusters as f64 - 1.0, &by_model.unit)
+        };
+        let grown = (1.0 + (self.se_by_shared[column] / alone.se).powi(2)).sqrt();
+        if alone.se == 0.0 || !grown.is_finite() {
+            return alone;
         }
-        Estimate::student(by_model.value, by_clusters, self.clusters as f64 - 1.0, &by_model.unit)
+        Estimate {
+            se: alone.se * grown,
+            ci95: alone.ci95.map(|end| alone.value + (end - alone.value) * grown),
+            ..alone
+        }
     }
 }
 

@@ -572,6 +572,14 @@ impl Problem for SeaProblem {
         if n_u > 0 {
             quantities.push(Quantity { name: SPEED, unit: "m/s", rows: n_w..n });
         }
+        let ballast =
+            self.shapes.iter().zip(&self.candidates).find(|(_, candidate)| candidate.name == "ballast_offset");
+        let shared = match ballast {
+            Some((Shape { slopes: Slopes::Direction(direction), .. }, _)) => {
+                model::WEIGHING_ERROR_KG * slopes.columns(*direction, 1)
+            }
+            _ => DMatrix::zeros(n, 0),
+        };
         Evidence {
             quantities,
             time_s: row_bins.iter().map(|bin| bin.mean.time_s).collect(),
@@ -587,6 +595,7 @@ impl Problem for SeaProblem {
             baseline: slopes.columns(0, nb).into_owned(),
             prior: self.prior(point),
             candidates,
+            shared,
             covariates: covariates::from_bins(&row_bins),
         }
     }

@@ -117,7 +117,7 @@ const LARGEST_INERTIA: f64 = 0.2;
 
 /// What net mass is uncertain by where everything is as it should be \[kg\]: a cubic centimetre of ballast, 0.02 kg/m3 of
 /// density.
-const WEIGHING_ERROR_KG: f64 = 1e-3;
+pub const WEIGHING_ERROR_KG: f64 = 1e-3;
 
 /// Drag coefficient of usual gliders on their frontal area, where a rough figure will do: the vehicle's own may be wrong by
 /// as much as is to be found out.

@@ -519,6 +519,8 @@ impl Problem for TankProblem<'_> {
             baseline,
             prior: (0..self.baseline.len()).map(|j| (self.start[j] - point.baseline[j], self.belief[j])).collect(),
             candidates,
+            // What runs share of the errors of zeros, tare and calibration is in their covariance.
+            shared: DMatrix::zeros(3 * n, 0),
             covariates: self.covariates(),
         }
     }
