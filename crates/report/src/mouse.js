@@ -48,10 +48,26 @@
     return { data: [xs, ...ys], columns };
   }
 
-  function series(layer) {
+  /* A name for each row of values: no two alike, and none for what only continues another layer. */
+  function names(columns, axis) {
+    const taken = new Set();
+    const name = (layer) => {
+      if (!layer.label) return columns.some((other) => other.label) ? "" : axis;
+      return taken.has(layer.label + layer.edge) ? layer.label + (layer.kind === "line" ? ", line" : ", points") : layer.label;
+    };
+    return columns.map((layer) => {
+      const first = name(layer);
+      if (layer.label) taken.add(layer.label + layer.edge);
+      const edged = first && layer.edge ? first + (layer.edge === "low" ? ", from" : ", to") : first;
+      const again = taken.has("shown " + edged);
+      taken.add("shown " + edged);
+      return again ? "" : edged;
+    });
+  }
+
+  function series(layer, name) {
     const colour = shade(layer.colour);
-    const edge = layer.edge ? (layer.label ? ", " : "") + (layer.edge === "low" ? "from" : "to") : "";
-    const common = { label: (layer.label || "") + edge, stroke: colour, spanGaps: true, value: (_, v) => shown(v) };
+    const common = { label: name, class: name ? undefined : "unnamed", stroke: colour, spanGaps: true, value: (_, v) => shown(v) };
     if (layer.kind === "points") return { ...common, paths: () => null, points: { show: true, size: layer.x.length > 300 ? 3 : 6, fill: colour, width: 0 } };
     if (layer.kind === "band") return { ...common, width: 0.5, points: { show: false } };
     return { ...common, width: 1.8, dash: layer.dash, points: { show: false } };
@@ -88,6 +104,15 @@
     };
   }
 
+  const font = "13px system-ui, sans-serif";
+
+  /* The name of an axis stands along it: a figure is as high as the name is long. */
+  function width_of(text) {
+    const context = document.createElement("canvas").getContext("2d");
+    context.font = font;
+    return context.measureText(text).width;
+  }
+
   function draw(place, figure, number) {
     const key = named(figure.x);
     const made = [];
@@ -96,15 +121,16 @@
       if (!data[0].length) return;
       const bands = columns.flatMap((c, i) => (c.edge === "high" ? [{ series: [i + 1, i], fill: shade(c.colour) + "33" }] : []));
       const grid = { stroke: style("--rule"), width: 1 };
-      const axis = (label, more) => ({ label, stroke: style("--ink"), grid, ticks: grid, font: "13px system-ui, sans-serif", labelFont: "13px system-ui, sans-serif", ...more });
+      const axis = (label, more) => ({ label, stroke: style("--ink"), grid, ticks: grid, font, labelFont: font, ...more });
+      const called = names(columns, named(panel.y));
       const y = panel.y.range ? { range: () => panel.y.range } : {};
       const options = {
         title: panel.title || undefined,
         width: Math.max(280, place.clientWidth),
-        height: figure.panels.length > 1 ? 230 : 340,
+        height: Math.max(figure.panels.length > 1 ? 230 : 340, width_of(named(panel.y)) + 95),
         scales: { x: { time: false }, y: { ...y, dir: panel.y.reversed ? -1 : 1 } },
         axes: [axis(named(figure.x), {}), axis(named(panel.y), { size: 62 })],
-        series: [{ label: named(figure.x), value: (_, v) => shown(v) }, ...columns.map(series)],
+        series: [{ label: named(figure.x), value: (_, v) => shown(v) }, ...columns.map((column, i) => series(column, called[i]))],
         bands,
         cursor: { sync: { key, scales: ["x", null] }, drag: { x: true, y: false }, focus: { prox: 24 } },
         hooks: {

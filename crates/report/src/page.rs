@@ -400,11 +400,12 @@ fn visible(text: &str) -> String {
 /// Sets what stands between two backticks as code, the rest as text with HTML's own characters escaped. A backtick
 /// without a second one stays as it is.
 fn with_code(text: &str) -> Value {
+    let plain = |text: &str| HtmlEscape(&text.replace("+-", "\u{b1}")).to_string();
     let mut parts = text.split('`');
-    let mut html = HtmlEscape(parts.next().unwrap_or("")).to_string();
+    let mut html = plain(parts.next().unwrap_or(""));
     while let Some(code) = parts.next() {
         html += &match parts.next() {
-            Some(after) => format!("<code>{}</code>{}", HtmlEscape(code), HtmlEscape(after)),
+            Some(after) => format!("<code>{}</code>{}", HtmlEscape(code), plain(after)),
             None => format!("`{}", HtmlEscape(code)),
         };
     }
