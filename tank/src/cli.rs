@@ -100,6 +100,20 @@ impl Reduce {
         let relevance = Relevance::parse(&self.relevant, &NAMES, "CL=0.005")
             .map_err(|error| CliError::Usage(format!("--relevant: {error}")))?;
         let mut results = match &self.hull {
+            Some(hull) if input.is_dir() => {
+                let (campaign, hull) = (input.display(), hull.display());
+                let problem = format!(
+                    "--hull {hull}: is the file of a hull for a table of points; the hulls of a campaign stand in {campaign}/campaign.toml"
+                );
+                return Err(CliError::Usage(problem));
+            }
+            Some(hull) if !hull.exists() => {
+                let hull = hull.display();
+                let problem = format!(
+                    "--hull {hull}: there is no such file; name the TOML file that has the hull's length and frontal area"
+                );
+                return Err(CliError::Usage(problem));
+            }
             Some(hull) => reduce_points(input, hull, self.range_deg)?,
             None if input.is_file() => {
                 let problem = format!("{}: a table of points needs --hull hull.toml", input.display());

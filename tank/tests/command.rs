@@ -89,8 +89,13 @@ fn a_campaign_needs_one_command() {
 fn bad_input_ends_with_two_and_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("points.csv"), "yaw_deg,CL,CD,CM\n1,2,3,x\n").unwrap();
+    std::fs::write(folder.path().join("drift.csv"), "beta_deg,CL,CD,CM\n1,2,3,4\n").unwrap();
+    std::fs::create_dir(folder.path().join("runs")).unwrap();
     let hull = data("suboff.toml");
     for (arguments, expected) in [
+        (vec!["drift.csv", "--hull", &hull], "rename it to yaw_deg"),
+        (vec!["points.csv", "--hull", "LDR8.5"], "name the TOML file"),
+        (vec!["runs", "--hull", "LDR8.5"], "the hulls of a campaign stand in runs/campaign.toml"),
         (vec!["points.csv", "--hull", &hull], "points.csv:2:4: CM is `x`"),
         (vec!["points.csv", "--hull", "no.toml"], "no.toml"),
         (vec!["points.csv"], "--hull"),

@@ -290,6 +290,10 @@ frame.addEventListener("load", () => setTimeout(() => {
     return {
       values: [...plot.root.querySelectorAll(".u-legend .u-value")].map(cell => cell.textContent),
       data: plot.data.map(column => index == null ? null : column[index]), width: plot.root.offsetWidth,
+      names: [...plot.root.querySelectorAll(".u-legend .u-series")].filter(row => row.offsetWidth > 0)
+        .map(row => row.querySelector(".u-label").textContent),
+      room: (plot.ctx.font = "13px system-ui, sans-serif",
+        plot.over.offsetHeight + 16 - plot.ctx.measureText(plot.axes[1].label).width),
     };
   });
   const range = () => plots.slice(0, 1).map(plot => plot.scales.x.max - plot.scales.x.min);
@@ -319,6 +323,8 @@ def test_a_figure_answers_the_mouse(page, tmp_path, width):
     assert read["found"] and set(read["drawings"]) == {0}, "drawings are hidden where plots stand"
     for plot in read["found"]:
         assert plot["width"] <= WIDTHS[width]
+        assert len(set(plot["names"])) == len(plot["names"]) and not {"", "Value"} & set(plot["names"]), plot["names"]
+        assert plot["room"] >= 0, "the name of the axis is cut off"
         shown = [float(value) for value in plot["values"] if value not in ("–", "--", "")]
         data = [value for value in plot["data"] if value is not None]
         assert shown == pytest.approx(data, rel=1e-3, abs=1e-9) and shown, plot

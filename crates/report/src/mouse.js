@@ -127,7 +127,7 @@
       const options = {
         title: panel.title || undefined,
         width: Math.max(280, place.clientWidth),
-        height: Math.max(figure.panels.length > 1 ? 230 : 340, width_of(named(panel.y)) + 95),
+        height: Math.max(figure.panels.length > 1 ? 230 : 340, width_of(named(panel.y)) + 105),
         scales: { x: { time: false }, y: { ...y, dir: panel.y.reversed ? -1 : 1 } },
         axes: [axis(named(figure.x), {}), axis(named(panel.y), { size: 62 })],
         series: [{ label: named(figure.x), value: (_, v) => shown(v) }, ...columns.map((column, i) => series(column, called[i]))],
