@@ -23,7 +23,11 @@ impl Fitted {
         }
         let (before, after) = (baseline.held_out(), self.held_out());
         let rms = |values, quantity: usize| holdout::rms(values, self.evidence.quantities[quantity].rows.clone());
-        let noise = |quantity: usize| expected_rms(&self.evidence, &baseline.noises, quantity);
+        // What the baseline takes for noise holds a part of its misfit: the measurement's own is known beside the mechanism.
+        let noise = |quantity: usize| {
+            let with = expected_rms(&self.evidence, &self.noises, quantity);
+            with.min(expected_rms(&self.evidence, &baseline.noises, quantity))
+        };
         let quantities = 0..self.evidence.quantities.len();
         let is_gross = quantities.clone().any(|q| rms(&before, q) > GROSS * noise(q));
         // Squares in units of the noise, over all quantities.
