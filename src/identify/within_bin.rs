@@ -179,10 +179,18 @@ impl Parts {
 
     /// What happens inside each bin at these parameters; `bins` are those of [`new`](Self::new).
     pub fn inside(&self, parameters: &Parameters<f64>, bins: &[Bin]) -> Vec<Inside> {
-        let of_parts = match self.quasi_steady {
-            true => vec![Inertia::NONE; self.means.len()],
-            false => inertia_between_gaps(parameters, self.gap_s, &self.means),
-        };
+        match self.quasi_steady {
+            true => self.inside_without_inertia(parameters, bins),
+            false => self.inside_with(&inertia_between_gaps(parameters, self.gap_s, &self.means), parameters, bins),
+        }
+    }
+
+    /// The same with forces that balance at every moment.
+    pub fn inside_without_inertia(&self, parameters: &Parameters<f64>, bins: &[Bin]) -> Vec<Inside> {
+        self.inside_with(&vec![Inertia::NONE; self.means.len()], parameters, bins)
+    }
+
+    fn inside_with(&self, of_parts: &[Inertia], parameters: &Parameters<f64>, bins: &[Bin]) -> Vec<Inside> {
         let glider = SteadyGlider::new(*parameters);
         let mut guess = None;
         let mut fly = |observed: &Observation, inertia: &Inertia| {

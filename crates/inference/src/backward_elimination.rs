@@ -22,11 +22,11 @@ const SHOWN_ON_A_LEG: f64 = 1.645;
 /// true cause, too, trades a little of one quantity for another.
 const LEAST_SPOILT_PERCENT: f64 = 2.0;
 
-/// Standard errors by which the sizes on the halves of the data must differ: 1 in 2000 by chance, some twenty mechanisms
+/// Standard errors by which the sizes on the halves of the data, or on the legs, must differ: 1 in 2000 by chance, some twenty mechanisms
 /// being tried.
 const SURELY_APART: f64 = 3.5;
 
-/// Difference of the sizes on the halves, relative to the size, from which on it is no one size any more.
+/// Difference of the sizes on the halves or legs, relative to the size, from which on it is no one size any more.
 const LEAST_DIFFERENCE: f64 = 0.5;
 
 /// Standard errors by which the variation of a mechanism alone, its mean set aside, must show it: 95 %.
@@ -135,10 +135,13 @@ impl Fitted {
             };
             let covariances = self.covariances();
             let n_baseline = self.evidence.baseline.ncols();
+            // A standard error by so many clusters is itself uncertain; it counts as the larger where it is so for certain.
+            let certain = 1.0 + 2.0 / (2.0 * covariances.clusters.max(2) as f64 - 2.0).sqrt();
             let known = |place: usize| {
                 let column = first_column(place);
                 let row = n_baseline + column;
-                fit.step[column].abs() / fit.se(column).max(covariances.by_clusters[(row, row)].max(0.0).sqrt())
+                let by_clusters = covariances.by_clusters[(row, row)].max(0.0).sqrt();
+                fit.step[column].abs() / fit.se(column).max(by_clusters / certain)
             };
             let least = (0..self.included.len()).map(|place| (known(place), place)).min_by(|a, b| a.0.total_cmp(&b.0));
             match least.filter(|(known, _)| *known < problem.least_known()) {
@@ -179,14 +182,21 @@ impl Fitted {
         refuted
     }
 
-    /// A mechanism that may be absent on one of two legs may as well be something else on the other one: it goes.
+    /// A mechanism that may be absent on one of two legs may as well be something else on the other one: it goes, and so does
+    /// one whose sizes on the legs differ for certain and by much.
     pub(super) fn drop_what_one_leg_shows(&mut self, problem: &impl Problem, baseline: &Fitted) {
         while problem.needs_both_legs() {
             let included = self.regimes_included(problem);
             let is_of_one_leg = |place: &usize| {
                 let sign = included[*place].sizes[0].signum();
                 let legs = regimes::on_each_leg(&self.evidence, &self.noises, &included, *place);
-                legs.is_some_and(|legs| legs.iter().any(|(size, se)| size * sign < SHOWN_ON_A_LEG * se))
+                legs.is_some_and(|legs| {
+                    let [(a, se_a), (b, se_b)] = legs;
+                    let apart = (a - b).abs();
+                    legs.iter().any(|(size, se)| size * sign < SHOWN_ON_A_LEG * se)
+                        || apart > SURELY_APART * se_a.hypot(se_b)
+                            && apart > LEAST_DIFFERENCE * included[*place].sizes[0].abs()
+                })
             };
             let Some(place) = (0..self.included.len()).find(is_of_one_leg) else { return };
             *self = self.without(problem, baseline, place);

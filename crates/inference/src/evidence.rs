@@ -195,6 +195,12 @@ pub trait Problem {
         None
     }
 
+    /// Whether a candidate is a level, whose mean says something even where it varies.
+    fn is_level(&self, candidate: usize) -> bool {
+        let _ = candidate;
+        true
+    }
+
     /// Share of what named mechanisms explain that may stay unexplained beside them without costing them their names.
     fn part_unexplained(&self) -> f64 {
         0.0

@@ -18,7 +18,9 @@ impl Fitted {
     pub(super) fn does_nearly_all(&self, problem: &impl Problem, baseline: &Fitted) -> bool {
         let &[member] = self.included.as_slice() else { return false };
         let candidate = &problem.candidates()[member];
-        if candidate.cannot_be(self.point.candidates[member][0], problem.most_prior_sds()) {
+        // The mean of a level that varies is still a level; a law that needs another size elsewhere is another law.
+        if !problem.is_level(member) || candidate.cannot_be(self.point.candidates[member][0], problem.most_prior_sds())
+        {
             return false;
         }
         let (before, after) = (baseline.held_out(), self.held_out());

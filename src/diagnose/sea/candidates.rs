@@ -42,6 +42,9 @@ impl Channels {
 /// Mechanisms that go with temperature or pressure: what of them does not vary over the log is an offset of the ballast.
 pub const WITH_A_LEVEL: [&str; 4] = ["hull_compressibility", "thermal_expansion", "trapped_air", "hull_creep"];
 
+/// Mechanisms that are a constant added to a reading or a weight.
+pub const LEVELS: [&str; 3] = ["ballast_offset", "pitch_offset", "density_bias"];
+
 /// The mechanisms that these data could show, with the row of their parameter.
 pub fn list(bins: &[Bin], shown: &Channels, jumps: &[Jump], parameters: &Parameters<f64>) -> Vec<(Candidate, usize)> {
     let varies = |value: fn(&Bin) -> f64| bins.iter().any(|bin| value(bin).is_finite() && value(bin).abs() > 1e-4);

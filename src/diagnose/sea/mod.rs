@@ -32,7 +32,7 @@ use super::outcome::Outcome;
 use super::relevance::Relevance;
 use jumps::Jump;
 pub use log_diagnosis::{SeaDiagnosis, diagnose_log};
-use model::{Directions, Sloped, Vehicle};
+use model::{Directions, Vehicle};
 use nalgebra::{DMatrix, DVector};
 pub use vehicle_log::{LiftSlope, Request, VehicleLogError, diagnose_vehicle, extended};
 
@@ -71,6 +71,14 @@ pub enum Lift {
 
 /// Standard deviation of what a vehicle's polar is believed to be, relative to its value.
 const RELATIVE_BELIEF: f64 = 1.0;
+
+/// The share of its inertia with which the glider follows its forces, and its unit: 1 by the vehicle's masses, 0 in a log that
+/// was simulated from steady glides.
+const INERTIA_SHARE: (&str, &str) = ("inertia_share", "1");
+
+/// Standard deviation of what that share is believed to be beside 1: masses that accelerate with the hull are known to a fifth,
+/// but a log without inertia must be within reach.
+const INERTIA_SHARE_SD: f64 = 1.0;
 
 /// From here on, in the same measure, a fitted polar is doubted aloud.
 const FAR_FROM_BELIEF: f64 = 2.0;
@@ -189,6 +197,7 @@ impl SeaProblem {
         // What the vehicle says of the ratio of its legs stays as it is: one polar is fitted, and each leg has its share of it.
         let mut usable: Vec<Observation> = observations.iter().copied().filter(is_usable).collect();
         let (pitch_variance, read_variance) = attitude::smooth(&mut usable);
+        take_rate_of_leg(&mut usable);
         let mut bins = bins(&usable, settings.max_bins, MIN_SAMPLES);
         let is_steady = model::steady(parameters, &bins);
         let mut keep = is_steady.into_iter();
@@ -212,7 +221,8 @@ impl SeaProblem {
         let names: &[&str] =
             if settings.lift == Lift::Held { &["b", "c_per_rad2"] } else { &["a_per_rad", "b", "c_per_rad2"] };
         let baseline_index: Vec<usize> = names.iter().filter_map(|name| parameter_index(name)).collect();
-        let baseline = baseline_index.iter().map(|i| (PARAMETERS[*i].name, PARAMETERS[*i].unit)).collect();
+        let mut baseline: Vec<_> = baseline_index.iter().map(|i| (PARAMETERS[*i].name, PARAMETERS[*i].unit)).collect();
+        baseline.push(INERTIA_SHARE);
 
         let mut problem = SeaProblem {
             directions: Directions::new(&baseline_index),
@@ -253,13 +263,16 @@ impl SeaProblem {
     /// resampled legs), alone or beside the causes that were found, and taken where it then does so with causes of its own, or
     /// predicts no worse with fewer.
     pub(super) fn without_inertia_if_better(&self, found: &Outcome) -> Option<(SeaProblem, Outcome)> {
-        let steady = SeaProblem { parts: self.parts.without_inertia(), ..self.clone() };
+        let mut steady = SeaProblem { parts: self.parts.without_inertia(), ..self.clone() };
+        steady.baseline.truncate(self.baseline_index.len());
+        let mut point = found.after.point.clone();
+        point.baseline.truncate(self.baseline_index.len());
         let block: Vec<usize> = self.bins.iter().map(|bin| bin.mean.leg as usize).collect();
         let gain = |with: &DVector<f64>, without: &DVector<f64>| {
             holdout::reduction_interval(&block, 0..self.bins.len(), with, without)
         };
         let alone = engine::held_out(&steady, &steady.start(), &[]);
-        let beside = || engine::held_out(&steady, &found.after.point, &found.fitted);
+        let beside = || engine::held_out(&steady, &point, &found.fitted);
         let is_promising =
             gain(&found.before.held_out, &alone)[0] > 0.0 || gain(&found.after.held_out, &beside())[0] > 0.0;
         if !is_promising {
@@ -393,7 +406,13 @@ impl SeaProblem {
                 };
                 (belief - value, sd)
             })
+            .chain(self.inertia_share(point).map(|share| (1.0 - share, INERTIA_SHARE_SD)))
             .collect()
+    }
+
+    /// The share of its inertia with which the glider follows its forces at a point, where it is fitted.
+    fn inertia_share(&self, point: &Point) -> Option<f64> {
+        point.baseline.get(self.baseline_index.len()).copied()
     }
 
     /// The parameters at a point of the fit.
@@ -420,16 +439,15 @@ fn put_version(parameters: &mut Parameters<f64>, candidate: &Candidate) {
     }
 }
 
-/// A bin flown with what the past does to it.
-fn fly_with(
+/// A bin with what the past does to it, and the factor of the vertical velocity that is read.
+fn with_past(
     parameters: &Parameters<f64>,
-    vehicle: &Vehicle,
     bin: &Bin,
     inside: &Inside,
-    past: &history::Effect,
-) -> (Sloped, Sloped) {
-    let mut bin = *bin;
-    let mut inside = *inside;
+    past: Option<&history::Effect>,
+) -> (Bin, Inside, f64) {
+    let (mut bin, mut inside) = (*bin, *inside);
+    let Some(past) = past else { return (bin, inside, 1.0) };
     bin.mean.pitch_rad += past.pitch_rad;
     inside.inertia.net_mass_kg += past.net_mass_kg;
     if past.along_N != 0.0 {
@@ -440,10 +458,20 @@ fn fly_with(
         inside.inertia.net_mass_kg += net_kg * (1.0f64.hypot(lean) - 1.0);
         inside.inertia.pitch_rad -= lean.atan();
     }
-    let (mut sink, speed) = vehicle.fly(&bin, &inside);
-    sink.value *= 1.0 + past.reading;
-    sink.slopes.iter_mut().for_each(|slope| *slope *= 1.0 + past.reading);
-    (sink, speed)
+    (bin, inside, 1.0 + past.reading)
+}
+
+/// Puts the leg's mean rate of the pressure in place of each sample's. The rate that is read is the vertical velocity that is to
+/// be explained: a lag of the pressure, by which the density follows it, would explain the noise of its own row.
+fn take_rate_of_leg(usable: &mut [Observation]) {
+    for leg in usable.chunk_by_mut(|a, b| a.leg == b.leg) {
+        let (sum, n) = leg
+            .iter()
+            .map(|o| o.pressure_rate_dbar_s)
+            .filter(|rate| rate.is_finite())
+            .fold((0.0, 0.0), |(sum, n), rate| (sum + rate, n + 1.0));
+        leg.iter_mut().for_each(|o| o.pressure_rate_dbar_s = sum / n);
+    }
 }
 
 fn is_usable(o: &Observation) -> bool {
@@ -465,7 +493,12 @@ impl Problem for SeaProblem {
     fn start(&self) -> Point {
         let mut parameters = self.parameters;
         Point {
-            baseline: self.baseline_index.iter().map(|index| *parameters.at(*index)).collect(),
+            baseline: self
+                .baseline_index
+                .iter()
+                .map(|index| *parameters.at(*index))
+                .chain((!self.parts.is_quasi_steady()).then_some(1.0))
+                .collect(),
             candidates: self.candidates.iter().map(|candidate| candidate.neutral.clone()).collect(),
         }
     }
@@ -481,6 +514,10 @@ impl Problem for SeaProblem {
     fn level_of(&self, candidate: usize) -> Option<usize> {
         let has_level = candidates::WITH_A_LEVEL.contains(&self.candidates[candidate].name);
         has_level.then(|| self.candidates.iter().position(|other| other.name == "ballast_offset")).flatten()
+    }
+
+    fn is_level(&self, candidate: usize) -> bool {
+        candidates::LEVELS.contains(&self.candidates[candidate].name)
     }
 
     fn part_unexplained(&self) -> f64 {
@@ -531,12 +568,25 @@ impl Problem for SeaProblem {
         let mut speed_row = n_w;
         let vehicle = Vehicle::new(&parameters, &self.directions);
         let past = self.past.effects(&self.bins, &parameters);
+        let share = self.inertia_share(point);
+        let at_rest = share.map(|_| self.parts.inside_without_inertia(&parameters, &self.bins));
+        // What the whole of the inertia changes in each row.
+        let mut by_inertia = DVector::zeros(n);
         let mut modelled_sink_m_s = Vec::with_capacity(n_w);
         for (row, (bin, inside)) in self.bins.iter().zip(&inside).enumerate() {
-            let (sink, speed) = match &past {
-                None => vehicle.fly(bin, inside),
-                Some(effects) => fly_with(&parameters, &vehicle, bin, inside, &effects[row]),
-            };
+            let effect = past.as_ref().map(|effects| &effects[row]);
+            let (bin_then, inside_then, reading) = with_past(&parameters, bin, inside, effect);
+            let (mut sink, mut speed) = vehicle.fly(&bin_then, &inside_then);
+            sink.scale(reading);
+            let mut inertia = [0.0; 2];
+            if let (Some(share), Some(at_rest)) = (share, &at_rest) {
+                let (bin_then, inside_then, _) = with_past(&parameters, bin, &at_rest[row], effect);
+                let [sink_at_rest, speed_at_rest] = vehicle.fly_plainly(&bin_then, &inside_then);
+                inertia = [sink.value - reading * sink_at_rest, speed.value - speed_at_rest];
+                sink.value += (share - 1.0) * inertia[0];
+                speed.value += (share - 1.0) * inertia[1];
+            }
+            by_inertia[row] = inertia[0];
             modelled_sink_m_s.push(sink.value);
             residual[row] = bin.mean.sink_m_s - sink.value;
             slopes.row_mut(row).copy_from_slice(&sink.slopes);
@@ -544,11 +594,17 @@ impl Problem for SeaProblem {
                 residual[speed_row] = bin.mean.speed_m_s - parameters.speed_scale * speed.value;
                 slopes.row_mut(speed_row).copy_from_slice(&speed.slopes);
                 slopes.row_mut(speed_row).scale_mut(parameters.speed_scale);
+                by_inertia[speed_row] = parameters.speed_scale * inertia[1];
                 speed_row += 1;
             }
         }
 
-        let nb = self.baseline.len();
+        let nb = self.baseline_index.len();
+        let mut baseline = slopes.columns(0, nb).into_owned();
+        if share.is_some() {
+            baseline = baseline.insert_column(nb, 0.0);
+            baseline.set_column(nb, &by_inertia);
+        }
         let bin_of = |row: usize| if row < n_w { row } else { self.with_speed[row - n_w] };
         let candidates = self
             .shapes
@@ -592,7 +648,7 @@ impl Problem for SeaProblem {
             leg: row_bins.iter().map(|bin| if bin.mean.descends() { 1.0 } else { -1.0 }).collect(),
             place: covariates::places(&row_bins),
             residual,
-            baseline: slopes.columns(0, nb).into_owned(),
+            baseline,
             prior: self.prior(point),
             candidates,
             shared,

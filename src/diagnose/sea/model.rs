@@ -46,6 +46,8 @@ pub struct Sloped {
 /// The vehicle at one point of a fit, before and after the jump of its drag.
 pub struct Vehicle {
     passes: Vec<Pass>,
+    /// Without slopes, before and after the jump.
+    plain: [SteadyGlider<f64>; 2],
     n_directions: usize,
     jump_s: f64,
 }
@@ -59,7 +61,15 @@ struct Pass {
 impl Vehicle {
     pub fn new(parameters: &Parameters<f64>, directions: &Directions) -> Self {
         let passes = directions.rows.chunks(DIRECTIONS_OF_A_PASS).map(|rows| Pass::new(parameters, rows)).collect();
-        Vehicle { passes, n_directions: directions.len(), jump_s: parameters.step_time_s }
+        let at = |step_time_s: f64| SteadyGlider::new(Parameters { step_time_s, ..*parameters });
+        let plain = [at(f64::INFINITY), at(f64::NEG_INFINITY)];
+        Vehicle { passes, plain, n_directions: directions.len(), jump_s: parameters.step_time_s }
+    }
+
+    /// Vertical velocity and speed alone, 0 where no glide balances.
+    pub fn fly_plainly(&self, bin: &Bin, inside: &Inside) -> [f64; 2] {
+        let glider = &self.plain[usize::from(bin.mean.time_s >= self.jump_s)];
+        inside.predict(glider, bin, None).map_or([0.0; 2], |read| [read.sink_m_s, read.speed_m_s])
     }
 
     /// Vertical velocity and speed as the instruments would read them. Where no glide balances the glider stands still:
@@ -99,6 +109,12 @@ impl Pass {
 }
 
 impl Sloped {
+    /// The value and its slopes times a factor.
+    pub fn scale(&mut self, factor: f64) {
+        self.value *= factor;
+        self.slopes.iter_mut().for_each(|slope| *slope *= factor);
+    }
+
     /// The value of a pass, its slopes behind those of the passes before.
     fn take(&mut self, value: Dual) {
         self.value = value.re;
