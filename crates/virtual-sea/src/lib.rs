@@ -142,5 +142,5 @@ pub fn generate_observed(options: &Options, mut observe: impl FnMut(&Instant)) -
     });
     let vehicle_toml = believed.to_toml(&format!("glider {seed:03}"));
     let log = instruments.into_log();
-    Sea { log, vehicle_toml, truth: Truth { seed, effects, hull, vehicle, believed, ocean, quality, dives } }
+    Sea { log, vehicle_toml, truth: Truth { seed, effects, hull, vehicle, believed, ocean, quality, dives, lateral } }
 }
