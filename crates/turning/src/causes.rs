@@ -40,6 +40,9 @@ pub const RELEVANT_ROLL_RAD: f64 = 0.044;
 /// control, within five minutes at 0.3 m/s.
 pub const RELEVANT_YAW_RAD_M: f64 = 0.003;
 
+/// Standard error of the roll sensor's zero where turning does not show it \[rad\]: sensors are mounted within about a degree.
+const SENSOR_ZERO_RAD: f64 = 0.0087;
+
 /// Questions that are asked of a log: roll at rest, list, sensor, yaw.
 const QUESTIONS: f64 = 4.0;
 
@@ -319,7 +322,12 @@ impl Terms {
                 "held-out dives are not predicted better with it by a standard error",
             );
         }
-        let estimate = sized.estimate(*term, "rad");
+        let by_scatter = sized.jackknife(rows, |fit| fit.size(*term));
+        let knows_sensor = sized.at(Term::Zero).is_some();
+        let per_rad = if *term == Term::RollMassOffset { fit.value(Term::Gain).abs().max(0.1) } else { 1.0 };
+        let of_sensor = if knows_sensor { 0.0 } else { SENSOR_ZERO_RAD / per_rad };
+        let se = size[1].max(by_scatter).hypot(of_sensor);
+        let estimate = Some(Estimate::student(size[0], se, sized.freedom(), "rad"));
         let parameters = estimate.map(|estimate| (parameter(*term).to_owned(), estimate)).into_iter().collect();
         let terms = self.with(&[*term]);
         found.causes.push(LateralCause {
@@ -374,7 +382,8 @@ impl Terms {
         let Some(held_out) = HeldOut::new(rows, TURN_RATE, &without, &self.all()) else { return };
         let [before, after] = held_out.rms();
         let gain = held_out.reduction_percent();
-        if gain.value <= gain.se {
+        // The noise of turn rates differs from dive to dive: each dive has one vote.
+        if !held_out.gains_by_dives() {
             return reject(
                 found,
                 Some(p_value),
@@ -584,6 +593,19 @@ impl Fit {
         (!places.is_empty()).then(|| [value, variance.max(0.0).sqrt()])
     }
 
+    /// Standard error of a size by leaving out one dive at a time.
+    fn jackknife(&self, rows: &[Row], of: impl Fn(&Fit) -> Option<[f64; 2]>) -> f64 {
+        let without = |dive: u32| {
+            let kept: Vec<Row> = rows.iter().filter(|row| row.stretch.dive != dive).copied().collect();
+            Fit::new(&kept, &self.terms, None).as_ref().and_then(&of).map(|[value, _]| value)
+        };
+        let parts: Vec<f64> = dives(rows).into_iter().filter_map(without).collect();
+        let n = parts.len() as f64;
+        let mean = parts.iter().sum::<f64>() / n;
+        let se = ((n - 1.0) / n * parts.iter().map(|part| (part - mean).powi(2)).sum::<f64>()).sqrt();
+        if se.is_finite() { se } else { 0.0 }
+    }
+
     fn freedom(&self) -> f64 {
         self.by_dive.len() as f64 - 1.0
     }
@@ -674,6 +696,13 @@ impl HeldOut {
 
     fn rms(&self) -> [f64; 2] {
         [0, 1].map(|k| (self.by_dive.iter().map(|dive| dive[k]).sum::<f64>() / self.rows as f64).sqrt())
+    }
+
+    /// Whether the relative gain exceeds zero by a standard error, each dive being one.
+    fn gains_by_dives(&self) -> bool {
+        let gains: Vec<f64> = self.by_dive.iter().map(|dive| 0.5 * (dive[0] / dive[1]).ln()).collect();
+        let n = gains.len() as f64;
+        gains.iter().sum::<f64>() / n > sd(&gains) / n.sqrt()
     }
 
     /// By how many per cent the error falls, with a 95 % interval by leaving out one dive at a time.

@@ -72,7 +72,7 @@ struct SimulatedGlider<'a> {
     rudder_rad: f64,
     heading_rad: f64,
     dive: u32,
-    lateral: Option<(Lateral, crate::random::Stream)>,
+    lateral: Option<Lateral>,
 }
 
 impl<'a> SimulatedGlider<'a> {
@@ -83,10 +83,8 @@ impl<'a> SimulatedGlider<'a> {
         let imposed = Imposed::default();
         let inertia = Inertia::new(voyage.vehicle, voyage.vehicle.mass_kg);
         let state = inertia.state((0.0, HULL_RADIUS_M, 0.0), (0.0, 0.0, 0.0), &imposed);
-        let lateral = voyage.lateral.map(|figures| {
-            let mut random = stream(voyage.seed, Part::Lateral);
-            (Lateral::afloat(figures, &mut random, STEP_S), random)
-        });
+        let lateral =
+            voyage.lateral.map(|figures| Lateral::afloat(figures, stream(voyage.seed, Part::Lateral), STEP_S));
         Self {
             voyage,
             lateral,
@@ -134,8 +132,8 @@ impl<'a> SimulatedGlider<'a> {
             roll_rad: self.roll_rad,
             heading_rad: self.heading_rad,
             rudder_rad: self.rudder_rad,
-            rudder_reading_rad: self.lateral.as_ref().map_or(self.rudder_rad, |(it, _)| it.rudder_reading_rad()),
-            roll_mass_rad: self.lateral.as_ref().map_or(f64::NAN, |(it, _)| it.roll_mass_rad()),
+            rudder_reading_rad: self.lateral.as_ref().map_or(self.rudder_rad, |it| it.rudder_reading_rad()),
+            roll_mass_rad: self.lateral.as_ref().map_or(f64::NAN, |it| it.roll_mass_rad()),
             engine_cc: self.engine_cc,
             moving_mass_m: self.moving_mass_m,
             pressure_pa,
@@ -205,11 +203,11 @@ impl<'a> SimulatedGlider<'a> {
     }
 
     fn steer(&mut self, now: &Instant, orders: &Orders) {
-        if let Some((lateral, random)) = &mut self.lateral {
+        if let Some(lateral) = &mut self.lateral {
             let Voyage { hidden, vehicle, .. } = *self.voyage;
             let wander_rad = self.rudder_wander.next(&mut self.random);
             (self.roll_rad, self.rudder_rad, self.heading_rad) =
-                lateral.step(hidden, vehicle, now, orders, wander_rad, random, STEP_S);
+                lateral.step(hidden, vehicle, now, orders, wander_rad, STEP_S);
             return;
         }
         let rudder_goal = orders.rudder_rad + self.rudder_wander.next(&mut self.random);

@@ -117,7 +117,7 @@ struct State {
 }
 
 /// The lateral motion of one flight.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Lateral {
     figures: LateralFigures,
     state: State,
@@ -126,6 +126,7 @@ pub struct Lateral {
     turns_to: f64,
     gust: Wander,
     eddy: Wander,
+    random: Stream,
 }
 
 /// What is given over one step.
@@ -148,15 +149,16 @@ struct Given<'a> {
 
 impl Lateral {
     /// Level, at rest, controls in the middle.
-    pub fn afloat(figures: LateralFigures, random: &mut Stream, step_s: f64) -> Self {
+    pub fn afloat(figures: LateralFigures, mut random: Stream, step_s: f64) -> Self {
         Self {
             figures,
             state: State::default(),
             rudder_rad: 0.0,
             roll_mass_rad: 0.0,
             turns_to: 0.0,
-            gust: Wander::new(random, 0.004, 40.0, step_s),
-            eddy: Wander::new(random, 0.0015, 60.0, step_s),
+            gust: Wander::new(&mut random, 0.004, 40.0, step_s),
+            eddy: Wander::new(&mut random, 0.0015, 60.0, step_s),
+            random,
         }
     }
 
@@ -178,7 +180,6 @@ impl Lateral {
         now: &Instant,
         orders: &Orders,
         rudder_wander_rad: f64,
-        random: &mut Stream,
         step_s: f64,
     ) -> (f64, f64, f64) {
         self.control(orders, now.pitch_rad, rudder_wander_rad, step_s);
@@ -201,8 +202,8 @@ impl Lateral {
             below_kg_m: below + rolling * (true_roll_mass.cos() - 1.0),
             rudder_rad,
             pod_m3: hidden.pod_m3,
-            gust_m_s: self.gust.next(random),
-            eddy: self.eddy.next(random),
+            gust_m_s: self.gust.next(&mut self.random),
+            eddy: self.eddy.next(&mut self.random),
         };
         let sub_s = step_s / f64::from(SUBSTEPS);
         let mut state = State { turned_rad: 0.0, ..self.state };
