@@ -34,4 +34,5 @@ pub use glidepolar_number::Number;
 pub use glidepolar_report as report;
 pub use glidepolar_report::output;
 pub use glidepolar_spatial as spatial;
+pub use glidepolar_turning as turning;
 pub use glidepolar_vehicle as vehicle;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::diagnose_words::{checked, left_over, less, size, table_without_cause, verdict, words};
+use super::diagnose_words::{checked, left_over, less, shown_in, size, table_without_cause, verdict, words};
 use super::identify::TrimChoice;
 use super::reading::Reading;
 use super::{CliError, Output, diagnose_page, housekeeping, log_vehicle, print_notes, vehicle_input, warn};
@@ -127,13 +127,14 @@ fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
     }
     println!("WRONG");
     for wrong in &found.wrong {
+        let (factor, unit) = shown_in(&wrong.quantity);
         println!(
-            "  {} depends on {} by {:.2} mm/s rms: misfit {:.2} mm/s, the measurement explains {:.2} mm/s ({})",
+            "  {} depends on {} by {:.2} {unit} rms: misfit {:.2} {unit}, the measurement explains {:.2} {unit} ({})",
             words(&wrong.quantity),
             wrong.regime,
-            wrong.size * 1e3,
-            wrong.rms * 1e3,
-            wrong.expected_rms * 1e3,
+            wrong.size * factor,
+            wrong.rms * factor,
+            wrong.expected_rms * factor,
             crate::report::probability(wrong.p_value)
         );
     }
@@ -151,11 +152,12 @@ fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
     for cause in &found.causes {
         let sizes: Vec<String> = cause.parameters.iter().map(|(name, estimate)| size(name, estimate)).collect();
         let sizes = if sizes.is_empty() { "exact".to_owned() } else { sizes.join(", ") };
+        let (factor, unit) = shown_in(&cause.quantity);
         println!(
-            "  {}: {sizes}; held-out rms {:.2} -> {:.2} mm/s",
+            "  {}: {sizes}; held-out rms {:.2} -> {:.2} {unit}",
             words(&cause.cause),
-            cause.holdout_rms_before * 1e3,
-            cause.holdout_rms_after * 1e3
+            cause.holdout_rms_before * factor,
+            cause.holdout_rms_after * factor
         );
         if !cause.indistinguishable_from.is_empty() {
             let alike: Vec<String> = cause.indistinguishable_from.iter().map(|name| words(name)).collect();
@@ -184,11 +186,12 @@ fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
     }
     println!("GAIN on data held out of the fit");
     for gain in &found.gains {
+        let (factor, unit) = shown_in(&gain.quantity);
         println!(
-            "  {}: {:.2} -> {:.2} mm/s, {} (95 %: {:.0} to {:.0} % less)",
+            "  {}: {:.2} -> {:.2} {unit}, {} (95 %: {:.0} to {:.0} % less)",
             words(&gain.quantity),
-            gain.holdout_rms_before * 1e3,
-            gain.holdout_rms_after * 1e3,
+            gain.holdout_rms_before * factor,
+            gain.holdout_rms_after * factor,
             less(gain.reduction_percent),
             gain.ci95[0],
             gain.ci95[1]

@@ -1,6 +1,6 @@
 //! A diagnosis as a page: for each of the four answers one figure and one sentence.
 
-use super::diagnose_words::{checked, left_over, less, size, table_without_cause, unit, verdict, words};
+use super::diagnose_words::{checked, left_over, less, shown_in, size, table_without_cause, unit, verdict, words};
 use crate::diagnose::sea::SeaDiagnosis;
 use crate::diagnose::{Checked, Diagnosis};
 use crate::report::{Axis, Cell, Figure, Layer, Panel, Report, Section, Table, probability, with_interval};
@@ -60,11 +60,12 @@ fn wrong(found: &Diagnosis) -> String {
         }
     }
     let others = if others.is_empty() { String::new() } else { format!(", and on {}", others.join(", ")) };
+    let (factor, unit) = shown_in(&worst.quantity);
     format!(
-        "The baseline misses the {} by {:.1} mm/s rms where measurement and moving water explain {:.1} mm/s; the misfit depends on {} ({}){others}.",
+        "The baseline misses the {} by {:.1} {unit} rms where measurement and moving water explain {:.1} {unit}; the misfit depends on {} ({}){others}.",
         words(&worst.quantity),
-        worst.rms * 1e3,
-        worst.expected_rms * 1e3,
+        worst.rms * factor,
+        worst.expected_rms * factor,
         worst.regime,
         probability(worst.p_value)
     )
@@ -143,11 +144,12 @@ fn gain(found: &Diagnosis) -> String {
         .gains
         .iter()
         .map(|gain| {
+            let (factor, unit) = shown_in(&gain.quantity);
             format!(
-                "of the {} from {:.1} to {:.1} mm/s, {} (95 %: {:.0} to {:.0} % less)",
+                "of the {} from {:.1} to {:.1} {unit}, {} (95 %: {:.0} to {:.0} % less)",
                 words(&gain.quantity),
-                gain.holdout_rms_before * 1e3,
-                gain.holdout_rms_after * 1e3,
+                gain.holdout_rms_before * factor,
+                gain.holdout_rms_after * factor,
                 less(gain.reduction_percent),
                 gain.ci95[0],
                 gain.ci95[1]
@@ -277,12 +279,14 @@ fn causes(found: &Diagnosis) -> Table {
 
 fn gains(found: &Diagnosis) -> Table {
     let mut table =
-        Table::new("Root mean square on held-out glides.", ["Quantity", "Before [mm/s]", "After [mm/s]", "Less [%]"]);
+        Table::new("Root mean square on held-out glides.", ["Quantity", "Unit", "Before", "After", "Less [%]"]);
     for gain in &found.gains {
+        let (factor, unit) = shown_in(&gain.quantity);
         table = table.row([
             Cell::Text(words(&gain.quantity)),
-            Cell::number(gain.holdout_rms_before * 1e3, 3),
-            Cell::number(gain.holdout_rms_after * 1e3, 3),
+            Cell::Text(unit.to_owned()),
+            Cell::number(gain.holdout_rms_before * factor, 3),
+            Cell::number(gain.holdout_rms_after * factor, 3),
             Cell::WithInterval { value: gain.reduction_percent, low: gain.ci95[0], high: gain.ci95[1] },
         ]);
     }

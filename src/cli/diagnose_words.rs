@@ -32,6 +32,15 @@ pub(super) fn left_over(left: &Left) -> String {
     )
 }
 
+/// Factor and unit in which a quantity is shown.
+pub(super) fn shown_in(quantity: &str) -> (f64, &'static str) {
+    match quantity {
+        "turn_rate" => (1f64.to_degrees(), "deg/s"),
+        "roll" => (1f64.to_degrees(), "deg"),
+        _ => (1e3, "mm/s"),
+    }
+}
+
 /// By how much an error became less, or more.
 pub(super) fn less(percent: f64) -> String {
     format!("{:.0} % {}", percent.abs(), if percent < 0.0 { "more" } else { "less" })

@@ -32,8 +32,8 @@ const ALWAYS_NAMED: &[&str] = &[
 /// Every mechanism that has a size, and the density at p = 0: the rows of the table.
 fn catalogued() -> Vec<&'static str> {
     let has_size = |mechanism: &&glidepolar::mechanisms::Mechanism| !mechanism.parameters.is_empty();
-    let sized = glidepolar::mechanisms::AT_SEA.iter().filter(has_size).map(|mechanism| mechanism.name);
-    sized.chain(["density_at_zero_pressure"]).collect()
+    let all = glidepolar::mechanisms::AT_SEA.iter().chain(glidepolar::mechanisms::LATERAL);
+    all.filter(has_size).map(|mechanism| mechanism.name).chain(["density_at_zero_pressure"]).collect()
 }
 
 #[test]

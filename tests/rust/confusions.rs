@@ -48,8 +48,8 @@ const PAIRS: [&str; 3] =
 /// Every mechanism that has a size, and the density at p = 0.
 fn catalogued() -> Vec<&'static str> {
     let has_size = |mechanism: &&glidepolar::mechanisms::Mechanism| !mechanism.parameters.is_empty();
-    let sized = glidepolar::mechanisms::AT_SEA.iter().filter(has_size).map(|mechanism| mechanism.name);
-    sized.chain(["density_at_zero_pressure"]).collect()
+    let all = glidepolar::mechanisms::AT_SEA.iter().chain(glidepolar::mechanisms::LATERAL);
+    all.filter(has_size).map(|mechanism| mechanism.name).chain(["density_at_zero_pressure"]).collect()
 }
 
 fn outside() -> Vec<&'static str> {

@@ -11,6 +11,8 @@
 
 #![allow(non_snake_case, reason = "units stand in names as they are written: N, Pa, C, J")]
 
+pub mod causes;
+
 use std::collections::BTreeSet;
 
 use nalgebra::{DMatrix, DVector};
@@ -165,6 +167,9 @@ pub fn turning(observations: &[Observation]) -> Option<Turning> {
 struct Stretch {
     dive: u32,
     descends: bool,
+    pitch_rad: f64,
+    /// By depth rate and pitch.
+    speed_m_s: f64,
     pressure_dbar: f64,
     rate_rad_s: f64,
     roll_rad: f64,
@@ -242,6 +247,8 @@ fn close(run: &mut Vec<&Observation>, found: &mut Vec<Stretch>) {
     found.push(Stretch {
         dive: first.dive,
         descends: mean(|o| o.pitch_rad) < 0.0,
+        pitch_rad: mean(|o| o.pitch_rad),
+        speed_m_s: (mean(|o| o.sink_m_s) / mean(|o| o.pitch_rad).sin()).abs(),
         pressure_dbar: mean(|o| o.pressure_dbar),
         rate_rad_s: upper / lower,
         roll_rad: mean(|o| o.roll_rad),

@@ -32,6 +32,15 @@ pub enum Signs {
     Either,
 }
 
+/// How a glider is steered on which an effect shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Turns {
+    /// By its battery.
+    ByRollMass,
+    /// By its rudder.
+    ByRudder,
+}
+
 /// One effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effect {
@@ -50,6 +59,16 @@ pub struct Effect {
 }
 
 impl Effect {
+    /// Whether it needs equations of motion for roll, sideslip and yaw, and what then turns the glider: a roll mass or
+    /// rudder.
+    pub fn turns(&self) -> Option<Turns> {
+        match self.name {
+            "static_list" | "roll_mass_offset" | "yaw_asymmetry" | "roll_offset" => Some(Turns::ByRollMass),
+            "rudder_offset" => Some(Turns::ByRudder),
+            _ => None,
+        }
+    }
+
     /// Whether the diagnosis has a name for it.
     pub fn is_catalogued(&self) -> bool {
         !self.name.starts_with("uncatalogued-")
@@ -178,6 +197,15 @@ pub const TABLE: &[Effect] = &[
     effect!("uncatalogued-warm-pitch", "pitch_rad_per_K", Zero, Either, 0.0007..0.0021,
         "pitch read = true + this x (T' - 10 degrees C), T' the water's temperature 1800 s late"),
     effect!("speed_scale", "speed_scale", One, Either, 0.03..0.09, "speed read = this x true speed"),
+    // Effects that turn the glider; with one of them roll, sideslip and yaw follow from equations of motion.
+    effect!("static_list", "static_list_rad", Zero, Either, 0.07..0.12,
+        "roll at rest with the roll mass at 0, + = starboard down: the centre of gravity is off the plane of symmetry"),
+    effect!("rudder_offset", "rudder_offset_rad", Zero, Either, 0.045..0.08, "true rudder angle = angle read + this"),
+    effect!("roll_mass_offset", "roll_mass_offset_rad", Zero, Either, 0.15..0.25,
+        "true angle of the roll mass = angle read + this"),
+    effect!("yaw_asymmetry", "yaw_asymmetry_m3", Zero, Either, 4e-4..9e-4,
+        "a pod on one side: yawing moment = dynamic pressure x this, + = on the starboard side; drag area = |this| / 0.15 m"),
+    effect!("roll_offset", "roll_offset_rad", Zero, Either, 0.06..0.10, "roll read = true roll + this"),
 ];
 
 /// An effect that someone asked for.

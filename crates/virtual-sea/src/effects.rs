@@ -109,6 +109,7 @@ impl Hidden {
         let patch = 1.0 + self.patch_drag * (flow.time_s / self.regrowth_s).fract();
         let plain = vehicle.b * reynolds + vehicle.c_per_rad2 * flow.angle_rad * flow.angle_rad;
         plain * growth * step * leg * roll * rudder * patch * self.drag_beside(flow)
+            + crate::lateral::pod_drag_m2(self.pod_m3) / vehicle.frontal_area_m2
             + self.friction_n / (flow.dynamic_pressure_pa.max(0.5) * vehicle.frontal_area_m2)
     }
 

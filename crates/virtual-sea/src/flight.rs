@@ -2,6 +2,7 @@
 
 use crate::effects::{Flow, Hidden, Memory};
 pub use crate::hidden::Instant;
+use crate::lateral::{Lateral, LateralFigures};
 use crate::motion::{Imposed, Inertia, Load, Motion, State};
 use crate::ocean::{Ocean, Wander};
 use crate::pilot::{Leg, Orders, Pilot, Readings};
@@ -36,6 +37,8 @@ pub struct Voyage<'a> {
     pub duration_s: f64,
     /// Seed of the unsteady water met on the way.
     pub seed: u64,
+    /// Lateral figures, where roll and yaw follow from equations of motion; otherwise they follow the orders.
+    pub lateral: Option<LateralFigures>,
 }
 
 /// Flies a voyage and shows every step to `observe`.
@@ -69,6 +72,7 @@ struct SimulatedGlider<'a> {
     rudder_rad: f64,
     heading_rad: f64,
     dive: u32,
+    lateral: Option<Lateral>,
 }
 
 impl<'a> SimulatedGlider<'a> {
@@ -79,8 +83,11 @@ impl<'a> SimulatedGlider<'a> {
         let imposed = Imposed::default();
         let inertia = Inertia::new(voyage.vehicle, voyage.vehicle.mass_kg);
         let state = inertia.state((0.0, HULL_RADIUS_M, 0.0), (0.0, 0.0, 0.0), &imposed);
+        let lateral =
+            voyage.lateral.map(|figures| Lateral::afloat(figures, stream(voyage.seed, Part::Lateral), STEP_S));
         Self {
             voyage,
+            lateral,
             pilot: Pilot::new(voyage.believed, voyage.ocean, voyage.legs),
             state,
             imposed,
@@ -125,6 +132,8 @@ impl<'a> SimulatedGlider<'a> {
             roll_rad: self.roll_rad,
             heading_rad: self.heading_rad,
             rudder_rad: self.rudder_rad,
+            rudder_reading_rad: self.lateral.as_ref().map_or(self.rudder_rad, |it| it.rudder_reading_rad()),
+            roll_mass_rad: self.lateral.as_ref().map_or(f64::NAN, |it| it.roll_mass_rad()),
             engine_cc: self.engine_cc,
             moving_mass_m: self.moving_mass_m,
             pressure_pa,
@@ -194,6 +203,13 @@ impl<'a> SimulatedGlider<'a> {
     }
 
     fn steer(&mut self, now: &Instant, orders: &Orders) {
+        if let Some(lateral) = &mut self.lateral {
+            let Voyage { hidden, vehicle, .. } = *self.voyage;
+            let wander_rad = self.rudder_wander.next(&mut self.random);
+            (self.roll_rad, self.rudder_rad, self.heading_rad) =
+                lateral.step(hidden, vehicle, now, orders, wander_rad, STEP_S);
+            return;
+        }
         let rudder_goal = orders.rudder_rad + self.rudder_wander.next(&mut self.random);
         let roll_goal = self.list_rad + orders.roll_rad + self.roll_wander.next(&mut self.random);
         self.rudder_rad += (rudder_goal - self.rudder_rad) * STEP_S / 3.0;

@@ -101,6 +101,11 @@ hidden! {
     speed_lag_s = "speed_lag_s", |_| 0.0;
     speed_scale = "speed_scale", |_| 1.0;
     pitch_rad_per_k = "pitch_rad_per_K", |_| 0.0;
+    static_list_rad = "static_list_rad", |_| 0.0;
+    rudder_offset_rad = "rudder_offset_rad", |_| 0.0;
+    roll_mass_offset_rad = "roll_mass_offset_rad", |_| 0.0;
+    roll_offset_rad = "roll_offset_rad", |_| 0.0;
+    pod_m3 = "yaw_asymmetry_m3", |_| 0.0;
 }
 
 /// How the glider meets the water, as far as drag and lift depend on it.
@@ -165,6 +170,10 @@ pub struct Instant {
     pub heading_rad: f64,
     /// Rudder, rad.
     pub rudder_rad: f64,
+    /// Reading of the rudder, rad.
+    pub rudder_reading_rad: f64,
+    /// Reading of the roll mass, rad; missing where there is none.
+    pub roll_mass_rad: f64,
     /// Count of the buoyancy engine, cc; times a hidden scale it is the true ballast volume.
     pub engine_cc: f64,
     /// Reading of the moving mass, m.

@@ -14,13 +14,15 @@
 //!
 //! What each effect is, exactly, stands in one table: [`catalogue::TABLE`]. What is always there, hidden effect or not:
 //! internal waves of 10 min to 6 h that heave the stratification with them, shear, turbulence, unsteady flight with
-//! added mass, lift that leans in a bank, measurement noise, slow wander of the pitch sensor, gaps. Not there: waves at
-//! the surface, hull temperature lagging the water's, thermal lag of the conductivity cell, lateral motion.
+//! added mass, lift that leans in a bank, measurement noise, slow wander of the pitch sensor, gaps. Roll, sideslip and yaw follow
+//! from equations of motion where an effect turns the glider, or [`Options::lateral`] asks for them. Not there: waves at the
+//! surface, hull temperature lagging the water's, thermal lag of the conductivity cell.
 
 pub mod catalogue;
 pub mod effects;
 pub mod flight;
 pub mod hidden;
+pub mod lateral;
 pub mod log;
 pub mod motion;
 pub mod ocean;
@@ -33,9 +35,10 @@ pub mod truth;
 pub mod vehicle;
 pub mod worlds;
 
-use catalogue::Request;
+use catalogue::{Request, Turns};
 use effects::Hidden;
 use flight::{Instant, Voyage};
+use lateral::LateralFigures;
 use log::Log;
 use ocean::{Ocean, Weather};
 use random::{Part, chance, stream};
@@ -62,6 +65,8 @@ pub struct Options {
     pub weather: Weather,
     /// The instruments; drawn where absent.
     pub quality: Option<Quality>,
+    /// Whether roll, sideslip and yaw follow from equations of motion; so it is where an effect needs them.
+    pub lateral: bool,
 }
 
 impl Options {
@@ -76,6 +81,7 @@ impl Options {
             hull: None,
             weather: Weather::default(),
             quality: None,
+            lateral: false,
         }
     }
 }
@@ -102,11 +108,17 @@ pub fn generate_observed(options: &Options, mut observe: impl FnMut(&Instant)) -
     let ocean = Ocean::draw(&mut stream(seed, Part::Ocean), options.weather);
     let random = &mut stream(seed, Part::Vehicle);
     let drawn_hull = if chance(random, 0.5) { Hull::Slocum200 } else { Hull::SlocumDeep };
+    let turns = options.effects.iter().find_map(|request| request.effect.turns());
+    // Of the gliders drawn here the Seaglider alone is steered by a roll mass.
+    let drawn_hull = if turns == Some(Turns::ByRollMass) { Hull::Seaglider } else { drawn_hull };
     let hull = options.hull.unwrap_or(drawn_hull);
     let vehicle = hull.draw(random, &ocean);
     let believed = vehicle.believed(random);
     let effects = catalogue::draw(&options.effects, &vehicle, seed, options.hours);
-    let hidden = Hidden::new(&effects, &vehicle);
+    let mut hidden = Hidden::new(&effects, &vehicle);
+    let lateral = (options.lateral || turns.is_some())
+        .then(|| LateralFigures::draw(&mut stream(seed, Part::LateralFigures), hull));
+    hidden.roll_offset_rad += lateral.map_or(0.0, |figures| figures.roll_zero_rad);
     let legs = pilot::plan(&vehicle, &ocean, &mut stream(seed, Part::Mission), options.hours, options.dives.max(1));
 
     let mut random = stream(seed, Part::Sensors);
@@ -121,6 +133,7 @@ pub fn generate_observed(options: &Options, mut observe: impl FnMut(&Instant)) -
         legs: &legs,
         duration_s: options.hours * 3600.0,
         seed,
+        lateral,
     };
     flight::fly(&voyage, |now| {
         instruments.see(now);
@@ -129,5 +142,5 @@ pub fn generate_observed(options: &Options, mut observe: impl FnMut(&Instant)) -
     });
     let vehicle_toml = believed.to_toml(&format!("glider {seed:03}"));
     let log = instruments.into_log();
-    Sea { log, vehicle_toml, truth: Truth { seed, effects, hull, vehicle, believed, ocean, quality, dives } }
+    Sea { log, vehicle_toml, truth: Truth { seed, effects, hull, vehicle, believed, ocean, quality, dives, lateral } }
 }

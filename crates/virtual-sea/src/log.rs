@@ -19,6 +19,8 @@ pub struct Log {
     pub heading_rad: Vec<f64>,
     /// Rudder, rad.
     pub fin_rad: Vec<f64>,
+    /// Angle of the roll mass, rad, where the glider has one.
+    pub roll_mass_rad: Option<Vec<f64>>,
     /// Ballast volume, cc, + = more buoyant.
     pub vbd_cc: Vec<f64>,
     /// Moving mass forward of the centre of buoyancy, m.
@@ -61,6 +63,9 @@ impl Log {
             ("salinity_psu", &self.salinity_psu, 4),
             ("density_kg_m3", &self.density_kg_m3, 4),
         ];
+        if let Some(roll_mass) = &self.roll_mass_rad {
+            columns.push(("roll_mass_rad", roll_mass, 4));
+        }
         if let Some(speed) = &self.speed_through_water_m_s {
             columns.push(("speed_through_water_m_s", speed, 4));
         }

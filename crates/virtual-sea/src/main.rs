@@ -36,6 +36,9 @@ struct Arguments {
     /// Draw everything from the seed that a stranger's log may differ in: motion, water, glider, legs, instruments, duration
     #[arg(long, conflicts_with_all = ["hull", "shelf", "hours", "dives"])]
     world: bool,
+    /// Roll, sideslip and yaw follow from equations of motion, as they do where an effect turns the glider
+    #[arg(long, conflicts_with = "world")]
+    lateral: bool,
     /// Folder for the files
     #[arg(long, required_unless_present = "list")]
     out: Option<PathBuf>,
@@ -92,6 +95,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
             HullName::Seaglider => Hull::Seaglider,
         }),
         weather: Weather { shelf: arguments.shelf, ..Weather::default() },
+        lateral: arguments.lateral,
         ..Options::seeded(arguments.seed)
     };
     let sea = generate(&options);

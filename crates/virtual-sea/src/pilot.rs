@@ -133,6 +133,10 @@ pub struct Orders {
     pub rudder_rad: f64,
     /// Bank, rad.
     pub roll_rad: f64,
+    /// Course less heading, the shorter way, rad.
+    pub off_course_rad: f64,
+    /// Rudder and bank of a turn that the leg prescribes, rad; none while it is on course.
+    pub turn: Option<[f64; 2]>,
     /// Number of the dive.
     pub dive: u32,
 }
@@ -192,6 +196,8 @@ impl<'a> Pilot<'a> {
                 moving_mass_m: 0.0,
                 rudder_rad: 0.0,
                 roll_rad: 0.0,
+                off_course_rad: 0.0,
+                turn: None,
                 dive: self.legs[next.saturating_sub(1)].dive,
             },
             Place::On(number) => self.fly(read, &self.legs[number]),
@@ -246,13 +252,11 @@ impl<'a> Pilot<'a> {
             (true, false) => self.vehicle.ballast_min_cc,
         };
         let turn = leg.turn.filter(|turn| (turn.starts_s..turn.starts_s + turn.lasts_s).contains(&gone_s));
-        let (rudder_rad, roll_rad) = match turn {
-            Some(turn) => (turn.rudder_rad, turn.roll_rad),
-            None => {
-                let off_course = (leg.heading_rad - read.heading_rad + PI).rem_euclid(TAU) - PI;
-                ((0.4 * off_course).clamp(-RUDDER_LIMIT_RAD, RUDDER_LIMIT_RAD), 0.0)
-            }
-        };
-        Orders { ballast_cc, moving_mass_m: self.moving_mass_m, rudder_rad, roll_rad, dive: leg.dive }
+        let off_course_rad = (leg.heading_rad - read.heading_rad + PI).rem_euclid(TAU) - PI;
+        let turn = turn.map(|turn| [turn.rudder_rad, turn.roll_rad]);
+        let on_course = || [(0.4 * off_course_rad).clamp(-RUDDER_LIMIT_RAD, RUDDER_LIMIT_RAD), 0.0];
+        let [rudder_rad, roll_rad] = turn.unwrap_or_else(on_course);
+        let moving_mass_m = self.moving_mass_m;
+        Orders { ballast_cc, moving_mass_m, rudder_rad, roll_rad, off_course_rad, turn, dive: leg.dive }
     }
 }

@@ -20,6 +20,10 @@ pub enum Part {
     Path,
     /// Measurement noise and sampling.
     Sensors,
+    /// Lateral figures of the vehicle.
+    LateralFigures,
+    /// What disturbs its heading.
+    Lateral,
     /// Size of the effect with this place in the table.
     Effect(usize),
 }
@@ -32,6 +36,8 @@ pub fn stream(seed: u64, part: Part) -> Stream {
         Part::Mission => 3,
         Part::Path => 4,
         Part::Sensors => 5,
+        Part::LateralFigures => 6,
+        Part::Lateral => 7,
         Part::Effect(place) => 100 + place as u64,
     };
     let mut random = ChaCha8Rng::seed_from_u64(seed);

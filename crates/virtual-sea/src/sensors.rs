@@ -177,9 +177,13 @@ impl<'a> Instruments<'a> {
         log.time_s.push(time_s + late_s);
         log.pressure_dbar.push(pressure);
         log.pitch_rad.push(pitch);
-        log.roll_rad.push(now.roll_rad + noise(quality.attitude_rad));
+        log.roll_rad.push(now.roll_rad + self.hidden.roll_offset_rad + noise(quality.attitude_rad));
         log.heading_rad.push((now.heading_rad + noise(quality.attitude_rad)).rem_euclid(std::f64::consts::TAU));
-        log.fin_rad.push(now.rudder_rad + noise(quality.rudder_rad));
+        log.fin_rad.push(now.rudder_reading_rad + noise(quality.rudder_rad));
+        if now.roll_mass_rad.is_finite() {
+            let reading = now.roll_mass_rad + noise(quality.rudder_rad);
+            log.roll_mass_rad.get_or_insert_default().push(reading);
+        }
         log.vbd_cc.push(to_step(ballast, quality.ballast_step_cc));
         log.battpos_m.push(now.moving_mass_m + noise(quality.moving_mass_m));
         log.temperature_c.push(read.temperature_c);

@@ -1,6 +1,7 @@
 //! What really happened, kept apart from what the analyst is given.
 
 use crate::catalogue::Drawn;
+use crate::lateral::LateralFigures;
 use crate::ocean::Ocean;
 use crate::sensors::Quality;
 use crate::vehicle::{Hull, Vehicle};
@@ -25,6 +26,8 @@ pub struct Truth {
     pub quality: Quality,
     /// Number of dives begun.
     pub dives: u32,
+    /// Lateral figures, where roll and yaw follow from equations of motion.
+    pub lateral: Option<LateralFigures>,
 }
 
 impl Truth {
@@ -63,8 +66,24 @@ impl Truth {
                 "speed_wander_m_s": self.quality.speed_wander_m_s,
             },
             "dives": self.dives,
+            "lateral": self.lateral.as_ref().map(lateral_json),
         })
     }
+}
+
+fn lateral_json(figures: &LateralFigures) -> Value {
+    json!({
+        "CY_beta_per_rad": figures.side_per_rad,
+        "CY_r": figures.side_per_rate,
+        "CN_beta_per_rad": figures.yaw_per_rad,
+        "CN_r": figures.yaw_per_rate,
+        "Cl_p": figures.roll_per_rate,
+        "CY_delta_per_rad": figures.side_per_rudder,
+        "CN_delta_per_rad": figures.yaw_per_rudder,
+        "own_list_rad": figures.own_list_rad,
+        "own_rudder_rad": figures.own_rudder_rad,
+        "roll_zero_rad": figures.roll_zero_rad,
+    })
 }
 
 /// The hidden effects with their parameters and definitions.

@@ -17,6 +17,7 @@ mod jumps;
 mod log_diagnosis;
 mod model;
 mod salinity;
+mod turns;
 mod vehicle_log;
 
 use crate::dynamics::empirical::ActsOn;

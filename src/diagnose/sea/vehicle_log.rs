@@ -75,6 +75,7 @@ pub fn diagnose_vehicle(
     let settings = DiagnosisSettings { lift, relevance: request.relevance.clone(), ..DiagnosisSettings::default() };
     let mut found = diagnose_log(&vehicle.glide_parameters(), trim, observations, settings)?;
     found.outcome.diagnosis.warnings.extend(warnings);
+    super::turns::add(&mut found.outcome.diagnosis, &vehicle, observations);
     Ok((vehicle, found))
 }
 
@@ -112,6 +113,7 @@ pub fn extended(vehicle: &Vehicle, found: &SeaDiagnosis) -> Result<Vehicle, Inpu
             }
         }
     }
+    super::turns::extend(&mut vehicle, &found.outcome.diagnosis.causes)?;
     for (name, value) in super::empirical::rows(&found.problem.parameters) {
         vehicle.set(&format!("mechanisms.{name}"), value)?;
     }

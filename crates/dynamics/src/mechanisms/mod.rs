@@ -345,9 +345,59 @@ pub const AT_SEA: &[Mechanism] = &[
     ),
 ];
 
+/// The mechanisms that turn or lean a glider. Their parameters are figures of the vehicle file's tables for three dimensions, no
+/// rows of [`PARAMETERS`](crate::PARAMETERS): the vertical plane knows none of them, and the turn rate and the roll show them.
+pub const LATERAL: &[Mechanism] = &[
+    mechanism!(
+        "static_list",
+        Motion,
+        ["static_list_rad"],
+        0.1,
+        "The centre of gravity is off the plane of symmetry: the glider leans, slips and turns",
+        "Zhang et al. 2013",
+        "roll; turn rate opposite on the two legs"
+    ),
+    mechanism!(
+        "rudder_offset",
+        Motion,
+        ["rudder_offset_rad"],
+        0.1,
+        "The rudder stands at another angle than it reads",
+        "zero of the rudder's sensor, a bent rudder",
+        "turn rate alike on the two legs; the rudder that holds a course"
+    ),
+    mechanism!(
+        "roll_mass_offset",
+        Motion,
+        ["roll_mass_offset_rad"],
+        0.3,
+        "The roll mass stands at another angle than it reads",
+        "roll centres of the Seaglider basestation",
+        "roll; a list but for large angles of the roll mass"
+    ),
+    mechanism!(
+        "yaw_asymmetry",
+        Motion,
+        ["yaw_asymmetry_rad_per_m"],
+        0.03,
+        "Drag on one side, as of a pod, turns the glider",
+        "tank tests of a glider with a CTD on its side",
+        "turn rate alike on the two legs"
+    ),
+    mechanism!(
+        "roll_offset",
+        Instruments,
+        ["roll_offset_rad"],
+        0.05,
+        "The attitude sensor is mounted askew in roll",
+        "mounting of the attitude sensor",
+        "roll that turns nothing"
+    ),
+];
+
 /// The mechanism of this name.
 pub fn at_sea(name: &str) -> Option<&'static Mechanism> {
-    AT_SEA.iter().find(|mechanism| mechanism.name == name)
+    AT_SEA.iter().chain(LATERAL).find(|mechanism| mechanism.name == name)
 }
 
 /// Whether a vehicle file may have this parameter among its mechanisms: one of a mechanism, or of the empirical table.

@@ -472,6 +472,8 @@ pub fn fly(voyage: &Voyage, random: &mut Stream, mut observe: impl FnMut(&Instan
                 roll_rad: plan.list_rad,
                 heading_rad,
                 rudder_rad: 0.0,
+                rudder_reading_rad: 0.0,
+                roll_mass_rad: f64::NAN,
                 engine_cc: ballast_cc,
                 moving_mass_m: 0.0,
                 pressure_pa,
