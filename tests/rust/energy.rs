@@ -74,10 +74,14 @@ fn flown_by_the_fmu(p: &Parameters<f64>, flight: &Flight, moments: &[Moment]) ->
     let (time, mass) = (column("time"), column("moving_mass_position_m"));
     let begin = moments[0].row;
     let glider = Glider3::of(Model::Plane, Options::default());
-    let parameters: Vec<(&str, f64)> = Parameters::<f64>::NAMES.iter().copied().zip(p.as_array()).collect();
+    let is_published = |name: &str| Model::Plane.table().rows.iter().any(|variable| variable.name == name);
+    let parameters = Parameters::<f64>::NAMES.iter().copied().zip(p.as_array());
+    let parameters: Vec<(&str, f64)> = parameters.filter(|(name, _)| is_published(name)).collect();
     glider.set(&parameters);
     let states = ["depth_m", "pitch_rad", "v1_m_s", "v3_m_s", "ballast_mass_kg", "moving_mass_position_m"];
     glider.set(&states.map(|name| (name, begin[column(name)])));
+    // Afloat, as the mission begins: at depth 0 itself the FMU's glider would come up and pay for it.
+    glider.set(&[("depth_m", -1e-3)]);
     glider.begin(None);
     for leg in &flight.legs {
         // At the end of a leg its commands have long been followed.
