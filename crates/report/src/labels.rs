@@ -37,7 +37,7 @@ pub(super) fn powers(unit: &str) -> String {
         let marked = c == '^';
         let begin = if marked { &rest[1..] } else { rest };
         let after_letter = out.chars().next_back().is_some_and(char::is_alphabetic);
-        let end = begin.find(|c: char| !c.is_ascii_digit() && !(marked && c == '-')).unwrap_or(begin.len());
+        let end = begin.find(|c: char| !(c.is_ascii_digit() || marked && c == '-')).unwrap_or(begin.len());
         let ends_word = begin[end..].chars().next().is_none_or(|c| !c.is_alphanumeric());
         match begin[..end].parse() {
             Ok(power) if marked || (after_letter && ends_word) => {
