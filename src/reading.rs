@@ -134,6 +134,8 @@ fn with_density(
 pub struct PreparedLog {
     /// Samples in the order of time.
     pub observations: Vec<Observation>,
+    /// Samples without density or ballast volume: for turn rates alone.
+    pub turns_only: Vec<Observation>,
     /// How the vertical velocity was measured.
     pub w_filter: String,
     /// What was found in the log and done about it.
@@ -164,6 +166,13 @@ impl PreparedLog {
             None => self.notes.push("g = 9.81 m/s2: the log has no position".to_owned()),
         }
         Ok(here)
+    }
+
+    /// All samples that show how the glider turned, in the order of time.
+    pub fn for_turning(&self) -> Vec<Observation> {
+        let mut all: Vec<Observation> = self.observations.iter().chain(&self.turns_only).copied().collect();
+        all.sort_by(|a, b| (a.stretch, a.leg).cmp(&(b.stretch, b.leg)).then(a.time_s.total_cmp(&b.time_s)));
+        all
     }
 
     /// The share of the samples on legs that are steady, in a sentence.
@@ -223,6 +232,8 @@ pub struct Gathering {
     preparation: Preparation,
     condenser: Condenser,
     batch: Vec<Observation>,
+    /// Samples that show turns and nothing else.
+    turns_only: Condenser,
     has_tables: bool,
     /// Channels that had a value anywhere.
     recorded: Vec<Channel>,
@@ -239,6 +250,8 @@ impl Gathering {
             preparation: Preparation::new(settings),
             condenser: Condenser::new(how, MOST_OBSERVATIONS),
             batch: Vec::new(),
+            // None of them is steady: whole dives go where they are too many.
+            turns_only: Condenser::new(Shorten::Dives, MOST_OBSERVATIONS),
             has_tables: false,
             recorded: Vec::new(),
             rows: 0,
@@ -252,6 +265,7 @@ impl Gathering {
         self.steady[0] += self.batch.iter().filter(|o| o.steady).count();
         self.steady[1] += self.batch.len();
         self.condenser.take(&mut self.batch);
+        self.turns_only.take(&mut self.preparation.take_turns_only());
     }
 
     /// Gravity where the log begins, for all of it: over a hundred kilometres it changes by a ten-thousandth.
@@ -339,6 +353,7 @@ impl Gathering {
         if wrong.is_empty() {
             Ok(PreparedLog {
                 observations,
+                turns_only: self.turns_only.finish().0,
                 w_filter,
                 notes,
                 left_out: lost,

@@ -9,6 +9,7 @@ use glidepolar_dynamics::glide::start;
 use glidepolar_dynamics::{Actuation, Glider, Integrator};
 use glidepolar_fmu::fmi2::*;
 use glidepolar_fmu::fmi3::*;
+use glidepolar_fmu::model::Model;
 use glidepolar_fmu::model::vehicle::Vehicle;
 use support::*;
 
@@ -125,6 +126,34 @@ fn update(glider: &Glider3) -> (bool, Option<f64>) {
     }
     assert_eq!((need, terminate, nominals), (0, 0, 0));
     (values == 1, (defined == 1).then_some(next))
+}
+
+/// Nothing else draws: afloat at the start is no surfacing, bobbing is none, and each coming up is one.
+#[test]
+fn a_surfacing_is_paid_once() {
+    for model in [Model::Plane, Model::Space] {
+        for (start_m, before) in [(-0.01, 0.0), (5.0, 500.0)] {
+            let glider = Glider3::of(model, Options::default());
+            glider.set(&[("surfacing_J", 500.0), ("hotel_W", 0.0), ("pump_J_per_m3", 0.0), ("pump_J_per_Pa_m3", 0.0)]);
+            glider.set(&[("depth_m", start_m), ("ballast_command_m3", 3e-4), ("moving_mass_command_m", -0.02)]);
+            glider.begin(None);
+            assert_eq!(glider.get("energy_J"), 0.0);
+            glider.set(&[("ballast_command_m3", 3e-4), ("moving_mass_command_m", -0.02)]);
+            glider.run(0.0, 1000.0, 50.0);
+            // Begun afloat in a glide down, it dips first and surfaces once for it; begun below, it comes up once.
+            let first = glider.get("energy_J");
+            assert!(glider.is("at_surface") && first >= before && first <= 500.0, "{model:?} {first}");
+            glider.run(1000.0, 2000.0, 50.0);
+            assert_eq!(glider.get("energy_J"), first, "bobbing is no surfacing");
+            glider.set(&[("ballast_command_m3", -3e-4), ("moving_mass_command_m", 0.02)]);
+            glider.run(2000.0, 2300.0, 50.0);
+            assert!(glider.get("depth_m") > 1.0);
+            glider.set(&[("ballast_command_m3", 3e-4), ("moving_mass_command_m", -0.02)]);
+            glider.run(2300.0, 4000.0, 50.0);
+            assert!(glider.is("at_surface"));
+            assert_eq!(glider.get("energy_J"), first + 500.0);
+        }
+    }
 }
 
 #[test]

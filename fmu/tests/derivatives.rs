@@ -10,7 +10,7 @@ use glidepolar_fmu::model::{Causality, Kind, Model, Slot, variable};
 use support::*;
 
 /// Somewhere away from every special value, in free water, the servos within their rates, every mechanism at work.
-const SOMEWHERE: [(&str, f64); 47] = [
+const SOMEWHERE: [(&str, f64); 49] = [
     ("ballast_command_m3", -4.0e-5),
     ("moving_mass_command_m", 0.021),
     // Pumping out, which costs energy: at rest the power has a corner.
@@ -36,6 +36,8 @@ const SOMEWHERE: [(&str, f64); 47] = [
     ("offset_mass_forward_m", 0.01),
     ("ballast_forward_m", 0.02),
     ("hotel_W", 1.5),
+    ("rudder_W", 0.2),
+    ("pitch_move_J", 30.0),
     ("pump_J_per_Pa_m3", 2.0),
     ("pitch_damping_CMq", -0.4),
     ("pump_J_per_m3", 1e6),

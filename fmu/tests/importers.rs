@@ -284,6 +284,41 @@ fn a_start_in_trim_is_steady() {
     assert!(drift(0) > 1e-2, "{}", drift(0));
 }
 
+/// The same through FMI 2.0: the glide is that of the parameters that were set before the initialisation, in either order with
+/// the choice.
+#[test]
+fn a_start_in_trim_is_steady_in_fmi_2() {
+    let drift = |in_trim: c_int, choice_first: bool| {
+        let glider = Glider2::new(1);
+        let choose = || {
+            // SAFETY: a live component, one value.
+            glider.ok(unsafe { fmi2SetInteger(glider.component, &vr("start_in_trim"), 1, &in_trim) });
+        };
+        if choice_first {
+            choose();
+        }
+        for (name, value) in [("hull_mass_kg", 40.2), ("b", 0.2), ("moving_mass_height_m", 0.03), ("depth_m", 25.0)] {
+            glider.set(name, value);
+        }
+        if !choice_first {
+            choose();
+        }
+        glider.begin();
+        assert_eq!(glider.get("depth_m"), 25.0);
+        let names = ["pitch_rad", "speed_m_s", "v1_m_s", "v3_m_s", "moving_mass_position_m"];
+        let before = names.map(|name| glider.get(name));
+        for i in 0..10 {
+            assert_eq!(glider.step(f64::from(i) * 10.0, 10.0), OK);
+        }
+        let after = names.map(|name| glider.get(name));
+        before.iter().zip(after).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    for choice_first in [true, false] {
+        assert!(drift(1, choice_first) < 1e-6, "{}", drift(1, choice_first));
+        assert!(drift(0, choice_first) > 1e-2, "{}", drift(0, choice_first));
+    }
+}
+
 /// FMI 3.0 sets an enumeration by `fmi3SetInt64`, FMI 2.0 by `fmi2SetInteger`.
 #[test]
 fn choices_are_enumerations() {

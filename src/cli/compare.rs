@@ -11,7 +11,7 @@ use crate::dynamics::{Parameters, Surroundings};
 use crate::estimate::Estimate;
 use crate::glide::{Attitude, at_pitch};
 use crate::identify::{Request, Trim, identify};
-use crate::plan::{Consumers, Dive, per_dive};
+use crate::plan::{Dive, per_dive};
 use crate::report::{Axis, Cell, Figure, InputFile, Layer, Panel, Report, Section, Table};
 use crate::simulate::mission::LegOrder;
 use crate::vehicle::{Vehicle, builtin};
@@ -181,9 +181,9 @@ impl Compared {
             at_pitch(&p, &water(&p), Attitude { pitch_rad: -pitch_deg.to_radians(), net_mass_kg }).ok()
         };
         let best = best_glide(&p, net_mass_kg);
-        let dive = dive(vehicle, &p, net_mass_kg, depth_m);
+        let dive = dive(&p, net_mass_kg, depth_m);
         let has_energy = vehicle.get("energy.hotel_W").is_some_and(|hotel| hotel > 0.0);
-        let energy_kJ = dive.filter(|_| has_energy).map(|dive| dive.energy_J() / 1e3);
+        let energy_kJ = dive.filter(|_| has_energy).map(|dive| dive.energy.total_J() / 1e3);
         Compared {
             what: what.to_owned(),
             vehicle: vehicle.name.clone(),
@@ -214,11 +214,10 @@ impl Compared {
 }
 
 /// A dive at 25 deg, with this net mass on the way down and the opposite on the way up.
-fn dive(vehicle: &Vehicle, p: &Parameters<f64>, net_mass_kg: f64, depth_m: f64) -> Option<crate::plan::PerDive> {
+fn dive(p: &Parameters<f64>, net_mass_kg: f64, depth_m: f64) -> Option<crate::plan::PerDive> {
     let ballast_m3 = net_mass_kg / DENSITY_KG_M3;
     let neutral_m3 = p.net_mass_kg(0.0, &water(p)) / DENSITY_KG_M3;
     let pitch_rad = 25f64.to_radians();
-    let get = |key: &str| vehicle.get(key).unwrap_or(0.0);
     let dive = Dive {
         depth_m,
         descent: LegOrder { pitch_rad: -pitch_rad, ballast_m3: neutral_m3 - ballast_m3 },
@@ -226,16 +225,10 @@ fn dive(vehicle: &Vehicle, p: &Parameters<f64>, net_mass_kg: f64, depth_m: f64) 
         surface_ballast_m3: neutral_m3 + ballast_m3,
         dives_per_surfacing: 1.0,
         stay_s: 600.0,
+        pitch_moves: 4.0,
         surface_density_kg_m3: DENSITY_KG_M3,
     };
-    let consumers = Consumers {
-        battery_J: 1.0,
-        rudder_W: get("energy.rudder_W"),
-        pitch_move_J: get("energy.pitch_move_J"),
-        pitch_moves: 4.0,
-        surfacing_J: get("energy.surfacing_J"),
-    };
-    per_dive(p, &dive, &consumers).ok()
+    per_dive(p, &dive).ok()
 }
 
 /// The comparison as JSON gives it.

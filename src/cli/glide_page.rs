@@ -43,6 +43,8 @@ pub(super) fn page(
             } else {
                 name.to_owned()
             };
+            let is_beyond = glides[at].angle_of_attack_rad.to_degrees().abs() > SMALL_ANGLE_DEG;
+            let name = if is_beyond { format!("{name} (extrapolated, beyond ±{SMALL_ANGLE_DEG:.0}°)") } else { name };
             Some(sentence(&name, &glides[at]))
         };
         let ratio = best("Best glide ratio", |g| g.glide_angle_rad.abs());

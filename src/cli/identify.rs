@@ -112,11 +112,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let steady = log.steady_share();
     // What contradicts the vehicle may be why nothing can be fitted.
     let found = identify(&vehicle, &log.observations, &request).inspect_err(|_| warn(&warnings))?;
+    let turning = turning(&log.for_turning());
     let mut report = found.report(&vehicle, log.w_filter, log.notes);
     warnings.append(&mut report.warnings);
     warnings.extend(other_lift_slope(&vehicle, &report));
     report.warnings = warnings;
-    report.turning = turning(&log.observations);
+    report.turning = turning;
     if let Some(turning) = &report.turning {
         report.warnings.extend(turning.warnings.iter().cloned());
     }

@@ -257,6 +257,8 @@ struct MissionReport<'a> {
     has_pump_figures: bool,
     has_hotel_figures: bool,
     pump_Wh: f64,
+    steering_Wh: f64,
+    surfacing_Wh: f64,
     hotel_Wh: f64,
     legs: &'a [Leg],
 }
@@ -329,8 +331,10 @@ impl<'a> MissionReport<'a> {
             groundings: flight.groundings,
             has_pump_figures: ["energy.pump_J_per_cc", "energy.pump_J_per_dbar_cc"].iter().any(|key| has(key)),
             has_hotel_figures: has("energy.hotel_W"),
-            pump_Wh: flight.pump_J / 3600.0,
-            hotel_Wh: flight.hotel_J / 3600.0,
+            pump_Wh: flight.energy.pump_J / 3600.0,
+            steering_Wh: flight.energy.steering_J / 3600.0,
+            surfacing_Wh: flight.energy.surfacing_J / 3600.0,
+            hotel_Wh: flight.energy.hotel_J / 3600.0,
             legs: &flight.legs,
         }
     }
@@ -359,6 +363,9 @@ impl<'a> MissionReport<'a> {
             energy(self.has_pump_figures, self.pump_Wh),
             energy(self.has_hotel_figures, self.hotel_Wh)
         );
+        if self.steering_Wh + self.surfacing_Wh > 0.0 {
+            println!("       steering {:.2} Wh, surfacings {:.2} Wh", self.steering_Wh, self.surfacing_Wh);
+        }
         match self.ended_by {
             Ending::TooShallow => println!("  ended early: the water is too shallow to dive"),
             Ending::Distance => println!("  ended with its way done"),

@@ -1,5 +1,6 @@
 //! The page of a mission: depth and seabed against time, what pitch and ballast did, and the way over ground.
 
+use crate::dynamics::Energy;
 use crate::report::{Axis, Cell, Dash, Figure, InputFile, Layer, Panel, Report, Section, Table};
 use crate::simulate::mission::{Flight, LegKind, Mission, Moment};
 
@@ -71,12 +72,8 @@ pub(super) fn page(vehicle: &str, mission: &Mission, flight: &Flight, trace: &Tr
     let count = |kind: LegKind| flight.legs.iter().filter(|leg| leg.kind == kind).count();
     let mut section = Section::new("Flight").text(mission.source.clone()).figure(saw_tooth).figure(record).figure(way);
     // A vehicle file may leave energy out, and noughts would claim that nothing was drawn.
-    if flight.pump_J + flight.hotel_J > 0.0 {
-        section = section.table(
-            Table::new("Energy as the vehicle file has it.", ["Consumer", "Energy [W.h]"])
-                .row([Cell::Text("pump".to_owned()), Cell::number(flight.pump_J / 3600.0, 4)])
-                .row([Cell::Text("hotel".to_owned()), Cell::number(flight.hotel_J / 3600.0, 4)]),
-        );
+    if flight.energy.total_J() > 0.0 {
+        section = section.table(energy_table(&flight.energy));
     }
     Report::new("Mission", format!("{vehicle}: {}", mission.name))
         .finding(format!(
@@ -90,4 +87,19 @@ pub(super) fn page(vehicle: &str, mission: &Mission, flight: &Flight, trace: &Tr
         ))
         .section(section)
         .input(input)
+}
+
+/// What drew how much.
+pub(super) fn energy_table(energy: &Energy<f64>) -> Table {
+    let consumers = [
+        ("Pump", energy.pump_J),
+        ("Rudder, roll mass and moving mass", energy.steering_J),
+        ("Surfacings", energy.surfacing_J),
+        ("Hotel", energy.hotel_J),
+    ];
+    let table = Table::new("Energy as the vehicle file has it.", ["Consumer", "Energy [W.h]"]);
+    let row = |table: Table, (name, energy_J): (&str, f64)| {
+        table.row([Cell::Text(name.to_owned()), Cell::number(energy_J / 3600.0, 4)])
+    };
+    consumers.into_iter().fold(table, row)
 }

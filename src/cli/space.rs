@@ -255,9 +255,10 @@ impl SpaceReport<'_> {
             a.dives, a.surfacings, a.pumpings, a.pitch_moves, a.steering_moves
         );
         println!(
-            "  pump {:.2} Wh, steering {:.2} Wh, hotel {:.2} Wh",
+            "  pump {:.2} Wh, steering {:.2} Wh, surfacings {:.2} Wh, hotel {:.2} Wh",
             a.pump_J / 3600.0,
             a.steering_J / 3600.0,
+            a.surfacing_J / 3600.0,
             a.hotel_J / 3600.0
         );
         if a.groundings > 0 {

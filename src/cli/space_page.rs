@@ -1,6 +1,8 @@
 //! The page of a run in six degrees of freedom: map, profile, attitude and what steered.
 
-use crate::report::{Axis, Cell, Figure, Layer, Panel, Report, Section, Table};
+use super::mission_page::energy_table;
+use crate::dynamics::Energy;
+use crate::report::{Axis, Figure, Layer, Panel, Report, Section};
 use crate::simulate::mission::{Account, Mission};
 use crate::simulate::space::{Row, column};
 
@@ -87,14 +89,10 @@ pub(super) fn mission_page(vehicle: &str, mission: &Mission, account: &Account, 
         .figure(trace.map(&mission.route.waypoints_m))
         .figure(trace.record());
     // A vehicle file may leave energy out, and noughts would claim that nothing was drawn.
-    if account.pump_J + account.hotel_J > 0.0 {
-        let mut table = Table::new("Energy as the vehicle file has it.", ["Consumer", "Energy [W.h]"]);
-        for (name, energy_J) in
-            [("Pump", account.pump_J), ("Rudder and roll mass", account.steering_J), ("Hotel", account.hotel_J)]
-        {
-            table = table.row([Cell::from(name), Cell::number(energy_J / 3600.0, 2)]);
-        }
-        section = section.table(table);
+    let Account { hotel_J, pump_J, steering_J, surfacing_J, .. } = *account;
+    let energy = Energy { hotel_J, pump_J, steering_J, surfacing_J };
+    if energy.total_J() > 0.0 {
+        section = section.table(energy_table(&energy));
     }
     Report::new("Mission in six degrees of freedom", format!("{vehicle}, {}", mission.name)).section(section)
 }

@@ -90,7 +90,7 @@ fn warnings(dives: &[DiveTrack], remarks: &Remarks<'_>) -> Vec<String> {
         );
     }
     if !remarks.has_uncertainty {
-        warnings.push(if remarks.speed_error > 0.0 {
+        warnings.push(if knows_speed_errors(remarks) {
             format!(
                 "The vehicle states no [uncertainty]: the errors are those of the compass and of {:.0} % of the speed.",
                 100.0 * remarks.speed_error
@@ -201,9 +201,15 @@ fn currents_figure(dives: &[&DiveTrack], remarks: &Remarks<'_>) -> Figure {
         |dive| dive.current.map(|c| (c.north_m_s, c.north_se_m_s)),
         |row| row.2,
     );
-    Figure::new("currents", Axis::new("Time", "t", "h")).panel(east).panel(north).caption(
-        "Mean current over depth between fixes, drift at the surface included; bars: 95 % of compass and polar.",
-    )
+    let errors_of = if knows_speed_errors(remarks) { "compass and polar" } else { "the compass alone" };
+    Figure::new("currents", Axis::new("Time", "t", "h")).panel(east).panel(north).caption(format!(
+        "Mean current over depth between fixes, drift at the surface included; bars: 95 % of {errors_of}.",
+    ))
+}
+
+/// Whether the errors on the page have a share of the speed's.
+fn knows_speed_errors(remarks: &Remarks<'_>) -> bool {
+    remarks.has_uncertainty || remarks.speed_error > 0.0
 }
 
 fn table(dives: &[DiveTrack]) -> Table {
@@ -224,4 +230,70 @@ fn table(dives: &[DiveTrack]) -> Table {
             Cell::fixed(dive.gaps_s / 60.0, 1),
         ])
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::track::Current;
+
+    fn dive() -> DiveTrack {
+        let current =
+            Current { east_m_s: 0.1, north_m_s: 0.0, east_se_m_s: 0.02, north_se_m_s: 0.02, duration_s: 7200.0 };
+        DiveTrack {
+            dive: 0,
+            start_s: 0.0,
+            end_s: 7200.0,
+            east_m: 2000.0,
+            north_m: 300.0,
+            east_se_m: 50.0,
+            north_se_m: 50.0,
+            without_glide: 0,
+            gaps_s: 0.0,
+            current: Some(current),
+        }
+    }
+
+    /// What a page says of its errors: never that they are the compass's alone where the speed has a share in them.
+    #[test]
+    fn the_page_says_whose_errors_it_shows() {
+        for (has_uncertainty, speed_error, alone) in
+            [(false, 0.0, true), (false, 0.1, false), (true, 0.0, false), (true, 0.1, false)]
+        {
+            let remarks = Remarks {
+                vehicle: "v",
+                is_builtin: false,
+                has_uncertainty,
+                declination_deg: 1.0,
+                speed_error,
+                fixes: &[],
+                drifts: &[],
+                stored: &[],
+                comparison: None,
+            };
+            let html = page(&Track { points: Vec::new(), dives: vec![dive()] }, &remarks).html();
+            let case = format!("{has_uncertainty} {speed_error}");
+            assert_eq!(html.contains("the errors are those of the compass alone"), alone, "{case}");
+            assert_eq!(html.contains("95 % of the compass alone"), alone, "{case}");
+            assert_eq!(html.contains("95 % of compass and polar"), !alone, "{case}");
+            assert_eq!(html.contains("of 10 % of the speed"), !has_uncertainty && speed_error > 0.0, "{case}");
+        }
+    }
+
+    #[test]
+    fn the_way_is_a_map_with_the_fixes_on_it() {
+        let point = |time_s: f64, east_m: f64| crate::track::Point {
+            time_s,
+            dive: 0,
+            depth_m: 10.0,
+            speed_m_s: 0.3,
+            east_m,
+            north_m: 0.0,
+        };
+        let track = Track { points: vec![point(0.0, 0.0), point(7200.0, 2000.0)], dives: vec![dive()] };
+        let fix = |time_s: f64, lon_deg: f64| Fix { time_s, lat_deg: 0.0, lon_deg };
+        let figure = way(&track, &[fix(0.0, 0.0), fix(7200.0, 0.02)]);
+        assert!(figure.is_map, "a length to the east is as long to the north");
+        assert_eq!(figure.panels[0].layers.len(), 3, "way, ends of dives, fixes");
+    }
 }

@@ -1,10 +1,7 @@
 //! How far and how long on one battery: energy per dive, dives, days, distance, and what is left.
 //!
 //! A dive is two steady glides, integrated over depth (the hull yields, the water grows denser), and the time of the
-//! ballast strokes between them. Its energy is
-//! ```text
-//! E = k1 P dV + k2 dV  (each stroke of the pump)  +  (hotel + rudder) T  +  moves of the moving mass  +  surfacing
-//! ```
+//! ballast strokes between them. Its energy is the account of [`crate::dynamics::energy`], as in simulations and the FMU.
 //! During a stroke at depth the net mass runs from one sign to the other; speed goes with its root, so the way along is
 //! 2/3 of that at full speed, and down and up cancel. At the surface the first half of the stroke is a wait. After each
 //! turn the glider starts from rest: against drag that grows with the square of speed it moves at `V tanh(t/tau)`,
@@ -14,7 +11,7 @@
 pub mod calibrate;
 mod outlook;
 
-use crate::dynamics::{Parameters, Surroundings};
+use crate::dynamics::{Energy, Parameters, Surroundings, Usage};
 use crate::glide::{Attitude, GlideError, at_pitch};
 use crate::simulate::mission::LegOrder;
 
@@ -40,23 +37,10 @@ pub struct Dive {
     pub dives_per_surfacing: f64,
     /// Stay at the surface \[s\].
     pub stay_s: f64,
+    /// Moves of the moving mass.
+    pub pitch_moves: f64,
     /// Density of the water at the surface \[kg/m3\]; it grows with pressure by [`WATER_COMPRESSIBILITY_PER_PA`].
     pub surface_density_kg_m3: f64,
-}
-
-/// What draws on the battery besides the pump.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Consumers {
-    /// Energy of the full battery \[J\].
-    pub battery_J: f64,
-    /// Mean power of steering under way \[W\].
-    pub rudder_W: f64,
-    /// Energy of one move of the moving mass \[J\].
-    pub pitch_move_J: f64,
-    /// Moves in one dive.
-    pub pitch_moves: f64,
-    /// Energy of one surfacing: fix and call \[J\].
-    pub surfacing_J: f64,
 }
 
 /// One dive's account, its share of the surfacing included.
@@ -72,28 +56,15 @@ pub struct PerDive {
     pub distance_m: f64,
     /// Strokes of the pump.
     pub pumpings: f64,
-    /// Energy of the pump \[J\].
-    pub pump_J: f64,
-    /// Energy of everything that runs all the time \[J\].
-    pub hotel_J: f64,
-    /// Energy of rudder and moving mass \[J\].
-    pub steering_J: f64,
-    /// Energy of the surfacing \[J\].
-    pub surfacing_J: f64,
-}
-
-impl PerDive {
-    /// Energy of the dive \[J\].
-    pub fn energy_J(&self) -> f64 {
-        self.pump_J + self.hotel_J + self.steering_J + self.surfacing_J
-    }
+    /// Energy.
+    pub energy: Energy<f64>,
 }
 
 /// The account of one dive.
 ///
 /// # Errors
 /// Where a leg has no steady glide at some depth.
-pub fn per_dive(parameters: &Parameters<f64>, dive: &Dive, consumers: &Consumers) -> Result<PerDive, GlideError> {
+pub fn per_dive(parameters: &Parameters<f64>, dive: &Dive) -> Result<PerDive, GlideError> {
     let p = parameters;
     let descent = leg(p, dive, dive.descent)?;
     let ascent = leg(p, dive, dive.ascent)?;
@@ -106,17 +77,22 @@ pub fn per_dive(parameters: &Parameters<f64>, dive: &Dive, consumers: &Consumers
     let mean_horizontal_m_s = (descent.way_m + ascent.way_m) / (descent.time_s + ascent.time_s);
     let under_way_s = descent.time_s + ascent.time_s + turning_s;
     let bottom_Pa = pressure_Pa(p, dive, dive.depth_m);
-    let pump = |volume_m3: f64, pressure_Pa: f64| (p.pump_J_per_m3 + p.pump_J_per_Pa_m3 * pressure_Pa) * volume_m3;
+    let at_the_turn = Usage {
+        time_s: under_way_s + surface_s,
+        under_water_s: under_way_s,
+        pumped_m3: stroke,
+        pressure_Pa: bottom_Pa,
+        pitch_moves: dive.pitch_moves,
+        surfacings,
+    };
+    let at_the_surface = Usage { pumped_m3: surfacings * extra, ..Usage::none() };
     Ok(PerDive {
         duration_s: under_way_s + surface_s,
         descent_s: descent.time_s,
         ascent_s: ascent.time_s,
         distance_m: descent.way_m + ascent.way_m + 2.0 / 3.0 * turning_s * mean_horizontal_m_s,
         pumpings: f64::from(u8::from(stroke > 0.0)) + if extra > SMALLEST_STROKE_M3 { surfacings } else { 0.0 },
-        pump_J: pump(stroke, bottom_Pa) + surfacings * pump(extra, 0.0),
-        hotel_J: p.hotel_W * (under_way_s + surface_s),
-        steering_J: consumers.rudder_W * under_way_s + consumers.pitch_moves * consumers.pitch_move_J,
-        surfacing_J: surfacings * consumers.surfacing_J,
+        energy: at_the_turn.energy(p).plus(&at_the_surface.energy(p)),
     })
 }
 

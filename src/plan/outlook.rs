@@ -4,7 +4,7 @@
 //! between one standard error up and one down; independent figures add in squares. The model error is one more such
 //! figure, a factor on the energy of a dive; the speed of a polar whose errors nobody stated is another.
 
-use super::{Consumers, Dive, PerDive, per_dive};
+use super::{Dive, PerDive, per_dive};
 use crate::assemble::Sensor;
 use crate::estimate::Estimate;
 use crate::glide::GlideError;
@@ -17,8 +17,6 @@ pub struct Ask {
     pub dive: Dive,
     /// Energy of the battery \[J\].
     pub battery_J: f64,
-    /// Moves of the moving mass in one dive.
-    pub pitch_moves: f64,
     /// End of the voyage \[d\]; none: when the battery is empty.
     pub days: Option<f64>,
     /// Relative standard error of the energy of a dive that the model itself makes.
@@ -125,19 +123,11 @@ pub fn states_polar_errors(vehicle: &Vehicle) -> bool {
 }
 
 fn quantities(vehicle: &Vehicle, ask: &Ask, energy_factor: f64, speed_factor: f64) -> Result<[f64; N], PlanError> {
-    let get = |path: &str| vehicle.get(path).unwrap_or(0.0);
-    let consumers = Consumers {
-        battery_J: ask.battery_J,
-        rudder_W: get("energy.rudder_W"),
-        pitch_move_J: get("energy.pitch_move_J"),
-        pitch_moves: ask.pitch_moves,
-        surfacing_J: get("energy.surfacing_J"),
-    };
     let mut parameters = ask.sensor.carried_by(&vehicle.parameters()?);
     // Forces go with area and the square of speed: the same glides, faster by the factor.
     parameters.frontal_area_m2 /= speed_factor * speed_factor;
-    let one: PerDive = per_dive(&parameters, &ask.dive, &consumers)?;
-    let energy_J = one.energy_J() * energy_factor;
+    let one: PerDive = per_dive(&parameters, &ask.dive)?;
+    let energy_J = one.energy.total_J() * energy_factor;
     if energy_J <= 0.0 {
         return Err(PlanError::NoConsumption);
     }
@@ -147,10 +137,10 @@ fn quantities(vehicle: &Vehicle, ask: &Ask, energy_factor: f64, speed_factor: f6
     Ok([
         one.duration_s / HOUR_S,
         one.distance_m / 1e3,
-        one.pump_J * energy_factor / 1e3,
-        one.hotel_J * energy_factor / 1e3,
-        one.steering_J * energy_factor / 1e3,
-        one.surfacing_J * energy_factor / 1e3,
+        one.energy.pump_J * energy_factor / 1e3,
+        one.energy.hotel_J * energy_factor / 1e3,
+        one.energy.steering_J * energy_factor / 1e3,
+        one.energy.surfacing_J * energy_factor / 1e3,
         energy_J / 1e3,
         dives * one.duration_s / DAY_S,
         dives,

@@ -4,10 +4,6 @@ use crate::glide::at_pitch;
 use crate::simulate::mission::{LegOrder, Mission, fly_mission};
 use crate::vehicle::Vehicle;
 
-fn consumers() -> Consumers {
-    Consumers { battery_J: 1e7, rudder_W: 0.1, pitch_move_J: 10.0, pitch_moves: 4.0, surfacing_J: 500.0 }
-}
-
 fn dive(depth_m: f64) -> Dive {
     let leg = |pitch_deg: f64, cc: f64| LegOrder { pitch_rad: pitch_deg.to_radians(), ballast_m3: cc * 1e-6 };
     Dive {
@@ -17,6 +13,7 @@ fn dive(depth_m: f64) -> Dive {
         surface_ballast_m3: 220e-6,
         dives_per_surfacing: 1.0,
         stay_s: 0.0,
+        pitch_moves: 4.0,
         surface_density_kg_m3: 1025.0,
     }
 }
@@ -39,8 +36,8 @@ fn a_rigid_glider_in_uniform_water_dives_as_its_steady_glide_says() {
     // Two dives, so that the start from rest, the same in both, drops out; shallow enough for the water's own
     // compressibility to be next to nothing: 4.3e-6 per 10 m of 50 kg, 0.2 g of 220 g.
     let p = energetic().parameters().unwrap();
-    let one = per_dive(&p, &dive(1.0), &consumers()).unwrap();
-    let two = per_dive(&p, &dive(2.0), &consumers()).unwrap();
+    let one = per_dive(&p, &dive(1.0)).unwrap();
+    let two = per_dive(&p, &dive(2.0)).unwrap();
     let metre_s = two.descent_s - one.descent_s;
     let water = Surroundings { density_kg_m3: 1025.0, pressure_Pa: 0.0, temperature_C: 15.0, time_s: 0.0 };
     let net_mass_kg = p.net_mass_kg(-220e-6, &water);
@@ -48,7 +45,7 @@ fn a_rigid_glider_in_uniform_water_dives_as_its_steady_glide_says() {
     assert!((metre_s * glide.vertical_velocity_m_s - 1.0).abs() < 2e-3, "{metre_s}");
     // 440 cc against 1 m of water: 0.02 J/(dbar cc) at 0.1005 dbar, and 2 J/cc.
     let expected = 440.0 * (0.02 * 1025.0 * 9.81 / 1e4 + 2.0);
-    assert!((one.pump_J - expected).abs() < 1e-9 * expected, "{}", one.pump_J);
+    assert!((one.energy.pump_J - expected).abs() < 1e-9 * expected, "{}", one.energy.pump_J);
     assert_eq!(one.pumpings, 1.0);
 }
 
@@ -70,13 +67,13 @@ fn the_plan_agrees_with_the_mission_flown() {
     let surfacings = flown.legs.iter().filter(|leg| leg.ended_by == crate::simulate::mission::Turn::Surfaced);
     let last = surfacings.clone().next_back().unwrap();
     let dives = surfacings.count() as f64;
-    let one = per_dive(&p, &Dive { stay_s: 600.0, ..dive(180.0) }, &consumers()).unwrap();
+    let one = per_dive(&p, &Dive { stay_s: 600.0, ..dive(180.0) }).unwrap();
     // Up to the last surfacing there were as many dives, but one stay less.
     let (time, way) = ((last.end_s + 600.0) / dives, last.end_x_m / dives);
     assert!((one.duration_s / time - 1.0).abs() < 0.03, "{} against {time} s", one.duration_s);
     assert!((one.distance_m / way - 1.0).abs() < 0.03, "{} against {way} m", one.distance_m);
-    let pump = flown.pump_J / flown.pumpings as f64;
-    assert!((one.pump_J / pump - 1.0).abs() < 0.03, "{} against {pump} J", one.pump_J);
+    let pump = flown.energy.pump_J / flown.pumpings as f64;
+    assert!((one.energy.pump_J / pump - 1.0).abs() < 0.03, "{} against {pump} J", one.energy.pump_J);
 }
 
 #[test]
@@ -85,7 +82,6 @@ fn a_sensor_costs_days_by_its_power_and_way_by_its_drag() {
     let ask = Ask {
         dive: Dive { dives_per_surfacing: 5.0, ..dive(180.0) },
         battery_J: 2e6,
-        pitch_moves: 4.0,
         days: None,
         model_error: 0.0,
         sensor: Sensor::default(),
@@ -106,9 +102,8 @@ fn a_sensor_costs_days_by_its_power_and_way_by_its_drag() {
 fn intervals_are_the_sum_of_squares_of_what_moves_the_plan() {
     let mut vehicle = energetic();
     let ask = Ask {
-        dive: dive(180.0),
+        dive: Dive { pitch_moves: 0.0, ..dive(180.0) },
         battery_J: 2e6,
-        pitch_moves: 0.0,
         days: None,
         model_error: 0.05,
         sensor: Sensor::default(),

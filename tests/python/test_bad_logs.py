@@ -1,5 +1,7 @@
 """Damaged, foreign and doubtful files of Slocums and SeaExplorers through the command, and a gigabyte of one glider."""
 
+import gzip
+import json
 import resource
 import subprocess
 
@@ -140,6 +142,80 @@ def test_without_a_ctd_the_density_is_asked_for(glidepolar, tmp_path):
     without = run(glidepolar, *arguments)
     assert without.returncode == 2 and "--density" in without.stderr, without.stderr
     assert run(glidepolar, *arguments, "--density", 1025).returncode == 0
+
+
+def seaexplorer_dives(folder, lacks=()):
+    """Four dives of a SeaExplorer; of these channels every value is missing."""
+    files = []
+    for i in range(4):
+        dive = Dive(rows=400, start_s=log_files.START_S + 5000 * i)
+        dive.values["pressure_dbar"] = dive["pressure_dbar"] * (1 + 0.05 * np.sin(np.arange(dive.rows) / 9 + i))
+        for name in lacks:
+            dive.values[name] = np.full(dive.rows, np.nan)
+        files.append(seaexplorer(folder, dive, 5 + i))
+    return files
+
+
+def test_a_seaexplorer_without_its_ctd_is_asked_for_the_density(glidepolar, tmp_path):
+    """The payload computer was off, or its CTD was: pressure is then the depth of the glider's own computer."""
+    files = seaexplorer_dives(tmp_path)
+    for paths in ([own for own, _ in files], seaexplorer_flat(seaexplorer_dives(tmp_path, ["conductivity_S_m"]))):
+        arguments = ["identify", *paths, "--vehicle", "seaexplorer"]
+        without = run(glidepolar, *arguments)
+        assert without.returncode == 2 and "--density" in without.stderr and "panic" not in without.stderr, without.stderr
+        with_density = run(glidepolar, *arguments, "--density", 1025, "--json", "-")
+        assert with_density.returncode == 0, with_density.stderr
+        assert json.loads(with_density.stdout)["n_glides"] == 8
+
+
+def seaexplorer_flat(files):
+    return [path for pair in files for path in pair]
+
+
+@pytest.mark.parametrize(("lacks", "channel"), [("pitch_deg", "pitch_rad"), ("vbd_cc", "vbd_cc")])
+@pytest.mark.parametrize("kind", ["seaexplorer", "time series", "csv"])
+def test_a_channel_that_is_all_missing_is_named(glidepolar, tmp_path, kind, lacks, channel):
+    if kind == "seaexplorer":
+        paths = seaexplorer_flat(seaexplorer_dives(tmp_path, [lacks]))
+    else:
+        dive = Dive(rows=400)
+        dive.values[lacks] = np.full(dive.rows, np.nan)
+        paths = [tmp_path / ("og1.nc" if kind == "time series" else "log.csv")]
+        if kind == "csv":
+            log_files.cells(paths[0], {name: (lambda row, name=name: dive[name][row]) for name in dive.values}, dive.rows)
+        else:
+            log_files.time_series(paths[0], dive)
+    for command in ("identify", "diagnose"):
+        done = run(glidepolar, command, *paths, "--vehicle", "seaexplorer")
+        assert done.returncode == 2 and channel in done.stderr and paths[0].name in done.stderr, done.stderr
+
+
+@pytest.mark.parametrize("share", [0.3, 0.6, 0.95])
+@pytest.mark.parametrize("form", ["NETCDF4", "NETCDF3_CLASSIC"])
+def test_netcdf_that_was_cut_off_is_called_damaged(glidepolar, tmp_path, form, share):
+    """Not a file without a time: what is missing is its end."""
+    path = tmp_path / "og1.nc"
+    log_files.time_series(path, Dive(rows=2000), form=form)
+    content = path.read_bytes()
+    path.write_bytes(content[: int(share * len(content))])
+    done = run(glidepolar, "identify", path, "--vehicle", "seaglider")
+    assert done.returncode == 2 and "og1.nc" in done.stderr and "expected a variable" not in done.stderr, done.stderr
+    assert "damaged" in done.stderr and "cut off" in done.stderr, done.stderr
+
+
+@pytest.mark.parametrize("maker", ["seaglider", "og1"])
+@pytest.mark.parametrize("form", ["NETCDF4", "NETCDF3_CLASSIC"])
+def test_gzipped_netcdf_is_read_as_it_is_unpacked(log_values, tmp_path, maker, form):
+    path = tmp_path / ("p1710001.nc" if maker == "seaglider" else "og1.nc")
+    (log_files.seaglider if maker == "seaglider" else log_files.time_series)(path, Dive(), form=form)
+    packed = path.with_name(path.name + ".gz")
+    packed.write_bytes(gzip.compress(path.read_bytes()))
+    printed = [subprocess.run([log_values, file], capture_output=True, text=True, check=True).stdout for file in (path, packed)]
+    assert printed[0] == printed[1] and len(printed[0].splitlines()) > 100
+    # The end of the packed file is missing.
+    packed.write_bytes(packed.read_bytes()[:-200])
+    done = subprocess.run([log_values, packed], capture_output=True, text=True, check=False)
+    assert done.returncode == 2 and packed.name in done.stderr and "damaged" in done.stderr, done.stderr
 
 
 def test_a_gigabyte_of_one_file_passes_through_bounded_memory(glidepolar, tmp_path):

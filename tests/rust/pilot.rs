@@ -185,6 +185,16 @@ fn a_polar_begins_with_its_answers_and_an_edge_is_no_optimum() {
         assert!(first.iter().any(|line| line.starts_with(answer)), "{first:?}");
     }
     assert!(text.lines().count() < 35, "{text}");
+    // This glider's best glide lies beyond the angles that its lift and drag were fitted at: that stands beside it.
+    ok(folder.path(), &["glide", "slocum-049", "--out", "page"]);
+    let page = std::fs::read_to_string(folder.path().join("page/report.html")).expect("a page");
+    let (best, next) =
+        (first.iter().position(|line| line.starts_with("Best glide ratio")).expect("it"), "extrapolated");
+    let alpha = first[best].split("angle of attack ").nth(1).and_then(|rest| rest.split(' ').next());
+    let alpha: f64 = alpha.expect("an angle").parse().expect("a number");
+    assert_eq!(alpha > 10.0, first[best + 1].contains(next), "{first:?}");
+    assert_eq!(alpha > 10.0, page.contains("Best glide ratio (extrapolated, beyond ±10°)"), "{alpha}");
+    assert!(alpha > 10.0, "{alpha}: the case is not tested any more, another vehicle is needed");
     let found = json(folder.path(), &["glide", "slocum-049"]).expect("a polar");
     let glides = found["polar"]["glides"].as_array().expect("glides");
     let sink = |row: &Value| number(&row["vertical_velocity_m_s"]).abs();

@@ -1,18 +1,21 @@
 //! `cargo xtask demo`: builds programs and FMUs as they are released, and runs `glidepolar demo` with the FMPy of the Python
 //! environment: a hidden fault in a log, its cause, the extended vehicle, and its FMU on a held-out dive.
+//!
+//! The FMU is the released one in any case. The programs can be those of the tests, which are there already: a release build
+//! of both is six minutes on two cores, and what it would show beyond the tests' build is its linking alone.
 
 use anyhow::Result;
 
 use crate::fmu;
 use crate::python;
-use crate::wheel;
+use crate::wheel::{self, Kind};
 use crate::workspace::{Workspace, run as run_command};
 
 /// Runs the demonstration, leaves its page and says where.
-pub fn run(workspace: &Workspace) -> Result<()> {
+pub fn run(workspace: &Workspace, kind: Kind) -> Result<()> {
     let python = python::ensure(workspace)?;
     // In one build for one platform: what programs and library share is built once.
-    let programs = wheel::release_programs(workspace)?;
+    let programs = wheel::programs(workspace, kind)?;
     let fmus = fmu::run(workspace, &[], fmu::Scope::Host)?;
     let folder = workspace.target("demo");
     let mut demo = workspace.command(&programs[0]);

@@ -73,7 +73,11 @@ enum Chore {
         only: Option<test::Part>,
     },
     /// From a hull test and a faulty flight log to an FMU that flies a held-out dive in FMPy; a page in target/demo/
-    Demo,
+    Demo {
+        /// With the programs as the tests have them, unoptimised and for this machine only
+        #[arg(long)]
+        quick: bool,
+    },
     /// Draw the figures in docs/figures/ anew
     Figures {
         /// Write nothing, and fail where a figure is not what its command draws
@@ -118,12 +122,10 @@ fn run(chore: Chore) -> Result<()> {
             fmu::run(&workspace, &merge, scope).map(drop)
         }
         Chore::Platforms { require } => cross::try_all(&workspace, &require),
-        Chore::Wheel { quick } => {
-            wheel::run(&workspace, if quick { wheel::Kind::Tests } else { wheel::Kind::Release }).map(drop)
-        }
+        Chore::Wheel { quick } => wheel::run(&workspace, kind(quick)).map(drop),
         Chore::Man => wheel::man(&workspace),
         Chore::Test { only } => test::run(&workspace, only),
-        Chore::Demo => demo::run(&workspace),
+        Chore::Demo { quick } => demo::run(&workspace, kind(quick)),
         Chore::Figures { check } => figures::run(&workspace, check),
         Chore::Bench(choice) => bench::run(workspace, &choice),
         Chore::Fuzz(choice) => fuzz::run(&workspace, &choice),
@@ -132,4 +134,9 @@ fn run(chore: Chore) -> Result<()> {
         Chore::Dependencies => dependencies::run(&workspace),
         Chore::FetchData => fetch_data::run(&workspace),
     }
+}
+
+/// For whom something is built.
+fn kind(quick: bool) -> wheel::Kind {
+    if quick { wheel::Kind::Tests } else { wheel::Kind::Release }
 }

@@ -113,8 +113,8 @@ fn gather(workspace: &Workspace, project: &Path, kind: Kind, fmus: &Fmus) -> Res
     for file in ["LICENSE-MIT", "LICENSE-APACHE"] {
         copy(workspace.path(file), project.join(file))?;
     }
-    let programs = "The programs and the extension module in this package are";
-    fs::write(project.join("LICENSES.txt"), licences::notice(workspace, "glidepolar-wheel", programs)?)?;
+    let parts = "The programs and the extension module in this package are";
+    fs::write(project.join("LICENSES.txt"), licences::notice(workspace, "glidepolar-wheel", parts)?)?;
     // The sources stay where they are; only their description moves.
     let manifest = format!("manifest-path = {:?}", workspace.path("wheel/Cargo.toml").display().to_string());
     let description = fs::read_to_string(workspace.path("wheel/pyproject.toml"))?;
@@ -126,7 +126,7 @@ fn gather(workspace: &Workspace, project: &Path, kind: Kind, fmus: &Fmus) -> Res
         copy(fmu.clone(), share.join("glidepolar").join(fmu.file_name().unwrap_or_default()))?;
     }
     build_programs(workspace)?;
-    for program in programs_of(workspace, kind)? {
+    for program in programs(workspace, kind)? {
         copy(program.clone(), project.join("data/scripts").join(program.file_name().unwrap_or_default()))?;
     }
     for (name, completions, man) in PROGRAMS {
@@ -140,9 +140,10 @@ fn gather(workspace: &Workspace, project: &Path, kind: Kind, fmus: &Fmus) -> Res
     Ok(())
 }
 
-/// Both programs as they are packed.
-fn programs_of(workspace: &Workspace, kind: Kind) -> Result<Vec<PathBuf>> {
+/// Builds both programs as they are packed for those people, `glidepolar` first.
+pub fn programs(workspace: &Workspace, kind: Kind) -> Result<Vec<PathBuf>> {
     if kind == Kind::Tests {
+        build_programs(workspace)?;
         return Ok(PROGRAMS.iter().map(|(name, ..)| workspace.target("debug").join(executable(name))).collect());
     }
     release_programs(workspace)
@@ -153,7 +154,7 @@ fn executable(name: &str) -> String {
 }
 
 /// Builds both programs for others: optimised, without symbols, on Linux against an old C library.
-pub fn release_programs(workspace: &Workspace) -> Result<Vec<PathBuf>> {
+fn release_programs(workspace: &Workspace) -> Result<Vec<PathBuf>> {
     let host = Platform::host()?;
     let portable = if host.is_linux() { fmu::portable_cargo(workspace, host) } else { None };
     let is_portable = portable.is_some();

@@ -35,6 +35,7 @@
 
 use super::buoyancy::{Memory, Surroundings};
 use super::contact::{Contact, Place};
+use super::energy::{Usage, moves_1_s, under_water};
 use super::forces::{Flow, Hydrodynamics};
 use super::parameters::Parameters;
 use super::state::{Actuation, Inputs, Modes, State, Stop};
@@ -369,7 +370,7 @@ impl<'a, T: Number> Motion<'a, T> {
             creep_pressure_Pa: memory.creep_pressure_Pa,
             carried_density_kg_m3: memory.carried_density_kg_m3,
             leaked_back_m3: memory.leaked_back_m3,
-            energy_J: self.power_W(ballast_rate),
+            energy_J: self.power_W(ballast_rate, held_1.filter(|_| actuation == Actuation::Servo), r1_rate),
         }
     }
 
@@ -459,11 +460,20 @@ impl<'a, T: Number> Motion<'a, T> {
         }
     }
 
-    /// Power drawn: what runs all the time, and the pump while it pushes water out against the pressure.
-    fn power_W(&self, ballast_mass_rate_kg_s: T) -> T {
+    /// Power drawn: the account of one second. A surfacing is no matter of seconds: whoever meets the surface counts it.
+    fn power_W(&self, ballast_mass_rate_kg_s: T, servo_m_s2: Option<T>, mass_m_s: T) -> T {
         let p = self.parameters;
-        let pumped_m3_s = (-ballast_mass_rate_kg_s / p.reference_density_kg_m3).at_least(0.0);
-        p.hotel_W + (p.pump_J_per_m3 + p.pump_J_per_Pa_m3 * self.pressure_Pa) * pumped_m3_s
+        let zero = T::constant(0.0);
+        let usage_1_s = Usage {
+            time_s: T::constant(1.0),
+            under_water_s: under_water(self.state.depth_m),
+            pumped_m3: (-ballast_mass_rate_kg_s / p.reference_density_kg_m3).at_least(0.0),
+            pressure_Pa: self.pressure_Pa,
+            pitch_moves: servo_m_s2
+                .map_or(zero, |acceleration| moves_1_s(acceleration, mass_m_s, p.moving_mass_rate_m_s)),
+            surfacings: zero,
+        };
+        usage_1_s.energy(p).total_J()
     }
 }
 

@@ -15,6 +15,7 @@
 pub mod buoyancy;
 pub mod contact;
 pub mod empirical;
+pub mod energy;
 pub mod equations;
 pub mod forces;
 pub mod glide;
@@ -26,6 +27,7 @@ pub mod state;
 pub mod system;
 
 pub use buoyancy::Surroundings;
+pub use energy::{Energy, Usage};
 pub use equations::{Outputs, accelerations, derivative, next_bend_s, outputs, servo_corners};
 pub use integrate::{Advance, IntegrationError, Integrator};
 pub use parameters::{PARAMETERS, Parameters, parameter_index};

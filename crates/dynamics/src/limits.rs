@@ -11,6 +11,9 @@ use glidepolar_number::Number;
 /// How many event indicators there are.
 pub const N_EVENTS: usize = 6;
 
+/// The event of meeting the surface.
+pub const SURFACE: usize = 0;
+
 /// What each event indicator stands for, in order.
 pub const EVENT_NAMES: [&str; N_EVENTS] =
     ["surface", "seabed", "ballast at its minimum", "ballast at its maximum", "moving mass aft", "moving mass forward"];

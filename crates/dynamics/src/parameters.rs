@@ -56,6 +56,9 @@ quantities! {
         hotel_W: "W" = 0.0 in 0.0 .. 1e4, "Power of everything that runs all the time";
         pump_J_per_m3: "J/m3" = 0.0 in 0.0 .. 1e10, "Energy to pump out a volume at the surface";
         pump_J_per_Pa_m3: "1" = 0.0 in 0.0 .. 1e3, "Energy to pump out a volume per pressure; 1 is the ideal pump";
+        pitch_move_J: "J" = 0.0 in 0.0 .. 1e6, "Energy of one move of the moving mass by its servo";
+        surfacing_J: "J" = 0.0 in 0.0 .. 1e7, "Energy of one surfacing beyond the hotel power: fix and call";
+        rudder_W: "W" = 0.0 in 0.0 .. 1e4, "Mean power of steering under water";
         // mechanisms at sea, without effect by default
         ballast_offset_kg: "kg" = 0.0 in -10.0 .. 10.0, "Error of the trim: net mass beyond what masses and volumes say";
         hull_compressibility_per_Pa: "1/Pa" = 0.0 in -1e-9 .. 5e-9, "Relative loss of displaced volume per gauge pressure";

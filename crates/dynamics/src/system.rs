@@ -99,6 +99,9 @@ impl Glider {
                 Advance::Reached => return Ok(()),
                 Advance::Event(which) => {
                     self.apply_limits(*time_s, state);
+                    if which[limits::SURFACE] && self.derivative(*time_s, state).depth_m < 0.0 {
+                        state.energy_J += self.parameters.surfacing_J;
+                    }
                     at_once = if *time_s - started_s < 1e-6 { at_once + 1 } else { 0 };
                     if !on_event(*time_s, state, which) {
                         return Ok(());

@@ -1,9 +1,14 @@
-//! What both kinds of NetCDF log share: a variable by name as numbers in a known unit, errors that name the file.
+//! What both kinds of NetCDF log share: a variable by name as numbers in a known unit, errors that name the file. A gzipped
+//! file is unpacked into memory.
 
+use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
+use flate2::read::MultiGzDecoder;
 use netcdf_reader::{NcFile, NcOpenOptions};
+
+use super::seaexplorer::is_gzip;
 
 use glidepolar_input::{InputError, Place, printable};
 
@@ -11,22 +16,87 @@ use glidepolar_input::{InputError, Place, printable};
 /// claim anything.
 const MAX_READ_BYTES: usize = 1 << 30;
 
+/// Most that a gzipped file may hold \[bytes\].
+const MOST_UNPACKED_BYTES: u64 = 1 << 30;
+
+/// As much of a file as its header takes that says how long it is.
+const HEADER_BYTES: u64 = 64;
+
+const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
+
+/// The first bytes of a file, gzipped or not; none of what does not unpack.
+fn header(path: &Path) -> Result<Vec<u8>, InputError> {
+    let is_gzip = is_gzip(path)?;
+    let file = File::open(path).map_err(|error| InputError::io(path, &error))?;
+    let mut read = Vec::new();
+    if is_gzip {
+        let _ = MultiGzDecoder::new(file).take(HEADER_BYTES).read_to_end(&mut read);
+    } else {
+        file.take(HEADER_BYTES).read_to_end(&mut read).map_err(|error| InputError::io(path, &error))?;
+    }
+    Ok(read)
+}
+
 /// Whether the file begins as one.
 pub(super) fn is_one(path: &Path) -> Result<bool, InputError> {
-    let mut magic = [0u8; 8];
-    let file = std::fs::File::open(path).map_err(|error| InputError::io(path, &error))?;
-    let mut read = Vec::new();
-    file.take(8).read_to_end(&mut read).map_err(|error| InputError::io(path, &error))?;
-    magic[..read.len()].copy_from_slice(&read);
-    Ok(magic.starts_with(b"CDF") || magic == *b"\x89HDF\r\n\x1a\n")
+    let begin = header(path)?;
+    Ok(begin.starts_with(b"CDF") || begin.starts_with(HDF5))
 }
 
 pub(super) fn open(path: &Path) -> Result<NcFile, InputError> {
     let options = NcOpenOptions { max_read_bytes: MAX_READ_BYTES, ..NcOpenOptions::default() };
-    NcFile::open_with_options(path, options).map_err(|error| {
-        InputError::new(Place::file(path), format!("not readable as NetCDF: {}", printable(&error.to_string())))
-            .help("was the file cut off while it was written or sent?")
-    })
+    let file = if is_gzip(path)? {
+        let unpacked = unpacked(path)?;
+        check_whole(path, &unpacked, unpacked.len() as u64)?;
+        NcFile::from_bytes_with_options(&unpacked, options)
+    } else {
+        let length = std::fs::metadata(path).map_err(|error| InputError::io(path, &error))?.len();
+        check_whole(path, &header(path)?, length)?;
+        NcFile::open_with_options(path, options)
+    };
+    let file = file.map_err(|error| damaged(path, &format!("not readable as NetCDF: {error}")))?;
+    // Else every variable would be missing from it, the time first.
+    file.variables().map_err(|error| damaged(path, &format!("its list of variables is not readable: {error}")))?;
+    Ok(file)
+}
+
+fn damaged(path: &Path, why: &str) -> InputError {
+    InputError::new(Place::file(path), format!("the file is damaged, {}", printable(why)))
+        .help("was the file cut off while it was written or sent?")
+}
+
+fn unpacked(path: &Path) -> Result<Vec<u8>, InputError> {
+    let file = File::open(path).map_err(|error| InputError::io(path, &error))?;
+    let mut content = Vec::new();
+    let mut packed = MultiGzDecoder::new(std::io::BufReader::new(file)).take(MOST_UNPACKED_BYTES + 1);
+    packed.read_to_end(&mut content).map_err(|error| damaged(path, &format!("it does not unpack: {error}")))?;
+    if content.len() as u64 > MOST_UNPACKED_BYTES {
+        let problem = format!("holds more than {} MB", MOST_UNPACKED_BYTES >> 20);
+        return Err(InputError::new(Place::file(path), problem).help("unpack it first"));
+    }
+    Ok(content)
+}
+
+/// Refuses an HDF5 file that is shorter than its own first block says it is.
+fn check_whole(path: &Path, begin: &[u8], length: u64) -> Result<(), InputError> {
+    match stated_length(begin) {
+        Some(stated) if stated > length => {
+            Err(damaged(path, &format!("it was cut off: {length} of {stated} bytes are there")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The length of an HDF5 file by its superblock (HDF5 File Format Specification 3.0, II.A), where its addresses take eight bytes.
+fn stated_length(begin: &[u8]) -> Option<u64> {
+    let (size_at, base_at, end_at) = match begin.strip_prefix(HDF5)?.first()? {
+        0 => (13, 24, 40),
+        1 => (13, 28, 44),
+        2 | 3 => (9, 12, 28),
+        _ => return None,
+    };
+    let number = |at: usize| Some(u64::from_le_bytes(begin.get(at..at + 8)?.try_into().ok()?));
+    (*begin.get(size_at)? == 8 && number(base_at)? == 0).then_some(number(end_at)?)
 }
 
 pub(super) fn has(file: &NcFile, name: &str) -> bool {
@@ -43,10 +113,9 @@ pub(super) fn first(path: &Path, file: &NcFile, names: &[&str]) -> Result<Option
 
 /// A variable as numbers, packed values unpacked, fill values as NaN.
 pub(super) fn values(path: &Path, file: &NcFile, name: &str) -> Result<Vec<f64>, InputError> {
-    let array = file.read_variable_unpacked_masked(name).map_err(|error| {
-        let problem = format!("variable `{}` is not readable: {}", printable(name), printable(&error.to_string()));
-        InputError::new(Place::file(path), problem)
-    })?;
+    let array = file
+        .read_variable_unpacked_masked(name)
+        .map_err(|error| damaged(path, &format!("variable `{name}` is not readable: {error}")))?;
     // Magnitudes that no instrument gives are default fill values that nobody declared; nanoseconds since 1970 are 1e18.
     let unit = units(file, name);
     let most = if unit.starts_with("nanosec") || unit.starts_with("microsec") { 5e18 } else { 1e15 };
@@ -95,4 +164,32 @@ pub(super) fn of_length(path: &Path, name: &str, column: Vec<f64>, rows: usize) 
 
 pub(super) fn missing(path: &Path, what: &str, names: &[&str]) -> InputError {
     InputError::new(Place::file(path), format!("no {what}: expected a variable {}", names.join(" or ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The lengths that superblocks of each version state, by the specification's tables.
+    #[test]
+    fn an_hdf5_file_says_how_long_it_is() {
+        let superblock = |version: u8, size_at: usize, end_at: usize| {
+            let mut begin = HDF5.to_vec();
+            begin.resize(64, 0);
+            begin[8] = version;
+            begin[size_at] = 8;
+            begin[end_at..end_at + 8].copy_from_slice(&4711_u64.to_le_bytes());
+            begin
+        };
+        for (version, size_at, end_at) in [(0, 13, 40), (1, 13, 44), (2, 9, 28), (3, 9, 28)] {
+            let begin = superblock(version, size_at, end_at);
+            assert_eq!(stated_length(&begin), Some(4711), "version {version}");
+            assert!(check_whole(Path::new("a.nc"), &begin, 4711).is_ok());
+            let error = check_whole(Path::new("a.nc"), &begin, 4000).unwrap_err().to_string();
+            assert!(error.contains("a.nc") && error.contains("cut off: 4000 of 4711 bytes"), "{error}");
+        }
+        assert_eq!(stated_length(b"CDF\x01"), None);
+        assert_eq!(stated_length(&superblock(9, 9, 28)), None);
+        assert_eq!(stated_length(HDF5), None);
+    }
 }

@@ -74,7 +74,8 @@ pub(super) fn refuse_foreign(path: &Path) -> Result<(), InputError> {
     let mut file = std::fs::File::open(path).map_err(|error| InputError::io(path, &error))?;
     let read = file.read(&mut magic).map_err(|error| InputError::io(path, &error))?;
     if magic.starts_with(&[0x1f, 0x8b]) {
-        let error = InputError::new(Place::file(path), "is a gzip archive, and no SeaExplorer file is in it");
+        let error =
+            InputError::new(Place::file(path), "is a gzip archive, and neither a SeaExplorer file nor NetCDF is in it");
         return Err(error.help("unpack it first"));
     }
     if read == 0 {

@@ -18,6 +18,9 @@ const PITCHED_WITHIN_RAD: f64 = 0.05;
 /// These first minutes \[s\]: turning takes one or two of them.
 const FIRST_MINUTES_S: f64 = 300.0;
 
+/// Sea water where the log has no density: for which way a glider goes, not for how fast \[kg/m3\].
+const SEA_WATER_KG_M3: f64 = 1025.0;
+
 /// More samples than this wait for a turning point at most; a stretch without any is cut there.
 const LONGEST_WAIT: usize = 500_000;
 
@@ -39,6 +42,7 @@ pub struct Preparation {
     noise_dbar: Vec<f64>,
     other_units: OtherUnits,
     counters: Counters,
+    turns_only: Vec<Observation>,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -62,6 +66,7 @@ impl Preparation {
             noise_dbar: Vec::new(),
             other_units: OtherUnits::default(),
             counters: Counters::default(),
+            turns_only: Vec::new(),
         }
     }
 
@@ -121,6 +126,12 @@ impl Preparation {
         self.waiting.append(&piece);
         let cut = self.last_turn();
         self.process(cut, out);
+    }
+
+    /// The samples since the last call that have heading and pitch but not all that the forces need, density or ballast
+    /// volume: they show how the glider turned and nothing else. Never steady; their sink speed is that of ordinary sea water.
+    pub fn take_turns_only(&mut self) -> Vec<Observation> {
+        std::mem::take(&mut self.turns_only)
     }
 
     /// Ends the log.
@@ -196,7 +207,7 @@ impl Preparation {
         let stretch = self.counters.stretch;
         self.counters.stretch += 1;
 
-        let mut dropped = 0;
+        let (mut dropped, turns_before) = (0, self.turns_only.len());
         let on_legs: usize = legs.iter().map(|leg| leg.end - leg.first).sum();
         let with_motors =
             legs.iter().map(|leg| moving[leg.first..leg.end].iter().filter(|m| **m).count()).sum::<usize>();
@@ -211,21 +222,24 @@ impl Preparation {
             let (start_s, end_s) = (turned_s(&log, leg), time[leg.end - 1]);
             let first = if leg.first == 0 { 0 } else { leg.first + 1 };
             for i in first..leg.end {
-                let per_dbar = DBAR_PA / (density[i] * s.gravity_m_s2);
+                let water_kg_m3 = if density[i].is_finite() { density[i] } else { SEA_WATER_KG_M3 };
+                let per_dbar = DBAR_PA / (water_kg_m3 * s.gravity_m_s2);
                 let ballast_cc = log.at(Channel::Ballast, i);
                 let pitch_rad = log.at(Channel::Pitch, i);
                 let sink_m_s = velocity.rate_dbar_s[i] * per_dbar;
-                let usable = [ballast_cc, pitch_rad, sink_m_s, density[i]].iter().all(|value| value.is_finite());
-                if !usable {
+                let is_usable = [ballast_cc, pitch_rad, sink_m_s, density[i]].iter().all(|value| value.is_finite());
+                if !is_usable {
                     dropped += 1;
-                    continue;
+                    if [pitch_rad, sink_m_s, log.at(Channel::Heading, i)].iter().any(|value| !value.is_finite()) {
+                        continue;
+                    }
                 }
                 let under_way = (pitch_rad < 0.0) == leg.descends && (sink_m_s > 0.0) == leg.descends;
                 let is_clear = time[i] - start_s >= s.after_turn_s && end_s - time[i] >= s.before_turn_s;
                 let battery = log.at(Channel::BatteryPosition, i);
                 // A Seaglider counts its pitch mass positive nose up, that is aft.
                 let battery_forward_m = if battery.is_finite() { battery } else { -log.at(Channel::PitchMass, i) };
-                out.push(Observation {
+                let observation = Observation {
                     time_s: time[i] - self.first_time_s,
                     pressure_dbar: pressure[i],
                     pressure_rate_dbar_s: velocity.rate_dbar_s[i],
@@ -249,12 +263,15 @@ impl Preparation {
                     dive: self.counters.dive,
                     stretch,
                     motor_moving: log.at(Channel::MotorMoving, i) > 0.5,
-                    steady: under_way && is_clear && !moving[i] && pressure[i] > s.surface_dbar,
-                });
+                    steady: is_usable && under_way && is_clear && !moving[i] && pressure[i] > s.surface_dbar,
+                };
+                if is_usable { &mut *out } else { &mut self.turns_only }.push(observation);
             }
             self.counters.leg += 1;
         }
         self.notes.add("rows on a leg without pitch, ballast volume, density or vertical velocity, left out", dropped);
+        let turns = self.turns_only.len() - turns_before;
+        self.notes.add("of these rows, with heading and pitch: used for turn rates alone", turns);
     }
 
     fn fill_slow_channels(&self, log: &mut FlightLog) {

@@ -278,3 +278,29 @@ fn outside(panel: &Panel, figure: &Figure, y: &Scale) -> usize {
     };
     panel.layers.iter().map(of_layer).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// On a map a length along x is as long along y, however the data lie.
+    #[test]
+    fn a_map_has_axes_of_one_scale() {
+        for (width_km, height_km) in [(10.0, 1.0), (1.0, 10.0), (3.0, 3.0)] {
+            let layer = Layer::line(vec![0.0, width_km], vec![0.0, height_km]);
+            let panel = Panel::new(Axis::new("North", "y", "km")).layer(layer);
+            let figure = Figure::new("way", Axis::new("East", "x", "km")).panel(panel);
+            let per_pixel = |figure: &Figure| {
+                let layout = Layout::new(figure);
+                let (x, place) = (&layout.x, &layout.panels[0]);
+                let frame = &place.frame;
+                let along_x = (x.to - x.from) / (frame.right - frame.left);
+                (along_x, (place.y.to - place.y.from) / (frame.bottom - frame.top))
+            };
+            let (free_x, free_y) = per_pixel(&figure);
+            let (x, y) = per_pixel(&figure.clone().map());
+            assert!((x / y - 1.0).abs() < 1e-6, "{width_km} km by {height_km} km: {x} and {y} km per pixel");
+            assert!(x >= free_x.max(free_y) * 0.999, "nothing is cut off");
+        }
+    }
+}

@@ -29,17 +29,40 @@ fn quantity(axis: &Axis, scale: &Scale) -> String {
     }
 }
 
-/// Powers in a unit raised: `1/rad^2` becomes `1/rad²`.
-fn powers(unit: &str) -> String {
-    let mut parts = unit.split('^');
-    let first = parts.next().unwrap_or_default().to_owned();
-    parts.fold(first, |out, part| {
-        let digits = part.find(|c: char| !c.is_ascii_digit() && c != '-').unwrap_or(part.len());
-        match part[..digits].parse() {
-            Ok(power) => out + &superscript(power) + &part[digits..],
-            Err(_) => out + "^" + part,
+/// Powers in a unit raised: `1/rad^2` and `1/rad2` become `1/rad²`.
+pub(super) fn powers(unit: &str) -> String {
+    let mut out = String::new();
+    let mut rest = unit;
+    while let Some(c) = rest.chars().next() {
+        let marked = c == '^';
+        let begin = if marked { &rest[1..] } else { rest };
+        let after_letter = out.chars().next_back().is_some_and(char::is_alphabetic);
+        let end = begin.find(|c: char| !(c.is_ascii_digit() || marked && c == '-')).unwrap_or(begin.len());
+        let ends_word = begin[end..].chars().next().is_none_or(|c| !c.is_alphanumeric());
+        match begin[..end].parse() {
+            Ok(power) if marked || (after_letter && ends_word) => {
+                out += &superscript(power);
+                rest = &begin[end..];
+            }
+            // Digits that are no power stay together.
+            Ok(_) if !marked => {
+                out += &begin[..end];
+                rest = &begin[end..];
+            }
+            _ => {
+                out.push(c);
+                rest = &rest[c.len_utf8()..];
+            }
         }
-    })
+    }
+    out
+}
+
+/// The units in a heading raised: `c [1/rad2]` becomes `c [1/rad²]`. What stands outside of brackets is no unit.
+pub(super) fn heading(text: &str) -> String {
+    let Some((before, rest)) = text.split_once('[') else { return text.to_owned() };
+    let Some((unit, after)) = rest.split_once(']') else { return text.to_owned() };
+    format!("{before}[{}]{}", powers(unit), heading(after))
 }
 
 /// On one line where it fits beside the panel, otherwise on two.

@@ -3,6 +3,7 @@
 use super::draw::document;
 use super::explorer::Explorer;
 use super::figure::Figure;
+use super::labels::{heading, powers};
 use super::mouse;
 use super::table::{Cell, Table};
 use crate::output::{OutputError, OutputFolder};
@@ -381,10 +382,12 @@ fn block(block: &Block, count: &mut Count) -> Value {
                     [if numeric[i] { "number" } else { "" }, if text.chars().count() <= 24 { "short" } else { "" }];
                 context! { text => visible(&text), class => class.join(" ").trim() }
             };
-            let columns: Vec<Value> = table.columns.iter().enumerate().map(|(i, c)| cell(i, c.clone())).collect();
-            let row = |r: &Vec<Cell>| -> Vec<Value> {
-                (0..width).map(|i| cell(i, r.get(i).map(ToString::to_string).unwrap_or_default())).collect()
+            let columns: Vec<Value> = table.columns.iter().enumerate().map(|(i, c)| cell(i, heading(c))).collect();
+            let text = |r: &Vec<Cell>, i: usize| {
+                let text = r.get(i).map(ToString::to_string).unwrap_or_default();
+                if table.columns[i] == "Unit" { powers(&text) } else { text }
             };
+            let row = |r: &Vec<Cell>| -> Vec<Value> { (0..width).map(|i| cell(i, text(r, i))).collect() };
             let rows: Vec<Vec<Value>> = table.rows.iter().map(row).collect();
             context! { kind => "table", number => count.tables, caption => visible(&table.caption), columns, rows }
         }

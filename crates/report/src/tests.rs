@@ -268,6 +268,23 @@ fn powers_in_units_are_raised() {
     assert!(label("1/rad^2").contains("[1/rad²]"));
     assert!(label("m s^-1").contains("[m s⁻¹]"));
     assert!(label("a^b^").contains("[a^b^]"));
+    assert!(label("J/(dbar.cm3)").contains("[J/(dbar.cm³)]"));
+    assert!(label("TEOS-10").contains("[TEOS-10]") && label("H2O").contains("[H2O]"));
+}
+
+/// A table's heads and its column of units write powers as axes do; names and values stay as they are.
+#[test]
+fn powers_in_tables_are_raised() {
+    let table = Table::new("Of r2d2.", ["c [1/rad2]", "Name", "Unit"]).row([
+        Cell::fixed(1.5, 1),
+        Cell::from("c_per_rad2"),
+        Cell::from("cm3"),
+    ]);
+    let page = Report::new("t", "s").section(Section::new("x").table(table)).html();
+    let page = page.replace("&#x2f;", "/");
+    for expected in ["c [1/rad²]", ">c_per_rad2<", ">cm³<", "Of r2d2."] {
+        assert!(page.contains(expected), "{expected} is not in the page");
+    }
 }
 
 #[test]

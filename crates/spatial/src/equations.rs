@@ -16,6 +16,7 @@
 use glidepolar_dynamics::Surroundings;
 use glidepolar_dynamics::buoyancy::Memory;
 use glidepolar_dynamics::contact::{Contact, Place};
+use glidepolar_dynamics::energy::{Usage, moves_1_s, under_water};
 use glidepolar_dynamics::equations::{servo_acceleration, servo_bend_s, servo_corner, servo_speed, slow_servo_bend_s};
 use glidepolar_number::Number;
 
@@ -99,7 +100,7 @@ pub fn derivative<T: Number>(body: &Body<T>, time_s: T, state: &State<T>, inputs
         creep_pressure_Pa: memory.creep_pressure_Pa,
         carried_density_kg_m3: memory.carried_density_kg_m3,
         leaked_back_m3: memory.leaked_back_m3,
-        energy_J: now.power_W(pumping, rudder_rate),
+        energy_J: now.power_W(pumping, sliding, rudder_rate),
     }
 }
 
@@ -403,11 +404,20 @@ impl<'a, T: Number> Instant<'a, T> {
         [p + heading * sp, q * cr - r * sr, heading]
     }
 
-    /// Power drawn: what runs all the time, the pump against the pressure, rudder and roll mass by their speed.
-    fn power_W(&self, pumping_m3_s: T, rudder_rate: T) -> T {
+    /// Power drawn: the account of one second as in the plane, and rudder and roll mass by their speed. Where the vehicle has a
+    /// figure for these, it stands in place of the mean power of steering.
+    fn power_W(&self, pumping_m3_s: T, sliding_m_s2: T, rudder_rate: T) -> T {
         let (p, l) = (&self.body.plane, &self.body.lateral);
-        p.hotel_W
-            + (p.pump_J_per_m3 + p.pump_J_per_Pa_m3 * self.water.pressure_Pa) * pumping_m3_s.at_least(0.0)
+        let zero = T::constant(0.0);
+        let usage_1_s = Usage {
+            time_s: T::constant(1.0),
+            under_water_s: if l.counts_steering() { zero } else { under_water(self.state.depth_m) },
+            pumped_m3: pumping_m3_s.at_least(0.0),
+            pressure_Pa: self.water.pressure_Pa,
+            pitch_moves: moves_1_s(sliding_m_s2, self.state.moving_mass_speed_m_s, p.moving_mass_rate_m_s),
+            surfacings: zero,
+        };
+        usage_1_s.energy(p).total_J()
             + l.rudder_power_W * (rudder_rate / l.rudder_rate_rad_s).abs()
             + l.roll_mass_power_W * (self.state.roll_mass_rate_rad_s / l.roll_mass_rate_rad_s).abs()
     }

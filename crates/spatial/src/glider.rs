@@ -11,6 +11,9 @@ use super::steering::Steering;
 /// How many events there are: surface and seabed.
 pub const N_EVENTS: usize = 2;
 
+/// The event of meeting the surface.
+const SURFACE: usize = 0;
+
 /// States that rates of change can depend on, from the third on; north and east, the memory and the energy are counted.
 pub const N_FELT: usize = 16;
 
@@ -89,8 +92,13 @@ impl SpatialGlider {
         for _ in 0..MOST_EVENTS {
             let advance = integrator.advance(self, time_s, &mut values, end_s);
             *state = State::from_array(values);
-            if advance? == Advance::Reached {
-                return Ok(());
+            match advance? {
+                Advance::Reached => return Ok(()),
+                Advance::Event(which) if which[SURFACE] && self.rates(*time_s, state).depth_m < 0.0 => {
+                    state.energy_J += self.body.plane.surfacing_J;
+                    values = state.as_array();
+                }
+                Advance::Event(_) => {}
             }
         }
         Err(IntegrationError::StepTooSmall { time_s: *time_s })

@@ -60,6 +60,13 @@ quantities! {
     }
 }
 
+impl<T: Number> Lateral<T> {
+    /// Whether there is a figure of what rudder or roll mass draw as they move.
+    pub fn counts_steering(&self) -> bool {
+        self.rudder_power_W.value() > 0.0 || self.roll_mass_power_W.value() > 0.0
+    }
+}
+
 /// How moments and forces by a rate grow with speed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum RateLaw {

@@ -128,6 +128,9 @@ impl Vehicle {
             pump_J_per_m3: get("energy.pump_J_per_cc") * 1e6,
             // 1 dbar is 1e4 Pa, 1 cm3 is 1e-6 m3.
             pump_J_per_Pa_m3: get("energy.pump_J_per_dbar_cc") * 100.0,
+            pitch_move_J: get("energy.pitch_move_J"),
+            surfacing_J: get("energy.surfacing_J"),
+            rudder_W: get("energy.rudder_W"),
             hull_compressibility_per_Pa: get("hull.compressibility_per_Pa"),
             hull_thermal_expansion_per_K: get("hull.thermal_expansion_per_K"),
             ..Parameters::default()

@@ -263,7 +263,7 @@ impl Instance {
     fn started(&self) -> Glider {
         let mut glider = self.core.glider.clone();
         glider.complete_start();
-        glider.handle_event();
+        glider.begin();
         glider
     }
 }

@@ -33,6 +33,12 @@ impl Glider {
         complete_start(self.model, &mut self.values);
     }
 
+    /// Brings the discrete state of a start in line with it: a glider that begins afloat has not surfaced.
+    pub fn begin(&mut self) {
+        self.discrete.at_surface = is_beyond(-self.depth_m(), false, PAST_BOUNDARY_M);
+        self.handle_event();
+    }
+
     /// Whether these parameters have a steady glide down in this water.
     pub fn has_glide(&self) -> bool {
         match self.model {
@@ -51,7 +57,11 @@ impl Glider {
             Model::Space => space::seabed_depth_m(self),
         };
         let depth_m = self.depth_m();
-        self.discrete.at_surface = is_beyond(-depth_m, self.discrete.at_surface, PAST_BOUNDARY_M);
+        let was_at_surface = self.discrete.at_surface;
+        self.discrete.at_surface = is_beyond(-depth_m, was_at_surface, PAST_BOUNDARY_M);
+        if self.discrete.at_surface && !was_at_surface {
+            self.values.state[self.model.energy()] += parameters.surfacing_J;
+        }
         let below_m = depth_m - seabed_depth_m;
         self.discrete.on_seabed = is_beyond(below_m, self.discrete.on_seabed, PAST_BOUNDARY_M);
         self.corners = match self.model {

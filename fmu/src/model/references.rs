@@ -126,6 +126,9 @@ const PARAMETER_REFERENCES: &[(&str, u32, u32)] = &[
     ("heading_roll_gain_ascent", 0, 204),
     ("heading_lead_s", 0, 205),
     ("heading_dead_band_rad", 0, 206),
+    ("pitch_move_J", 154, 208),
+    ("surfacing_J", 155, 209),
+    ("rudder_W", 156, 210),
 ];
 
 /// The value reference of a parameter that a model publishes.

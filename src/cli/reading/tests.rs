@@ -97,6 +97,13 @@ fn a_density_that_the_log_shows_to_be_wrong_is_corrected_by_every_command_and_it
     let true_density = changed(|row| row[4] = in_situ_density_kg_m3(35.0, 10.0, row[1], f64::NAN, f64::NAN));
     let (corrected, expected) = (drag(&changed(|row| row[4] = surface)), drag(&true_density));
     assert!((corrected / expected - 1.0).abs() < 1e-6, "{corrected} beside {expected}");
+    let way = |rows: &[Row]| {
+        let found = run_command(COMMANDS[2], rows).expect("a track");
+        let dives = found["dives"].as_array().expect("dives").clone();
+        dives.iter().map(|dive| dive["east_m"].as_f64().expect("a way")).sum::<f64>()
+    };
+    let (as_read, expected) = (way(&changed(|row| row[4] = surface)), way(&true_density));
+    assert!(expected > 100.0 && (as_read / expected - 1.0).abs() < 1e-6, "{as_read} m beside {expected} m");
 }
 
 #[test]

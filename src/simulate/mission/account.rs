@@ -1,6 +1,6 @@
 //! What a flown mission leaves behind: moments, legs, why each ended, and what the whole of it cost. Data alone.
 
-use crate::dynamics::IntegrationError;
+use crate::dynamics::{Energy, IntegrationError};
 use crate::glide::GlideError;
 use crate::simulate::Row;
 
@@ -115,10 +115,8 @@ pub struct Flight {
     pub pitch_moves: u64,
     /// Times the glider touched the seabed.
     pub groundings: u64,
-    /// Energy of the pump \[J\].
-    pub pump_J: f64,
-    /// Energy of everything that runs all the time \[J\].
-    pub hotel_J: f64,
+    /// Energy, by what took it.
+    pub energy: Energy<f64>,
 }
 
 /// Why a mission could not be flown.

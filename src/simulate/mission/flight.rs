@@ -7,6 +7,7 @@ use super::Mission;
 use super::account::{Ending, Flight, Leg, LegKind, MissionError, Moment, Turn};
 use super::controller::Controller;
 use super::course::{ALTIMETER, Course, GROUNDED, INFLECTION, MAX_DEPTH, Phase, UPPER_END, WAY_DONE};
+use super::spent::Spent;
 use crate::dynamics::limits::N_EVENTS;
 use crate::dynamics::{Actuation, Advance, Glider, Integrator, Parameters, State};
 use crate::simulate::row;
@@ -47,6 +48,7 @@ pub(super) fn fly_with(
         let (mut time, mut state) = (pilot.time_s, pilot.state);
         let advance =
             integrator.follow(&pilot.course, &mut time, &mut state, next_row.min(next_change), next_change)?;
+        pilot.spent.carried(time - pilot.time_s, [pilot.state.depth_m, state.depth_m]);
         (pilot.time_s, pilot.state) = (time, state);
         if let Advance::Event(which) = advance {
             pilot.on_event(which);
@@ -83,6 +85,7 @@ struct Pilot<'a> {
     pumpings: u64,
     pitch_moves: u64,
     groundings: u64,
+    spent: Spent,
 }
 
 impl<'a> Pilot<'a> {
@@ -134,6 +137,7 @@ impl<'a> Pilot<'a> {
             pumpings: 0,
             pitch_moves: 0,
             groundings: 0,
+            spent: Spent::new(),
         };
         pilot.begin(Phase::Descending);
         pilot
@@ -190,7 +194,10 @@ impl<'a> Pilot<'a> {
                     Phase::Climbing { to_surface: self.surfacing_due_s == f64::INFINITY }
                 }
                 Turn::SurfacingDue => Phase::Climbing { to_surface: true },
-                Turn::Surfaced => Phase::AtSurface { until_s: self.time_s + surfacing.stay_s },
+                Turn::Surfaced => {
+                    self.state.energy_J += self.spent.surfaced(self.course.parameters);
+                    Phase::AtSurface { until_s: self.time_s + surfacing.stay_s }
+                }
                 Turn::StayOver => {
                     self.surfacing_due_s = surfacing.every_s.map_or(f64::INFINITY, |every| self.time_s + every);
                     Phase::Descending
@@ -245,6 +252,7 @@ impl<'a> Pilot<'a> {
 
     fn move_mass(&mut self, position_m: f64) {
         self.pitch_moves += u64::from(position_m != self.course.moving_mass_m);
+        self.spent.moved(self.course.parameters, self.course.moving_mass_m, position_m);
         self.course.moving_mass_m = position_m;
     }
 
@@ -284,7 +292,6 @@ impl<'a> Pilot<'a> {
         if self.time_s > self.leg.start_s {
             self.end_leg(Turn::MissionEnd);
         }
-        let hotel_J = self.course.parameters.hotel_W * self.time_s;
         Flight {
             ending,
             duration_s: self.time_s,
@@ -293,8 +300,7 @@ impl<'a> Pilot<'a> {
             pumpings: self.pumpings,
             pitch_moves: self.pitch_moves,
             groundings: self.groundings,
-            pump_J: self.state.energy_J - hotel_J,
-            hotel_J,
+            energy: self.spent.energy(self.course.parameters, self.state.energy_J, None),
         }
     }
 }

@@ -15,6 +15,7 @@ mod keys;
 mod profile;
 mod read;
 mod route;
+mod spent;
 
 use std::path::Path;
 

@@ -11,8 +11,10 @@ use glidepolar_ode::{Advance, IntegrationError, Integrator, Slopes, System};
 use super::account::{Ending, LegKind, MissionError};
 use super::controller::Controller;
 use super::course::Phase;
+use super::spent::Spent;
 use super::{Mission, Profile};
 use crate::Number;
+use crate::dynamics::Energy;
 use crate::simulate::space::{Row, row};
 use crate::spatial::glider::{FIRST_FELT, N_FELT, N_MEMORY, NOMINAL_VALUES, slopes};
 use crate::spatial::steering::{shortest, with_gains};
@@ -70,8 +72,10 @@ pub struct Account {
     pub groundings: u64,
     /// Energy of the pump \[J\].
     pub pump_J: f64,
-    /// Energy of rudder and roll mass \[J\].
+    /// Energy of rudder, roll mass and moving mass \[J\].
     pub steering_J: f64,
+    /// Energy of the surfacings \[J\].
+    pub surfacing_J: f64,
     /// Energy of everything that runs all the time \[J\].
     pub hotel_J: f64,
 }
@@ -134,7 +138,9 @@ pub fn fly_route(
         let (mut time_s, mut state) = (pilot.time_s, pilot.state.as_array());
         let advance =
             integrator.follow(&pilot.course, &mut time_s, &mut state, next_row.min(next_change), next_change)?;
+        let before = (pilot.time_s, pilot.state.depth_m);
         (pilot.time_s, pilot.state) = (time_s, State::from_array(state));
+        pilot.spent.carried(pilot.time_s - before.0, [before.1, pilot.state.depth_m]);
         let which = match advance {
             Advance::Reached => [false; N_EVENTS],
             Advance::Event(which) => which,
@@ -259,6 +265,7 @@ struct Pilot<'a> {
     steering_moves: u64,
     groundings: u64,
     steering_J: f64,
+    spent: Spent,
 }
 
 impl<'a> Pilot<'a> {
@@ -306,6 +313,7 @@ impl<'a> Pilot<'a> {
             steering_moves: 0,
             groundings: 0,
             steering_J: 0.0,
+            spent: Spent::new(),
         };
         pilot.begin(Phase::Descending);
         Ok(pilot)
@@ -341,6 +349,7 @@ impl<'a> Pilot<'a> {
             }
             Phase::Climbing { to_surface: true } if which[UPPER] => {
                 self.surfacings += 1;
+                self.state.energy_J += self.spent.surfaced(&self.course.body.plane);
                 Some(Phase::AtSurface { until_s: self.time_s + mission.surfacing.stay_s })
             }
             Phase::Climbing { to_surface: false } if which[UPPER] => Some(Phase::Descending),
@@ -448,6 +457,7 @@ impl<'a> Pilot<'a> {
 
     fn move_mass(&mut self, position_m: f64) {
         self.pitch_moves += u64::from(position_m != self.course.orders.moving_mass_m);
+        self.spent.moved(&self.course.body.plane, self.course.orders.moving_mass_m, position_m);
         self.course.orders.moving_mass_m = position_m;
     }
 
@@ -471,7 +481,10 @@ impl<'a> Pilot<'a> {
     }
 
     fn end(&self, ended_by: Ending) -> Account {
-        let hotel_J = self.course.body.plane.hotel_W * self.time_s;
+        let body = &self.course.body;
+        let steering_J = body.lateral.counts_steering().then_some(self.steering_J);
+        let Energy { hotel_J, pump_J, steering_J, surfacing_J } =
+            self.spent.energy(&body.plane, self.state.energy_J, steering_J);
         let [north, east] = self.before_m;
         Account {
             ended_by,
@@ -485,8 +498,9 @@ impl<'a> Pilot<'a> {
             pitch_moves: self.pitch_moves,
             steering_moves: self.steering_moves,
             groundings: self.groundings,
-            pump_J: self.state.energy_J - hotel_J - self.steering_J,
-            steering_J: self.steering_J,
+            pump_J,
+            steering_J,
+            surfacing_J,
             hotel_J,
         }
     }

@@ -233,3 +233,28 @@ fn turning_points_ignore_what_is_smaller_than_a_leg() {
     let bounds: Vec<(usize, usize, bool)> = found.iter().map(|leg| (leg.first, leg.end, leg.descends)).collect();
     assert_eq!(bounds, [(0, 6, true), (5, 12, false), (11, 14, true)]);
 }
+
+/// A CTD that is off for a leg takes that leg from the fits of forces, not from the turn rates.
+#[test]
+fn rows_without_density_show_turns_and_nothing_else() {
+    let mut log = saw_tooth(3);
+    let time = log.column(Channel::Time).to_vec();
+    log.set(Channel::Heading, time.iter().map(|time| 0.01 * time).collect());
+    let whole = prepared(log.clone()).0;
+    let off = |i: usize| (600..900).contains(&i);
+    let density = (0..log.len()).map(|i| if off(i) { f64::NAN } else { 1025.0 }).collect();
+    log.set(Channel::Density, density);
+    let mut preparation = Preparation::new(PreparationSettings::default());
+    let mut out = Vec::new();
+    preparation.push(log, &mut out);
+    preparation.finish(&mut out);
+    let turns = preparation.take_turns_only();
+    assert!(out.iter().all(|o| o.density_kg_m3.is_finite()) && turns.len() > 280, "{} rows", turns.len());
+    assert!(turns.iter().all(|o| !o.steady && o.density_kg_m3.is_nan() && o.heading_rad.is_finite()));
+    // But where the slope of the pressure reaches over the turn.
+    let towards = turns.iter().filter(|o| (o.sink_m_s > 0.0) == (o.pitch_rad < 0.0)).count();
+    assert!(towards + 20 > turns.len(), "{towards} of {}", turns.len());
+    assert_eq!(out.len() + turns.len(), whole.len(), "no row is lost");
+    assert!(preparation.notes().sentences().iter().any(|note| note.contains("used for turn rates alone")));
+    assert!(preparation.take_turns_only().is_empty());
+}
