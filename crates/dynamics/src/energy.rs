@@ -13,8 +13,8 @@
 
 use glidepolar_number::Number;
 
-use super::equations::servo_acceleration;
 use super::parameters::Parameters;
+use super::servo::servo_acceleration;
 
 /// What was used in some time; or, each per second, what is being used.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -38,16 +38,9 @@ use super::contact::{Contact, Place};
 use super::energy::{Usage, moves_1_s, under_water};
 use super::forces::{Flow, Hydrodynamics};
 use super::parameters::Parameters;
+use super::servo::{servo_acceleration, servo_bend_s, servo_corner, servo_speed, slow_servo_bend_s};
 use super::state::{Actuation, Inputs, Modes, State, Stop};
 use glidepolar_number::Number;
-
-/// Bandwidth of the servos \[1/s\]: the speed that a servo asks for, below its largest rate, is this times the way to its
-/// set-point. The ballast has that speed at once and is of first order; the moving mass takes it up first and is of second
-/// order, `r'' = 4 (sat((command - r) 1) - r')`, critically damped.
-const SERVO_RATE_1_S: f64 = 1.0;
-
-/// Bandwidth with which the moving mass takes up the speed that its servo asks for \[1/s\].
-const SERVO_SPEED_RATE_1_S: f64 = 4.0;
 
 /// Rate at which a held offset returns to its place, should rounding move it \[1/s\].
 const HOLD_RATE_1_S: f64 = 2.0;
@@ -186,34 +179,6 @@ fn moving_mass_bend_s(p: &Parameters<f64>, state: &State<f64>, inputs: &Inputs<f
     let speed =
         state.momentum_1_kg_m_s / p.moving_mass_kg - state.v1_m_s - state.moving_mass_3_m * state.pitch_rate_rad_s;
     slow_servo_bend_s(target_m - state.moving_mass_1_m, speed, p.moving_mass_rate_m_s)
-}
-
-/// In which time a servo of first order, so far from its set-point, leaves its largest rate \[s\]; zero or less where it does
-/// not run at it.
-pub fn servo_bend_s(to_go: f64, limit: f64) -> f64 {
-    to_go.abs() / limit - 1.0 / SERVO_RATE_1_S
-}
-
-/// The same of a servo of second order, at this speed.
-pub fn slow_servo_bend_s(to_go: f64, speed: f64, limit: f64) -> f64 {
-    let at_limit = to_go.abs() - limit / SERVO_RATE_1_S;
-    if at_limit <= 0.0 {
-        return 0.0;
-    }
-    // The speed nears its limit as exp(-k t): at_limit = limit t - lag (1 - exp(-k t)), solved by fixed point.
-    let lag = (limit - speed * to_go.signum()) / SERVO_SPEED_RATE_1_S;
-    let mut in_s = at_limit / limit;
-    for _ in 0..20 {
-        in_s = (at_limit + lag * (1.0 - (-SERVO_SPEED_RATE_1_S * in_s).exp())) / limit;
-    }
-    in_s
-}
-
-/// Two functions that are zero where a servo so far from its set-point reaches or leaves its largest rate, in either
-/// direction.
-pub fn servo_corner<T: Number>(to_go: T, limit: T) -> [T; 2] {
-    let share = to_go * SERVO_RATE_1_S / limit;
-    [share + 1.0, -share + 1.0]
 }
 
 /// Force along axis 1 that the moving mass would need to stay where it is on the hull \[N\]. Against a stop, the
@@ -475,16 +440,6 @@ impl<'a, T: Number> Motion<'a, T> {
         };
         usage_1_s.energy(p).total_J()
     }
-}
-
-/// Speed that a servo of first order has, so far from its set-point.
-pub fn servo_speed<T: Number>(to_go: T, limit: T) -> T {
-    (to_go * SERVO_RATE_1_S).held_within(-limit, limit)
-}
-
-/// Acceleration of a servo of second order: it takes up the speed that its distance to the set-point asks for.
-pub fn servo_acceleration<T: Number>(to_go: T, speed: T, limit: T) -> T {
-    (servo_speed(to_go, limit) - speed) * SERVO_SPEED_RATE_1_S
 }
 
 /// Acceleration that brings a held offset back to zero without overshoot.

@@ -23,6 +23,7 @@ pub mod integrate;
 pub mod limits;
 pub mod mechanisms;
 pub mod parameters;
+pub mod servo;
 pub mod state;
 pub mod system;
 

@@ -30,6 +30,7 @@ mod dinkum_ascii;
 mod files;
 mod fix;
 mod glide_table;
+mod gzip;
 mod in_memory;
 mod interpolated_speed;
 mod lost_speed;

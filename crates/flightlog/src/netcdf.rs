@@ -8,7 +8,7 @@ use std::path::Path;
 use flate2::read::MultiGzDecoder;
 use netcdf_reader::{NcFile, NcOpenOptions};
 
-use super::seaexplorer::is_gzip;
+use super::gzip::is_gzip;
 
 use glidepolar_input::{InputError, Place, printable};
 

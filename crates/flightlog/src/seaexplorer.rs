@@ -20,6 +20,7 @@ use super::channels::{Channel, FlightLog};
 use super::columns::Columns;
 use super::dates::unix_s;
 use super::fix::{GpsFix, degrees};
+use super::gzip::is_gzip;
 use super::resample::{Readings, at_rows, pressure_rows};
 use glidepolar_input::{InputError, Place, printable};
 
@@ -99,14 +100,6 @@ pub(super) fn is_one(path: &Path) -> Result<bool, InputError> {
     let text = String::from_utf8_lossy(&start);
     let first = text.lines().next().unwrap_or("").trim_start_matches('\u{feff}');
     Ok(first.starts_with("PLD_REALTIMECLOCK;") || (first.starts_with("Timestamp;") && first.contains("NavState")))
-}
-
-/// Whether a file is gzipped.
-pub(super) fn is_gzip(path: &Path) -> Result<bool, InputError> {
-    let mut magic = Vec::new();
-    let file = File::open(path).map_err(|error| InputError::io(path, &error))?;
-    file.take(2).read_to_end(&mut magic).map_err(|error| InputError::io(path, &error))?;
-    Ok(magic == [0x1f, 0x8b])
 }
 
 fn content(path: &Path) -> Result<Box<dyn Read>, InputError> {

@@ -17,7 +17,7 @@ use glidepolar_dynamics::Surroundings;
 use glidepolar_dynamics::buoyancy::Memory;
 use glidepolar_dynamics::contact::{Contact, Place};
 use glidepolar_dynamics::energy::{Usage, moves_1_s, under_water};
-use glidepolar_dynamics::equations::{servo_acceleration, servo_bend_s, servo_corner, servo_speed, slow_servo_bend_s};
+use glidepolar_dynamics::servo::{servo_acceleration, servo_bend_s, servo_corner, servo_speed, slow_servo_bend_s};
 use glidepolar_number::Number;
 
 use super::forces::{Hydrodynamics, Motion};
