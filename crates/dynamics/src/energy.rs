@@ -105,11 +105,14 @@ const WEIGHT: f64 = 693.0 / 256.0;
 pub fn moves_over(way: f64, largest_speed: f64) -> f64 {
     /// A hundredth of the servo's own time.
     const STEP_S: f64 = 2.5e-3;
-    if way <= 0.0 || largest_speed <= 0.0 {
+    /// Ten seconds: the largest speed is reached in 2.3 s, and a short way is half gone before.
+    const MOST_STEPS: usize = 4000;
+    let is_way = |value: f64| value.is_finite() && value > 0.0;
+    if !is_way(way) || !is_way(largest_speed) {
         return 0.0;
     }
     let (mut to_go, mut speed, mut moves) = (way, 0.0, 0.0);
-    loop {
+    for _ in 0..MOST_STEPS {
         let acceleration = servo_acceleration(to_go, speed, largest_speed);
         if acceleration <= 0.0 || speed > 0.9999 * largest_speed {
             return moves;
@@ -120,6 +123,7 @@ pub fn moves_over(way: f64, largest_speed: f64) -> f64 {
         speed += acceleration * STEP_S;
         to_go -= middle * STEP_S;
     }
+    moves
 }
 
 /// Seconds under water per second at a depth: 1 or 0. The change is where the surface is met, which is an event.
