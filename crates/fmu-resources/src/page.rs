@@ -44,6 +44,9 @@ pub fn figures(
     ]
 }
 
+/// The longest run that the page tells the end of \[s\]: a day.
+const LONGEST_RUN_S: f64 = 86_400.0;
+
 /// What the simulation does when it is left alone.
 fn first_run(
     parameters: &Parameters<f64>,
@@ -66,6 +69,10 @@ fn first_run(
             out.speed_m_s
         )
     };
+    // Whoever wants a longer run does not look for its end on a page; a template may ask for any.
+    if stop_s > LONGEST_RUN_S {
+        return prose;
+    }
     let Ok(end) = left_alone(parameters, start, column, stop_s) else {
         return prose;
     };
