@@ -7,9 +7,9 @@
 //! equations of motion have the power from the same counts per second.
 //!
 //! The equations know no moves, only a servo. A move takes the mass from rest to a speed and back to rest. Half of it is counted
-//! on the way up and half on the way down, by a weight `693/256 (1 - u^2)^5` of each change of `u`, the speed over the servo's largest
-//! ([`moves_1_s`]). Its integral from 0 to 1 is 1, most of it at low speed: a way of one second or more at the largest speed counts as
-//! one move within half a per cent, a correction of a tenth of that as a fifth.
+//! while the speed rises and half while it falls, each change of `u`, the speed over the servo's largest, with the weight
+//! `693/256 (1 - u^2)^5` ([`moves_1_s`]). The weight's integral from 0 to 1 is 1, most of it at low speed. So a displacement that
+//! takes a second or more at the largest speed is one move within half a per cent, and one of a tenth of that a fifth of a move.
 
 use glidepolar_number::Number;
 
@@ -101,7 +101,7 @@ pub fn moves_1_s<T: Number>(acceleration: T, speed: T, largest_speed: T) -> T {
 /// Over the integral of `(1 - u^2)^5` from 0 to 1.
 const WEIGHT: f64 = 693.0 / 256.0;
 
-/// Moves that a servo with this largest speed makes of one way from rest to rest: one, or less where the way is short.
+/// Moves that a servo with this largest speed makes of one displacement from rest to rest: one, or less where it is small.
 pub fn moves_over(way: f64, largest_speed: f64) -> f64 {
     /// A hundredth of the servo's own time.
     const STEP_S: f64 = 2.5e-3;
