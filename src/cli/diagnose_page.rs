@@ -53,16 +53,21 @@ fn wrong(found: &Diagnosis) -> String {
         };
     };
     let mut others: Vec<&str> = Vec::new();
+    let mut of_turning = String::new();
     for wrong in &found.wrong[1..] {
-        // Two quantities may go with one regime: it is said once.
-        if wrong.regime != worst.regime && !others.contains(&wrong.regime.as_str()) {
+        let (factor, unit) = shown_in(&wrong.quantity);
+        if unit != shown_in(&worst.quantity).1 {
+            let (quantity, size) = (words(&wrong.quantity), wrong.size * factor);
+            of_turning += &format!(" The {quantity} depends on {} by {size:.2} {unit} rms.", wrong.regime);
+        } else if wrong.regime != worst.regime && !others.contains(&wrong.regime.as_str()) {
+            // Two quantities may go with one regime: it is said once.
             others.push(&wrong.regime);
         }
     }
     let others = if others.is_empty() { String::new() } else { format!(", and on {}", others.join(", ")) };
     let (factor, unit) = shown_in(&worst.quantity);
     format!(
-        "The baseline misses the {} by {:.1} {unit} rms where measurement and moving water explain {:.1} {unit}; the misfit depends on {} ({}){others}.",
+        "The baseline misses the {} by {:.1} {unit} rms where measurement and moving water explain {:.1} {unit}; the misfit depends on {} ({}){others}.{of_turning}",
         words(&worst.quantity),
         worst.rms * factor,
         worst.expected_rms * factor,
@@ -146,7 +151,7 @@ fn gain(found: &Diagnosis) -> String {
         .map(|gain| {
             let (factor, unit) = shown_in(&gain.quantity);
             format!(
-                "of the {} from {:.1} to {:.1} {unit}, {} (95 %: {:.0} to {:.0} % less)",
+                "of the {} from {:.2} to {:.2} {unit}, {} (95 %: {:.0} to {:.0} % less)",
                 words(&gain.quantity),
                 gain.holdout_rms_before * factor,
                 gain.holdout_rms_after * factor,
