@@ -179,6 +179,10 @@ fn evidence(truth: &[Drawn], found: &Diagnosis) -> String {
     for wrong in found.wrong.iter().take(2) {
         text += &format!("; wrong {} {} {:.2} mm/s", wrong.quantity, wrong.regime, wrong.size * 1e3);
     }
+    let rejected = found.rejected.iter().filter(|one| truth.iter().any(|drawn| drawn.effect.name == one.cause));
+    for one in rejected {
+        text += &format!("; true one refused: {:?}, p {:.0e}", one.why, one.p_value.unwrap_or(f64::NAN));
+    }
     if let Some(table) = &found.empirical {
         text += &format!(
             "; table {} {} {:.2}>{:.2} mm/s",

@@ -3,7 +3,7 @@
 
 use nalgebra::DVector;
 
-use super::evidence::{Problem, Quantity, names};
+use super::evidence::{Headline, Problem, Quantity, names};
 use super::findings::Why;
 use super::fitted::Fitted;
 use super::holdout;
@@ -188,14 +188,11 @@ impl Fitted {
         while problem.needs_both_legs() {
             let included = self.regimes_included(problem);
             let is_of_one_leg = |place: &usize| {
-                let sign = included[*place].sizes[0].signum();
+                let size = included[*place].sizes[0];
                 let legs = regimes::on_each_leg(&self.evidence, &self.noises, &included, *place);
                 legs.is_some_and(|legs| {
-                    let [(a, se_a), (b, se_b)] = legs;
-                    let apart = (a - b).abs();
-                    legs.iter().any(|(size, se)| size * sign < SHOWN_ON_A_LEG * se)
-                        || apart > SURELY_APART * se_a.hypot(se_b)
-                            && apart > LEAST_DIFFERENCE * included[*place].sizes[0].abs()
+                    legs.may_be_absent(size.signum(), SHOWN_ON_A_LEG)
+                        || legs.differ(SURELY_APART, LEAST_DIFFERENCE * size.abs())
                 })
             };
             let Some(place) = (0..self.included.len()).find(is_of_one_leg) else { return };
@@ -246,23 +243,29 @@ impl Fitted {
         }
     }
 
-    /// What improves one quantity and spoils another did not happen: it goes, the worst spoiler first.
+    /// What improves one quantity and spoils another did not happen, nor what for certain leaves more of the quantity of which its
+    /// gain is reported: it goes, the worst spoiler first.
     pub(super) fn drop_what_spoils(&mut self, problem: &impl Problem, baseline: &Fitted) {
+        let most = |quantity: usize| match problem.headline() {
+            Headline::First if quantity == 0 => 0.0,
+            _ => LEAST_SPOILT_PERCENT,
+        };
         while self.evidence.quantities.len() > 1 && !self.included.is_empty() {
             let with = self.held_out();
-            // The least by which a quantity is worse for it, as far as these data tell [%].
+            // By how much a quantity is worse for it at the least, as far as these data tell, beyond what may be traded [%].
             let spoils = |other: &Fitted| -> f64 {
                 let before = other.held_out();
-                let least = |quantity: &Quantity| {
-                    -holdout::reduction_interval(&self.evidence.block, quantity.rows.clone(), &before, &with)[1]
+                let least = |(place, quantity): (usize, &Quantity)| {
+                    let rows = quantity.rows.clone();
+                    -holdout::reduction_interval(&self.evidence.block, rows, &before, &with)[1] - most(place)
                 };
-                self.evidence.quantities.iter().map(least).fold(f64::NEG_INFINITY, f64::max)
+                self.evidence.quantities.iter().enumerate().map(least).fold(f64::NEG_INFINITY, f64::max)
             };
             let worst = (0..self.included.len())
                 .map(|place| self.without(problem, baseline, place))
                 .map(|other| (spoils(&other), other))
                 .max_by(|a, b| a.0.total_cmp(&b.0))
-                .filter(|(spoilt_percent, _)| *spoilt_percent > LEAST_SPOILT_PERCENT);
+                .filter(|(spoilt_percent, _)| *spoilt_percent > 0.0);
             match worst {
                 Some((_, other)) => *self = other,
                 None => return,
@@ -331,12 +334,27 @@ impl Fitted {
                 };
                 sizes.iter().zip(&limits).map(|(size, limit)| size / limit).fold(0.0, f64::max)
             };
-            let least = (0..self.included.len()).map(|place| (worth(place), place)).min_by(|a, b| a.0.total_cmp(&b.0));
-            match least.filter(|(worth, _)| *worth <= 1.0) {
-                Some((_, place)) => *self = self.without(problem, baseline, place),
+            let mut small: Vec<(f64, usize)> = (0..self.included.len())
+                .map(|place| (worth(place), place))
+                .filter(|(worth, _)| *worth <= 1.0)
+                .collect();
+            small.sort_by(|a, b| a.0.total_cmp(&b.0));
+            // Far from the fit the slopes mislead: what the others make of the data without it decides.
+            let fitted_again = small.into_iter().map(|(_, place)| self.without(problem, baseline, place));
+            match fitted_again.into_iter().find(|other| !self.leaves_less_than(other, &limits)) {
+                Some(other) => *self = other,
                 None => return,
             }
         }
+    }
+
+    /// Whether the rms of what is left falls by more than the limit of a quantity, in quadrature, from another fit to this one.
+    fn leaves_less_than(&self, other: &Fitted, limits: &[f64]) -> bool {
+        let quantities = self.evidence.quantities.iter().zip(limits);
+        quantities.into_iter().any(|(quantity, limit)| {
+            let square = |fitted: &Fitted| holdout::rms(&fitted.evidence.residual, quantity.rows.clone()).powi(2);
+            square(other) - square(self) > limit.powi(2)
+        })
     }
 
     /// Only what is worth more than so much of the criterion stays.

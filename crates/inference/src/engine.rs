@@ -6,10 +6,11 @@
 use nalgebra::DVector;
 
 use super::evidence::{Point, Problem};
-use super::findings::{Diagnosis, Wrong};
+use super::findings::{Diagnosis, Why, Wrong};
 use super::fitted::Fitted;
 use super::iteration::Iteration;
 use super::outcome::{Outcome, Stage};
+use super::replacements::in_place_of;
 use super::report::{report, wrong};
 use super::score::SIGNIFICANT;
 use super::subset_search::{Choice, MARGIN};
@@ -43,7 +44,12 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
         decide(iteration.search().best_mechanisms(), iteration.search().best_with_curve(), iteration, problem)
     });
     let mut dropped = Vec::new();
+    let found = present.clone();
     let mut refuted = present.eliminate_backward(problem, &baseline, &mut dropped);
+    // What was found first may be refused for what it is not, and the law that it resembles stand in its place.
+    if let Some((standing, of_standing)) = found.stands_with_another(problem, &baseline, &mut dropped) {
+        (present, refuted) = (standing, of_standing);
+    }
     // What was found in full, alone, stands where the slopes' choice does no better: in the place of one of its mechanisms,
     // or of them all where it was thinned out to no more than one.
     for mut rival in single.iter().flat_map(|single| present.rivals(single, problem)) {
@@ -149,6 +155,28 @@ fn decide(
 }
 
 impl Fitted {
+    /// This set with one of its refused members exchanged for a mechanism that predicts as well, if then all of them stand; with
+    /// the covariate of what was refuted on the way.
+    fn stands_with_another(
+        &self,
+        problem: &impl Problem,
+        baseline: &Fitted,
+        dropped: &mut Vec<(usize, Why)>,
+    ) -> Option<(Fitted, Option<String>)> {
+        let is_refused = |member: &usize| {
+            dropped.iter().any(|(gone, why)| {
+                gone == member && matches!(why, Why::SizeVaries | Why::SizeImpossible | Why::SpoilsQuantity)
+            })
+        };
+        let refused: Vec<usize> = (0..self.included.len()).filter(|place| is_refused(&self.included[*place])).collect();
+        let others = refused.into_iter().flat_map(|place| in_place_of(problem, baseline, self, place));
+        others.into_iter().find_map(|mut other| {
+            let asked = other.included.len();
+            let refuted = other.eliminate_backward(problem, baseline, dropped);
+            (other.included.len() == asked).then_some((other, refuted))
+        })
+    }
+
     /// Alternates between the choice of a set and its fit until the choice stands; returns the curve that goes with it.
     fn alternate(
         &mut self,

@@ -147,7 +147,7 @@ impl Fitted {
     }
 
     /// Less the logarithm of the likelihood of data that were held out, up to a constant.
-    fn held_out_misfit(&self) -> f64 {
+    pub(super) fn held_out_misfit(&self) -> f64 {
         let left = self.held_out();
         let of = |quantity: &super::evidence::Quantity| {
             quantity.rows.len() as f64 * holdout::rms(&left, quantity.rows.clone()).ln()

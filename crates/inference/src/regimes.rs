@@ -92,14 +92,59 @@ pub fn misfits(evidence: &Evidence, noises: &[Noise], included: &[Included<'_>])
     worst
 }
 
-/// The size of an included mechanism on each leg, the first parameter with its standard error, the other mechanisms being
-/// fitted as well; nothing where it acts on one leg alone.
-pub fn on_each_leg(
-    evidence: &Evidence,
-    noises: &[Noise],
-    included: &[Included<'_>],
-    place: usize,
-) -> Option<[(f64, f64); 2]> {
+/// The size of a mechanism on each of the two legs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OnLegs {
+    /// The size on each leg.
+    pub size: [f64; 2],
+    /// Variance of each.
+    pub variance: [f64; 2],
+    /// Covariance of the two: the rest of the model is fitted to both legs.
+    pub covariance: f64,
+}
+
+/// Standard error of one size on both legs, relative to that of the better known leg, below which the size is known by the
+/// contrast of the legs: two legs that tell of it independently reach 0.71.
+const BY_CONTRAST: f64 = 0.5;
+
+impl OnLegs {
+    fn variance_of_difference(&self) -> f64 {
+        (self.variance[0] + self.variance[1] - 2.0 * self.covariance).max(f64::MIN_POSITIVE)
+    }
+
+    /// The difference of the sizes in its standard errors.
+    fn against_one_size(&self) -> f64 {
+        (self.size[0] - self.size[1]).abs() / self.variance_of_difference().sqrt()
+    }
+
+    /// Whether the sizes differ by so many standard errors and by more than so much.
+    pub fn differ(&self, standard_errors: f64, by: f64) -> bool {
+        self.against_one_size() > standard_errors && (self.size[0] - self.size[1]).abs() > by
+    }
+
+    /// Whether neither leg tells by itself what both tell together: an offset of the pitch shifts the legs' polars apart, and
+    /// each leg alone would call it another polar.
+    fn is_known_by_contrast(&self) -> bool {
+        let [a, b] = self.variance;
+        let together = (a * b - self.covariance.powi(2)).max(0.0) / self.variance_of_difference();
+        together < BY_CONTRAST.powi(2) * a.min(b)
+    }
+
+    /// Whether the mechanism may be absent on a leg: it does not show there by so many standard errors towards the side of
+    /// `sign`. Where it is known by the contrast of the legs, none shows it by itself: then one size on both stands until a law
+    /// that acts on one of them fits better.
+    pub fn may_be_absent(&self, sign: f64, shown: f64) -> bool {
+        let against_one_size = if self.is_known_by_contrast() { self.against_one_size() } else { f64::INFINITY };
+        (0..2).any(|leg| {
+            let against_none = self.size[leg] * sign / self.variance[leg].sqrt();
+            against_none < shown && against_none.max(0.0) < against_one_size
+        })
+    }
+}
+
+/// The size of an included mechanism on each leg, the first parameter, the other mechanisms being fitted as well; nothing where
+/// it acts on one leg alone.
+pub fn on_each_leg(evidence: &Evidence, noises: &[Noise], included: &[Included<'_>], place: usize) -> Option<OnLegs> {
     let n = evidence.residual.len();
     let trace = included[place].trace();
     let of_leg =
@@ -118,7 +163,11 @@ pub fn on_each_leg(
     }
     let fit = score.fit(&(0..all.ncols()).collect::<Vec<_>>());
     let size = included[place].sizes[0];
-    Some([0, 1].map(|leg| (size + fit.step[leg], fit.se(leg))))
+    Some(OnLegs {
+        size: [0, 1].map(|leg| size + fit.step[leg]),
+        variance: [0, 1].map(|leg| fit.covariance[(leg, leg)].max(f64::MIN_POSITIVE)),
+        covariance: fit.covariance[(0, 1)],
+    })
 }
 
 /// What a size may go with: each covariate that runs along a line, the leg, the second quantity.
@@ -140,4 +189,43 @@ fn weights(evidence: &Evidence) -> Vec<(String, Vec<f64>)> {
         found.push((quantity.name.to_owned(), inside));
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::OnLegs;
+
+    const SHOWN: f64 = 1.645;
+
+    #[test]
+    fn a_leg_that_shows_nothing_may_have_none() {
+        // Independent legs, one hardly measured: what is there may act on the other alone.
+        let legs = OnLegs { size: [1.0, 0.9], variance: [0.01, 1.0], covariance: 0.0 };
+        assert!(legs.may_be_absent(1.0, SHOWN));
+        let legs = OnLegs { size: [1.0, 0.9], variance: [0.01, 0.01], covariance: 0.0 };
+        assert!(!legs.may_be_absent(1.0, SHOWN));
+        assert!(legs.may_be_absent(-1.0, SHOWN));
+    }
+
+    /// The sum of the sizes is known by 0.1, the difference by 1: one size on both is known by 0.05, each leg by 0.5.
+    #[test]
+    fn what_the_contrast_shows_stands_until_one_leg_alone_explains_more() {
+        let (variance, covariance) = ([0.2525; 2], -0.2475);
+        let alike = OnLegs { size: [0.6, 0.4], variance, covariance };
+        assert!(!alike.may_be_absent(1.0, SHOWN));
+        let on_one = OnLegs { size: [1.0, 0.0], variance, covariance };
+        assert!(on_one.may_be_absent(1.0, SHOWN));
+        let opposite = OnLegs { size: [1.5, -0.5], variance, covariance };
+        assert!(opposite.may_be_absent(1.0, SHOWN));
+    }
+
+    #[test]
+    fn sizes_differ_by_their_own_standard_errors_and_by_enough() {
+        let legs = OnLegs { size: [1.0, 0.2], variance: [0.01, 0.01], covariance: 0.0 };
+        assert!(legs.differ(3.5, 0.5));
+        assert!(!legs.differ(3.5, 0.9));
+        assert!(!legs.differ(6.0, 0.5));
+        let together = OnLegs { covariance: -0.0099, ..legs };
+        assert!(!together.differ(4.5, 0.5), "errors of opposite sign make the difference less certain");
+    }
 }

@@ -37,9 +37,53 @@ pub(super) fn replacements(
     without: &DVector<f64>,
     gain: f64,
 ) -> Vec<String> {
-    let candidates = problem.candidates();
+    let is_equal = equal_to(problem, extended, without);
+    let refitted = refitted(problem, extended, iteration, place, gain).into_iter();
+    refitted.filter(|(_, rival)| is_equal(rival)).map(|(name, _)| name.to_owned()).collect()
+}
+
+/// The sets with a refused member exchanged that predict held-out data as well as the set with it, the best first.
+///
+/// A law that resembles the true one may be found before it, and be refused by what only the true one does.
+pub(super) fn in_place_of(problem: &impl Problem, baseline: &Fitted, refused: &Fitted, place: usize) -> Vec<Fitted> {
+    let iteration = Iteration::new(problem.candidates(), refused);
+    let search = iteration.search();
+    let mut others = refused.included.clone();
+    others.remove(place);
+    let gain = search.gain(&refused.included) - search.gain(&others);
+    let without = refused.without(problem, baseline, place).held_out();
+    let is_equal = equal_to(problem, refused, &without);
+    let refitted = refitted(problem, refused, &iteration, place, gain).into_iter();
+    let mut equal: Vec<Fitted> = refitted.map(|(_, rival)| rival).filter(is_equal).collect();
+    equal.sort_by(|a, b| a.held_out_misfit().total_cmp(&b.held_out_misfit()));
+    equal
+}
+
+/// Whether a rival is equal to the set with a member, `without` being what is left of held-out rows without that member.
+fn equal_to<'a, P: Problem>(
+    problem: &P,
+    extended: &'a Fitted,
+    without: &'a DVector<f64>,
+) -> impl Fn(&Fitted) -> bool + use<'a, P> {
     let named = extended.held_out();
     let limits = extended.limits(problem);
+    move |rival: &Fitted| {
+        let left = rival.held_out();
+        holdout::advantage(&extended.evidence, &extended.noises, &left, &named) < EQUAL
+            || is_nearly_equal(extended, &limits, [without, &named, &left])
+    }
+}
+
+/// The set with one member exchanged for each mechanism that comes near by the slopes, fitted in full where nature has such a
+/// size, with the name of the mechanism. `gain` is what the member explains in units of the noise.
+fn refitted(
+    problem: &impl Problem,
+    extended: &Fitted,
+    iteration: &Iteration<'_>,
+    place: usize,
+    gain: f64,
+) -> Vec<(&'static str, Fitted)> {
+    let candidates = problem.candidates();
     let refitted_within = REFITTED_WITHIN.max(REFITTED_SHARE * gain);
     let mut tried: Vec<&str> = vec![candidates[extended.included[place]].name];
     let mut found = Vec::new();
@@ -61,14 +105,8 @@ pub(super) fn replacements(
         let exists = |member: &usize| {
             !candidates[*member].cannot_be(rival.point.candidates[*member][0], problem.most_prior_sds())
         };
-        if !rival.is_possible(candidates) || !rival.included.iter().all(exists) {
-            continue;
-        }
-        let left = rival.held_out();
-        if holdout::advantage(&extended.evidence, &extended.noises, &left, &named) < EQUAL
-            || is_nearly_equal(extended, &limits, [without, &named, &left])
-        {
-            found.push(name.to_owned());
+        if rival.is_possible(candidates) && rival.included.iter().all(exists) {
+            found.push((name, rival));
         }
     }
     found

@@ -81,6 +81,7 @@ pub(super) fn report(
         fitted: extended.included.clone(),
         named: named.iter().map(|named| named.candidate).collect(),
         gains: named.iter().map(|named| named.gain).collect(),
+        refused: dropped.iter().map(|(member, _)| *member).collect(),
         without: named.into_iter().map(|named| named.without).collect(),
     }
 }

@@ -198,6 +198,20 @@ fn what_one_leg_alone_shows_gets_no_name() {
     assert!(named <= 5, "{named} of 20");
 }
 
+/// Two laws that are nearly one, of which nature has the first with one sign alone: what it is refused for the second one is not.
+#[test]
+fn a_law_that_predicts_as_well_takes_the_place_of_a_refused_one() {
+    let right = (180..200)
+        .filter(|seed| {
+            let mut toy = Toy::new(*seed, |i, toy| -4.0 * toy.columns[3][i]);
+            toy.candidates[1].least = 0.0;
+            let (found, _) = diagnose(&toy);
+            found.causes.iter().map(|cause| cause.cause.as_str()).eq(["expansion"])
+        })
+        .count();
+    assert!(right >= 18, "{right} of 20");
+}
+
 #[test]
 fn two_causes_are_found_together() {
     let right = (200..220)

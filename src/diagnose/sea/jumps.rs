@@ -24,27 +24,30 @@ pub struct Jump {
 impl Jump {
     /// The jumps between legs, evenly chosen where there are many.
     pub fn between_legs(bins: &[Bin]) -> Vec<Jump> {
-        let turns: Vec<Jump> = bins
-            .windows(2)
-            .zip(all(bins))
-            .filter(|(pair, _)| pair[0].mean.leg != pair[1].mean.leg)
-            .map(|(_, jump)| jump)
-            .collect();
+        let turns = turns(bins);
         let every = turns.len().div_ceil(MOST_BETWEEN_LEGS).max(1);
         turns.into_iter().skip(LEGS_BEFORE).step_by(every).collect()
     }
 
-    /// These jumps, and those between any two bins from the one before a time to the one after it.
+    /// These jumps, and those between any two bins from the one before a time to the one after it, a descent and an ascent
+    /// at least lying before each.
     pub fn between_bins(bins: &[Bin], coarse: &[Jump], time_s: f64) -> Vec<Jump> {
         let before = coarse.iter().rev().map(|jump| jump.time_s).find(|other| *other < time_s);
         let after = coarse.iter().map(|jump| jump.time_s).find(|other| *other > time_s);
-        let (before, after) = (before.unwrap_or(f64::NEG_INFINITY), after.unwrap_or(f64::INFINITY));
+        let first = turns(bins).get(LEGS_BEFORE - 1).map_or(f64::INFINITY, |turn| turn.time_s);
+        let (before, after) = (before.unwrap_or(first), after.unwrap_or(f64::INFINITY));
         let is_far = |jump: &&Jump| jump.time_s <= before || jump.time_s >= after;
         let near = all(bins).filter(|jump| !is_far(&jump));
         let mut jumps: Vec<Jump> = near.chain(coarse.iter().filter(is_far).copied()).collect();
         jumps.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
         jumps
     }
+}
+
+/// The jumps between any two legs.
+fn turns(bins: &[Bin]) -> Vec<Jump> {
+    let pairs = bins.windows(2).zip(all(bins));
+    pairs.filter(|(pair, _)| pair[0].mean.leg != pair[1].mean.leg).map(|(_, jump)| jump).collect()
 }
 
 /// The jumps between any two bins.

@@ -96,12 +96,17 @@ pub fn diagnose_log(
 fn in_full(problem: SeaProblem) -> (SeaProblem, Outcome) {
     let outcome = engine::diagnose_in_full(&problem);
     let (problem, outcome) = problem.without_inertia_if_better(&outcome).unwrap_or((problem, outcome));
-    let jump = outcome.named.iter().map(|named| &problem.candidates()[*named]).find(|it| it.name == "drag_step");
-    let jump = jump.and_then(|step| step.version);
+    // Between legs the drag may have jumped too far from where it did for one size before and after: a refused jump, too, is
+    // looked for more closely, and counts if it then keeps its name.
+    let is_jump = |member: &&usize| problem.candidates()[**member].name == "drag_step";
+    let named = outcome.named.iter().find(is_jump);
+    let jump = named.or(outcome.refused.iter().rev().find(is_jump));
+    let jump = jump.and_then(|step| problem.candidates()[*step].version);
     match jump.and_then(|jump| problem.with_jumps_about(jump.value)) {
         Some(finer) => {
-            let outcome = engine::diagnose_in_full(&finer);
-            (finer, outcome)
+            let again = engine::diagnose_in_full(&finer);
+            let names_jump = again.named.iter().any(|member| finer.candidates()[*member].name == "drag_step");
+            if named.is_some() || names_jump { (finer, again) } else { (problem, outcome) }
         }
         None => (problem, outcome),
     }
