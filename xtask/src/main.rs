@@ -57,6 +57,9 @@ enum Chore {
         /// Fail where this platform cannot be flown (repeat): x86_64-windows, aarch64-linux
         #[arg(long, value_name = "PLATFORM")]
         require: Vec<String>,
+        /// Build the other platforms' libraries hardly optimised: the numbers are the same
+        #[arg(long)]
+        quick: bool,
     },
     /// Build the wheel with both commands and both FMUs into target/wheels/
     Wheel {
@@ -121,7 +124,7 @@ fn run(chore: Chore) -> Result<()> {
             let scope = if all_platforms { fmu::Scope::All } else { fmu::Scope::Host };
             fmu::run(&workspace, &merge, scope).map(drop)
         }
-        Chore::Platforms { require } => cross::try_all(&workspace, &require),
+        Chore::Platforms { require, quick } => cross::try_all(&workspace, &require, kind(quick)),
         Chore::Wheel { quick } => wheel::run(&workspace, kind(quick)).map(drop),
         Chore::Man => wheel::man(&workspace),
         Chore::Test { only } => test::run(&workspace, only),
