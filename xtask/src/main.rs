@@ -15,6 +15,7 @@ mod figures;
 mod fmu;
 mod fuzz;
 mod importers;
+mod integrators;
 mod licences;
 mod pack;
 mod platform;
@@ -61,6 +62,8 @@ enum Chore {
         #[arg(long)]
         quick: bool,
     },
+    /// Fly the packed FMUs in Model Exchange by CVODE, LSODA, BDF, Radau and Euler at every tolerance and output interval
+    Integrators,
     /// Build the wheel with both commands and both FMUs into target/wheels/
     Wheel {
         /// Unoptimised and for this machine only, as the tests take it
@@ -125,6 +128,7 @@ fn run(chore: Chore) -> Result<()> {
             fmu::run(&workspace, &merge, scope).map(drop)
         }
         Chore::Platforms { require, quick } => cross::try_all(&workspace, &require, kind(quick)),
+        Chore::Integrators => integrators::run(&workspace),
         Chore::Wheel { quick } => wheel::run(&workspace, kind(quick)).map(drop),
         Chore::Man => wheel::man(&workspace),
         Chore::Test { only } => test::run(&workspace, only),
