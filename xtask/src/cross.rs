@@ -12,8 +12,7 @@ use anyhow::{Context, Result, bail};
 use crate::check_library::{OLDEST_GLIBC, check_exports, check_mathematics, check_portable, is_built_for};
 use crate::platform::{PLATFORMS, Platform, rustc_flags};
 use crate::python;
-use crate::wheel::Kind;
-use crate::workspace::{Workspace, capture, run as run_command};
+use crate::workspace::{Kind, Workspace, capture, run as run_command};
 
 /// How far the numbers of two platforms may lie apart, relative to the largest of their column.
 const SAME: f64 = 1e-12;

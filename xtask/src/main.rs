@@ -30,7 +30,7 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use workspace::Workspace;
+use workspace::{Kind, Workspace};
 
 /// The project's chores.
 #[derive(Parser)]
@@ -144,6 +144,6 @@ fn run(chore: Chore) -> Result<()> {
 }
 
 /// For whom something is built.
-fn kind(quick: bool) -> wheel::Kind {
-    if quick { wheel::Kind::Tests } else { wheel::Kind::Release }
+fn kind(quick: bool) -> Kind {
+    if quick { Kind::Tests } else { Kind::Release }
 }
