@@ -265,6 +265,11 @@ fn a_start_in_trim_is_steady() {
         glider.ok(unsafe { fmi3SetInt32(glider.instance, &vr("start_in_trim"), 1, &in_trim, 1) });
         glider.begin(None);
         assert_eq!((glider.get("depth_m"), glider.get("energy_J")), (25.0, 7.0));
+        let said = glider.environment.messages.take();
+        assert!(
+            said.iter().all(|(_, text)| !text.contains("lies beyond")),
+            "a start in trim passes no limit: {said:?}"
+        );
         let before = ["pitch_rad", "v1_m_s", "v3_m_s", "moving_mass_position_m"].map(|name| glider.get(name));
         glider.run(0.0, 100.0, 50.0);
         let after = ["pitch_rad", "v1_m_s", "v3_m_s", "moving_mass_position_m"].map(|name| glider.get(name));

@@ -351,11 +351,12 @@ fn print(report: &IdentifyReport, found: &Identification) {
     }
     if let Some(b) = &report.pitch_balance {
         println!();
+        let degrees = |rms: Option<f64>| rms.map_or_else(|| "-".to_owned(), |rms| format!("{:.2}", rms.to_degrees()));
         println!(
-            "balance of moments: pitch rms {:.2} deg ({:.2} held out, {:.2} without d); CG {:.2} mm below CB, by a moving mass of {} kg",
+            "balance of moments: pitch rms {:.2} deg ({} held out, {} without d); CG {:.2} mm below CB, by a moving mass of {} kg",
             b.pitch_rms_rad.to_degrees(),
-            b.pitch_rms_holdout_rad.unwrap_or(f64::NAN).to_degrees(),
-            b.pitch_rms_without_d_rad.unwrap_or(f64::NAN).to_degrees(),
+            degrees(b.pitch_rms_holdout_rad),
+            degrees(b.pitch_rms_without_d_rad),
             b.cg_below_cb_m * 1e3,
             figure(b.moving_mass_kg)
         );

@@ -218,7 +218,7 @@ pub(super) fn lift_slope_profile(profile: &[ProfilePoint]) -> Figure {
                 .layers(line(|p| p.deviance))
                 .layer(Layer::at_y(CHI2_95)),
         )
-        .caption("The lift slope held, all else fitted again. Where the w error stays flat while the speed moves, these data do not tell the lift slope. Horizontal line: 95 % point of the deviance.")
+        .caption("The lift slope held, all else fitted again. Where the w error stays flat while the speed moves, these data do not identify the lift slope. Horizontal line: 95 % point of the deviance.")
 }
 
 /// 95 % point of chi squared with one degree of freedom.

@@ -70,7 +70,11 @@ pub(super) fn page(vehicle: &str, mission: &Mission, flight: &Flight, trace: &Tr
         .panel(Panel::new(Axis::new("Way over ground", "x", "km")).layer(Layer::line(hours.clone(), trace.column(2))))
         .caption("Way over ground against time; current included.");
     let count = |kind: LegKind| flight.legs.iter().filter(|leg| leg.kind == kind).count();
-    let mut section = Section::new("Flight").text(mission.source.clone()).figure(saw_tooth).figure(record).figure(way);
+    let mut section = Section::new("Flight")
+        .text(mission.source.split_whitespace().collect::<Vec<_>>().join(" "))
+        .figure(saw_tooth)
+        .figure(record)
+        .figure(way);
     // A vehicle file may leave energy out, and noughts would claim that nothing was drawn.
     if flight.energy.total_J() > 0.0 {
         section = section.table(energy_table(&flight.energy));

@@ -85,7 +85,7 @@ pub(super) fn history_page(vehicle: &str, trace: &Trace) -> Report {
 /// The page of a mission.
 pub(super) fn mission_page(vehicle: &str, mission: &Mission, account: &Account, trace: &Trace) -> Report {
     let mut section = Section::new("Flight")
-        .text(mission.source.clone())
+        .text(mission.source.split_whitespace().collect::<Vec<_>>().join(" "))
         .figure(trace.map(&mission.route.waypoints_m))
         .figure(trace.record());
     // A vehicle file may leave energy out, and noughts would claim that nothing was drawn.

@@ -252,7 +252,7 @@ pub fn identify(
     }
     if pitch_balance.as_ref().is_some_and(|balance| !balance.is_identified) {
         warnings.push(
-            "d and the height of the centre of gravity rest on the arm of the ballast, which these data do not tell: give the vehicle its `ballast.forward_m`"
+            "d and the height of the centre of gravity rest on the arm of the ballast, which these data do not identify: give the vehicle its `ballast.forward_m`"
                 .into(),
         );
     }

@@ -1,6 +1,6 @@
 //! What the errors of held parameters do to those that are fitted.
 //!
-//! What the data do not tell is held, at a value from outside that has an error of its own. The fitted parameters `t` answer
+//! What the data do not identify is held, at a value from outside that has an error of its own. The fitted parameters `t` answer
 //! to it: with `J_t` and `J_p` the slopes of the residuals by the fitted and the held ones, the minimum moves by
 //! ```text
 //! m = dt/dp s = -(J_t^T J_t)^-1 J_t^T J_p s,        cov(t) = cov of the dives + sum of m m^T

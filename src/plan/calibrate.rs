@@ -85,7 +85,7 @@ pub enum CalibrationError {
         /// How many it takes.
         needed: usize,
     },
-    /// The rows do not tell the constants apart.
+    /// The rows cannot separate the constants.
     #[error(
         "the {what} are too alike to tell the constants apart: strokes at several depths, dives of several lengths are needed"
     )]

@@ -89,7 +89,7 @@ pub fn dynamic(hull: &HullResults) -> Vec<String> {
     warnings
 }
 
-/// Derivatives that the campaign's runs do not tell, and why.
+/// Derivatives that the campaign's runs do not identify, and why.
 fn left_out(id: &str, dynamic: &Derivatives) -> Option<String> {
     let e = &dynamic.estimates;
     let all = [

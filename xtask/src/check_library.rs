@@ -20,6 +20,13 @@ const PARTS_OF_GLIBC: [&str; 5] = ["libc.so", "libm.so", "libpthread.so", "libdl
 /// the file is no FMU's library at all.
 const EXPORTS: [&str; 3] = ["fmi2Instantiate", "fmi3InstantiateCoSimulation", "fmi3InstantiateModelExchange"];
 
+/// Mathematical functions whose last place each C library has its own way. The equations have theirs compiled in, so that
+/// all platforms fly alike; `pow` alone may be asked for, by a crate whose step sizes are rounded.
+const MATHEMATICS: [&str; 19] = [
+    "sin", "cos", "tan", "sincos", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "exp2", "expm1",
+    "log", "log2", "log10", "log1p", "hypot",
+];
+
 /// A version of the GNU C library, as in `GLIBC_2.28`.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct GlibcVersion([u32; 3]);
@@ -62,6 +69,29 @@ pub fn check_exports(library: &[u8]) -> Result<()> {
     }
     if !missing.is_empty() {
         bail!("the built library does not export {}: it is no FMU's library", missing.join(", "));
+    }
+    Ok(())
+}
+
+/// Fails if the library asks the system for a mathematical function: flights would differ between platforms.
+pub fn check_mathematics(library: &[u8]) -> Result<()> {
+    let file = File::parse(library).context("the built library cannot be read")?;
+    let mut asked = Vec::new();
+    for import in file.imports()? {
+        if let NameOrOrdinal::Name(name) = import?.name() {
+            let name = String::from_utf8_lossy(name).into_owned();
+            let plain = name.trim_start_matches('_');
+            if MATHEMATICS.contains(&plain.split('@').next().unwrap_or(plain)) {
+                asked.push(name);
+            }
+        }
+    }
+    if !asked.is_empty() {
+        bail!(
+            "the built library takes {} from the system, so that its flights depend on the platform: call \
+             `glidepolar_number::functions` in the equations",
+            asked.join(", ")
+        );
     }
     Ok(())
 }
@@ -205,6 +235,16 @@ mod tests {
         assert!(faults.iter().any(|fault| fault.contains("libgcc_s.so.1")), "{faults:?}");
         assert!(newest_glibc(&program).unwrap().is_some());
         assert!(check_exports(&program).is_err());
+    }
+
+    /// This very test program asks for a sine.
+    #[test]
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    fn a_library_with_the_systems_sine_is_found() {
+        let zero = std::hint::black_box(0.0_f64).sin();
+        let program = std::fs::read(std::env::current_exe().unwrap()).unwrap();
+        let error = check_mathematics(&program).unwrap_err().to_string();
+        assert!(zero == 0.0 && error.contains("takes ") && error.contains("sin"), "{error}");
     }
 
     #[test]

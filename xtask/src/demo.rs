@@ -8,8 +8,8 @@ use anyhow::Result;
 
 use crate::fmu;
 use crate::python;
-use crate::wheel::{self, Kind};
-use crate::workspace::{Workspace, run as run_command};
+use crate::wheel;
+use crate::workspace::{Kind, Workspace, run as run_command};
 
 /// Runs the demonstration, leaves its page and says where.
 pub fn run(workspace: &Workspace, kind: Kind) -> Result<()> {

@@ -7,7 +7,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result};
 
-use crate::check_library::{OLDEST_GLIBC, check_exports, check_portable, portability_faults};
+use crate::check_library::{OLDEST_GLIBC, check_exports, check_mathematics, check_portable, portability_faults};
 use crate::cross;
 use crate::licences;
 use crate::pack::{self, Binaries, Model, Standard};
@@ -94,6 +94,7 @@ fn build(workspace: &Workspace, host: &Platform) -> Result<PathBuf> {
 
     let bytes = fs::read(&built).with_context(|| format!("cargo did not leave {}", workspace.shown(&built)))?;
     check_exports(&bytes)?;
+    check_mathematics(&bytes)?;
     if host.is_linux() {
         let name = workspace.shown(&built).to_string();
         if is_portable { check_portable(&name, &bytes)? } else { warn_unless_portable(&name, &bytes)? }

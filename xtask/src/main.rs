@@ -15,6 +15,7 @@ mod figures;
 mod fmu;
 mod fuzz;
 mod importers;
+mod integrators;
 mod licences;
 mod pack;
 mod platform;
@@ -29,7 +30,7 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use workspace::Workspace;
+use workspace::{Kind, Workspace};
 
 /// The project's chores.
 #[derive(Parser)]
@@ -57,7 +58,12 @@ enum Chore {
         /// Fail where this platform cannot be flown (repeat): x86_64-windows, aarch64-linux
         #[arg(long, value_name = "PLATFORM")]
         require: Vec<String>,
+        /// Build the other platforms' libraries hardly optimised: the numbers are the same
+        #[arg(long)]
+        quick: bool,
     },
+    /// Fly the packed FMUs in Model Exchange by CVODE, LSODA, BDF, Radau and Euler at every tolerance and output interval
+    Integrators,
     /// Build the wheel with both commands and both FMUs into target/wheels/
     Wheel {
         /// Unoptimised and for this machine only, as the tests take it
@@ -121,7 +127,8 @@ fn run(chore: Chore) -> Result<()> {
             let scope = if all_platforms { fmu::Scope::All } else { fmu::Scope::Host };
             fmu::run(&workspace, &merge, scope).map(drop)
         }
-        Chore::Platforms { require } => cross::try_all(&workspace, &require),
+        Chore::Platforms { require, quick } => cross::try_all(&workspace, &require, kind(quick)),
+        Chore::Integrators => integrators::run(&workspace),
         Chore::Wheel { quick } => wheel::run(&workspace, kind(quick)).map(drop),
         Chore::Man => wheel::man(&workspace),
         Chore::Test { only } => test::run(&workspace, only),
@@ -137,6 +144,6 @@ fn run(chore: Chore) -> Result<()> {
 }
 
 /// For whom something is built.
-fn kind(quick: bool) -> wheel::Kind {
-    if quick { wheel::Kind::Tests } else { wheel::Kind::Release }
+fn kind(quick: bool) -> Kind {
+    if quick { Kind::Tests } else { Kind::Release }
 }

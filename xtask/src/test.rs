@@ -16,7 +16,7 @@ use crate::fmu::{self, Fmus};
 use crate::importers;
 use crate::python::{self, Python};
 use crate::wheel;
-use crate::workspace::{Workspace, capture, run as run_command};
+use crate::workspace::{Kind, Workspace, capture, run as run_command};
 
 /// A part of the tests that can be run alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -110,7 +110,7 @@ impl Tested {
             ("GLIDEPOLAR_VIRTUAL_SEA", program("virtual-sea")?),
             ("GLIDEPOLAR_LOG_VALUES", program("examples/log_values")?),
         ];
-        let wheel = copy(&folder, &wheel::build(workspace, wheel::Kind::Tests, &python, &fmus)?)?;
+        let wheel = copy(&folder, &wheel::build(workspace, Kind::Tests, &python, &fmus)?)?;
         let fmus = Fmus {
             fmi3: copy(&folder, &fmus.fmi3)?,
             fmi2: copy(&folder, &fmus.fmi2)?,

@@ -14,7 +14,7 @@ use crate::fmu::{self, Fmus};
 use crate::licences;
 use crate::platform::{Platform, rustc_flags};
 use crate::python::{self, Python};
-use crate::workspace::{Workspace, capture, run as run_command};
+use crate::workspace::{Kind, Workspace, capture, run as run_command};
 
 /// The programs in the wheel, and how each is asked for completions and its manual page.
 const PROGRAMS: [(&str, &str, &str); 2] =
@@ -26,15 +26,6 @@ const SHELLS: [(&str, &str); 3] = [
     ("zsh", "zsh/site-functions/_NAME"),
     ("fish", "fish/vendor_completions.d/NAME.fish"),
 ];
-
-/// For whom a wheel is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// For others: optimised, on Linux for glibc 2.28 and newer.
-    Release,
-    /// For the tests: the programs as they are built for them, for this machine.
-    Tests,
-}
 
 /// Builds the wheel and says where it is.
 pub fn run(workspace: &Workspace, kind: Kind) -> Result<PathBuf> {

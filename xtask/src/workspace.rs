@@ -6,6 +6,15 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail};
 
+/// For whom something is built.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// For others: optimised, on Linux for glibc 2.28 and newer.
+    Release,
+    /// For the tests: the programs as they are built for them, for this machine.
+    Tests,
+}
+
 /// The checkout that the chores work on.
 pub struct Workspace {
     root: PathBuf,

@@ -11,6 +11,7 @@ use std::time::Instant;
 use glidepolar::Number;
 use glidepolar::dynamics::{Actuation, Modes, Parameters, derivative};
 use glidepolar::glide::start;
+use glidepolar::number::functions;
 
 pub use counting::{Counted, KINDS, Kind, Tally};
 
@@ -126,13 +127,13 @@ fn cost(kind: Kind) -> f64 {
         Kind::Divide => arithmetic::divide(PASSES),
         Kind::SquareRoot => arithmetic::square_root(PASSES),
         Kind::SineCosine => each(|x| {
-            let (sin, cos) = x.sin_cos();
+            let (sin, cos) = functions::sin_cos(x);
             sin + cos
         }),
-        Kind::ArcTangent => each(|x| (0.01 * x).atan2(x)),
-        Kind::Exponential => each(f64::exp),
-        Kind::Logarithm => each(f64::ln),
-        Kind::Other => each(f64::tan),
+        Kind::ArcTangent => each(|x| functions::atan2(0.01 * x, x)),
+        Kind::Exponential => each(functions::exp),
+        Kind::Logarithm => each(functions::ln),
+        Kind::Other => each(functions::tan),
     }
     begin.elapsed().as_secs_f64() / (PASSES * LANES) as f64
 }

@@ -40,7 +40,7 @@ use super::forces::{Flow, Hydrodynamics};
 use super::parameters::Parameters;
 use super::servo::{servo_acceleration, servo_bend_s, servo_corner, servo_speed, slow_servo_bend_s};
 use super::state::{Actuation, Inputs, Modes, State, Stop};
-use glidepolar_number::Number;
+use glidepolar_number::{Number, functions};
 
 /// Rate at which a held offset returns to its place, should rounding move it \[1/s\].
 const HOLD_RATE_1_S: f64 = 2.0;
@@ -218,7 +218,7 @@ struct Motion<'a, T> {
 
 impl<'a, T: Number> Motion<'a, T> {
     fn new(parameters: &'a Parameters<T>, time_s: T, state: &'a State<T>, inputs: &'a Inputs<T>) -> Self {
-        let (sin_pitch, cos_pitch) = state.pitch_rad.sin_cos();
+        let (sin_pitch, cos_pitch) = functions::sin_cos(state.pitch_rad);
         let sink = state.v3_m_s * cos_pitch - state.v1_m_s * sin_pitch;
         let place = Place::new(parameters, state.depth_m, inputs.seabed_depth_m);
         let share = place.current_share();

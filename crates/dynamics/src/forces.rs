@@ -5,7 +5,7 @@
 
 use super::empirical::Added;
 use super::parameters::{DRAG_REFERENCE_SPEED_M_S, Parameters};
-use glidepolar_number::Number;
+use glidepolar_number::{Number, functions};
 
 /// Seconds in a day.
 const DAY_S: f64 = 86_400.0;
@@ -113,7 +113,7 @@ impl<T: Number> Parameters<T> {
             };
         }
         let speed = speed_squared.sqrt();
-        let alpha = flow.v3_m_s.atan2(flow.v1_m_s);
+        let alpha = functions::atan2(flow.v3_m_s, flow.v1_m_s);
         let q = flow.density_kg_m3 * speed_squared * 0.5;
         let q_area = q * self.frontal_area_m2;
         let coefficients = self.coefficients(alpha, q, flow);
@@ -157,7 +157,7 @@ impl<T: Number> Parameters<T> {
         let reference = self.reference_density_kg_m3 * (0.5 * DRAG_REFERENCE_SPEED_M_S * DRAG_REFERENCE_SPEED_M_S);
         // A glider at rest has no logarithm of q; at a micropascal the drag is nothing in any case.
         let q = if dynamic_pressure_Pa.value() > 1e-6 { dynamic_pressure_Pa } else { T::constant(1e-6) };
-        ((q / reference).ln() * self.drag_exponent).exp()
+        functions::exp(functions::ln(q / reference) * self.drag_exponent)
     }
 }
 

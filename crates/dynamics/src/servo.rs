@@ -3,7 +3,7 @@
 //!
 //! Knows distances, speeds and limits; no vehicle.
 
-use glidepolar_number::Number;
+use glidepolar_number::{Number, functions};
 
 /// Bandwidth of the servos \[1/s\]: the speed that a servo asks for, below its largest rate, is this times the way to its
 /// set-point. The ballast has that speed at once and is of first order; the moving mass takes it up first and is of second
@@ -39,7 +39,7 @@ pub fn slow_servo_bend_s(to_go: f64, speed: f64, limit: f64) -> f64 {
     let lag = (limit - speed * to_go.signum()) / SERVO_SPEED_RATE_1_S;
     let mut in_s = at_limit / limit;
     for _ in 0..20 {
-        in_s = (at_limit + lag * (1.0 - (-SERVO_SPEED_RATE_1_S * in_s).exp())) / limit;
+        in_s = (at_limit + lag * (1.0 - functions::exp(-SERVO_SPEED_RATE_1_S * in_s))) / limit;
     }
     in_s
 }

@@ -5,10 +5,12 @@
 
 #![allow(non_snake_case, reason = "units stand in names as they are written: N, Pa, C, J")]
 
+pub mod functions;
 mod quantities;
 
-use num_dual::{DualNum, DualStruct};
+use num_dual::{Dual64, DualNum, DualSVec64};
 
+use functions::Function;
 pub use quantities::Quantity;
 
 /// A real number with or without derivatives: `f64`, `num_dual::Dual64`, `DualVec64<N>` and the like.
@@ -18,6 +20,11 @@ pub trait Number: DualNum<Primitive = f64> + Copy {
 
     /// The value without its derivatives.
     fn value(self) -> f64;
+
+    /// A function's value where the type carries no derivatives. A type that counts operations counts it here.
+    fn function_value(value: f64, _function: Function) -> Self {
+        Self::constant(value)
+    }
 
     /// A number whose derivatives are all zero.
     fn constant(value: f64) -> Self {
@@ -46,11 +53,20 @@ pub trait Number: DualNum<Primitive = f64> + Copy {
     }
 }
 
-impl<T> Number for T
-where
-    T: DualNum<Primitive = f64> + DualStruct<Real = f64> + Copy,
-{
+impl Number for f64 {
     fn value(self) -> f64 {
-        self.re()
+        self
+    }
+}
+
+impl Number for Dual64 {
+    fn value(self) -> f64 {
+        self.re
+    }
+}
+
+impl<const N: usize> Number for DualSVec64<N> {
+    fn value(self) -> f64 {
+        self.re
     }
 }

@@ -31,10 +31,12 @@ impl<S: System<N, F, E>, const N: usize, const F: usize, const E: usize> Method<
     }
 
     fn step(&mut self, stretch: &Stretch<'_, S, N>) -> Trial {
-        match self.0.step(&Equations(stretch)) {
-            Err(_) => Trial::Failed,
-            Ok(_) if matches!(self.0.status(), Status::RejectedStep) => Trial::Rejected,
-            Ok(_) => Trial::Accepted,
+        let step = self.0.step(&Equations(stretch)).is_ok();
+        self.0.set_h(rounded(self.0.h()));
+        match self.0.status() {
+            _ if !step => Trial::Failed,
+            Status::RejectedStep => Trial::Rejected,
+            _ => Trial::Accepted,
         }
     }
 
@@ -57,6 +59,12 @@ impl<S: System<N, F, E>, const N: usize, const F: usize, const E: usize> Method<
     fn inside(&mut self, time_s: f64) -> Option<[f64; N]> {
         self.0.interpolate(time_s.clamp(self.0.t_prev(), self.0.t())).ok()
     }
+}
+
+/// Rounds the next step down to 12 binary places. The crate takes it from the system's power function, whose last place is
+/// another one on another system: rounded, the steps are the same.
+fn rounded(step_s: f64) -> f64 {
+    f64::from_bits(step_s.to_bits() & !0 << 40)
 }
 
 /// The stretch as the crate of the method knows equations.

@@ -11,6 +11,7 @@
 //! decomposition a step, eight right-hand sides, of which the first comes with the Jacobian. The equations for what is only
 //! counted stand alone: `k_i = h gamma (right_i + J_i k)` once the others are known. Allocates nothing.
 
+use glidepolar_number::functions;
 use nalgebra::SVector;
 
 use super::linear::Decomposition;
@@ -157,7 +158,7 @@ impl<S: System<N, F, E>, const N: usize, const F: usize, const E: usize> Method<
             .as_ref()
             .map_or(f64::INFINITY, |(_, stages)| error(&stages[STAGES - 1], self.tolerance, S::COUNTED_IN_ERROR));
         let Some((reached, stages)) = stages.filter(|_| error <= 1.0) else {
-            let shorter = if error.is_finite() { SAFETY * error.powf(-0.2) } else { 0.0 };
+            let shorter = if error.is_finite() { SAFETY * functions::powf(error, -0.2) } else { 0.0 };
             self.next_step_s = step_s * shorter.max(CHANGE.0);
             self.slopes = Some(slopes);
             self.was_rejected = true;
@@ -165,7 +166,7 @@ impl<S: System<N, F, E>, const N: usize, const F: usize, const E: usize> Method<
         };
         let longest = if self.was_rejected { 1.0 } else { CHANGE.1 };
         // An error of nothing makes the power infinite, and the longest step the next.
-        let change = (SAFETY * error.powf(-0.2)).clamp(CHANGE.0, longest);
+        let change = (SAFETY * functions::powf(error, -0.2)).clamp(CHANGE.0, longest);
         self.last = Some(Last { time_s: self.time_s, step_s, place: SVector::from(self.place), stages, inside: None });
         (self.time_s, self.place) = (self.time_s + step_s, reached.into());
         self.next_step_s = (step_s * change).min(LONGEST_STEP_S);

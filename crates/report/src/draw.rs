@@ -3,22 +3,26 @@
 use super::brush::{Brush, CLOUD};
 use super::canvas::{Align, Canvas, LABEL_SIZE, Lettering, Pen, UNITS};
 use super::figure::{Axis, Figure, Layer, Panel, Shape};
-use super::labels::{axis_label, y_label};
+use super::labels::{axis_label, label_lines};
 use super::legend::{Legend, Styles};
 use super::palette::{FAINT, GRID, INK};
-use super::text::{clean, expand_markup, width};
+use super::text::{clean, expand_markup, width, without_markup};
 use super::thin::Frame;
 use super::ticks::{Scale, extent};
 use std::collections::BTreeSet;
 
-const WIDTH: f64 = 600.0;
+/// Width of a figure \[px\].
+pub(super) const WIDTH: f64 = 600.0;
+/// The same on a phone, where letters of the usual width would be too small to read.
+pub(super) const NARROW: f64 = 360.0;
 const TICK_SIZE: f64 = 12.0;
 const TICK: f64 = 5.0;
+const LABEL_ROW: f64 = LABEL_SIZE + 4.0;
 
 impl Figure {
     /// The figure as an SVG document: text as text, deterministic, no reference to anything outside.
     pub fn svg(&self) -> String {
-        document(self, &self.stem(), true)
+        document(self, &self.stem(), WIDTH, true)
     }
 
     /// The name as a file stem and identifier.
@@ -36,11 +40,11 @@ impl Figure {
     }
 }
 
-/// The figure as SVG, its identifiers made from `id`; `standalone` with the namespace that a file needs.
-pub(super) fn document(figure: &Figure, id: &str, standalone: bool) -> String {
-    let layout = Layout::new(figure);
+/// The figure as SVG of that width, its identifiers made from `id`; `standalone` with the namespace that a file needs.
+pub(super) fn document(figure: &Figure, id: &str, width: f64, standalone: bool) -> String {
+    let layout = Layout::new(figure, width);
     let mut drawn = String::new();
-    let canvas = Canvas::new(&mut drawn, WIDTH, layout.height);
+    let canvas = Canvas::new(&mut drawn, width, layout.height);
     layout.draw(figure, &canvas);
     drop(canvas);
     let body = drawn.split_once('\n').map_or("", |(_, body)| body);
@@ -51,9 +55,9 @@ pub(super) fn document(figure: &Figure, id: &str, standalone: bool) -> String {
     let escape = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
     let title = escape(&figure.title.as_deref().map_or_else(|| figure.description(), |t| clean(t, 200)));
     let caption = escape(&clean(&figure.caption, 2000));
-    let (w, h) = (WIDTH * UNITS, layout.height * UNITS);
+    let (w, h) = (width * UNITS, layout.height * UNITS);
     format!(
-        "<svg{namespace} viewBox=\"0 0 {w:.0} {h:.0}\" width=\"{WIDTH:.0}\" height=\"{:.0}\" role=\"img\" \
+        "<svg{namespace} viewBox=\"0 0 {w:.0} {h:.0}\" width=\"{width:.0}\" height=\"{:.0}\" role=\"img\" \
          aria-labelledby=\"{id}-title {id}-desc\">\n<title id=\"{id}-title\">{title}</title>\n\
          <desc id=\"{id}-desc\">{caption}</desc>\n{body}",
         layout.height
@@ -61,8 +65,11 @@ pub(super) fn document(figure: &Figure, id: &str, standalone: bool) -> String {
 }
 
 struct Layout<'a> {
+    width: f64,
     height: f64,
     x: Scale,
+    /// In one line, or in two where the figure is too narrow for it.
+    x_label: Vec<String>,
     /// Whether names along x run upwards because they do not fit side by side.
     upward: bool,
     panels: Vec<Place<'a>>,
@@ -79,23 +86,28 @@ struct Place<'a> {
 }
 
 impl<'a> Layout<'a> {
-    fn new(figure: &'a Figure) -> Self {
+    fn new(figure: &'a Figure, whole: f64) -> Self {
         let count = figure.panels.len();
         let heights: Vec<f64> = figure.panels.iter().map(|p| height_of(p, count)).collect();
         let all = || figure.panels.iter().flat_map(|p| &p.layers);
         let mut scales: Vec<Scale> = figure.panels.iter().zip(&heights).map(|(p, h)| y_scale(p, *h)).collect();
-        let labels: Vec<Vec<String>> =
-            figure.panels.iter().zip(&scales).zip(&heights).map(|((p, s), h)| y_label(&p.y, s, *h)).collect();
+        let labels: Vec<Vec<String>> = figure
+            .panels
+            .iter()
+            .zip(&scales)
+            .zip(&heights)
+            .map(|((p, s), h)| label_lines(&p.y, s, *h + 16.0))
+            .collect();
         let lines = labels.iter().map(Vec::len).max().unwrap_or(1) as f64;
         let left = 6.0 + lines * (LABEL_SIZE + 4.0) + 4.0 + widest(scales.iter()) + TICK + 4.0;
 
         let points = all().any(|l| matches!(l.shape, Shape::Points { .. }));
         let room = if points { 0.04 } else { 0.0 };
-        let mut x = Scale::new(&figure.x, extent(all().flat_map(Layer::xs)), room, ((WIDTH - left) / 66.0) as usize);
-        let share = (WIDTH - 12.0 - left) / x.ticks.len().max(1) as f64;
+        let mut x = Scale::new(&figure.x, extent(all().flat_map(Layer::xs)), room, ((whole - left) / 66.0) as usize);
+        let share = (whole - 12.0 - left) / x.ticks.len().max(1) as f64;
         let upward = !figure.x.names.is_empty() && widest([&x]) + 8.0 > share;
         let last = x.ticks.last().filter(|_| !upward).map_or(0.0, |(_, text)| width(text, TICK_SIZE, false) / 2.0);
-        let right = WIDTH - (last + 2.0).clamp(12.0, 60.0);
+        let right = whole - (last + 2.0).clamp(12.0, 60.0);
 
         if let (true, [y], [panel], [height]) = (figure.is_map, &mut scales[..], &figure.panels[..], &heights[..]) {
             let per_pixel = ((x.to - x.from) / (right - left)).max((y.to - y.from) / height);
@@ -104,14 +116,14 @@ impl<'a> Layout<'a> {
                 Scale::new(&axis.clone().range(middle - half, middle + half), (f64::NAN, f64::NAN), 0.0, ticks)
             };
             *y = about(&panel.y, y, *height, 8);
-            x = about(&figure.x, &x, right - left, ((WIDTH - left) / 66.0) as usize);
+            x = about(&figure.x, &x, right - left, ((whole - left) / 66.0) as usize);
         }
 
         let mut shown = BTreeSet::new();
         let mut top = 8.0 + if figure.title.is_some() { 24.0 } else { 0.0 };
         let mut panels = Vec::new();
         for (((panel, y), y_label), height) in figure.panels.iter().zip(scales).zip(labels).zip(heights) {
-            let legend = Legend::new(panel, &mut shown, right - left);
+            let legend = Legend::new(panel, &mut shown, (left, right));
             let heading = if panel.title.is_some() || outside(panel, figure, &y) > 0 { 19.0 } else { 0.0 };
             let upper = top + heading + legend.height() + 5.0;
             let frame = Frame { left, top: upper, right, bottom: upper + height };
@@ -119,16 +131,20 @@ impl<'a> Layout<'a> {
             top = upper + height + 13.0;
         }
         let ticks = if upward { widest([&x]) + 4.0 } else { TICK_SIZE + 4.0 };
-        let label = if axis_label(&figure.x, &x).is_empty() { 0.0 } else { LABEL_SIZE + 8.0 };
+        let x_label = match axis_label(&figure.x, &x) {
+            none if none.is_empty() => Vec::new(),
+            _ => label_lines(&figure.x, &x, whole - 8.0),
+        };
+        let label = if x_label.is_empty() { 0.0 } else { LABEL_SIZE + 8.0 + (x_label.len() - 1) as f64 * LABEL_ROW };
         let height = (top - 13.0 + TICK + ticks + label + 9.0).ceil();
-        Layout { height, x, upward, panels, styles: Styles::new(figure) }
+        Layout { width: whole, height, x, x_label, upward, panels, styles: Styles::new(figure) }
     }
 
     fn draw(&self, figure: &Figure, canvas: &Canvas) {
         if let Some(title) = &figure.title {
             let left = self.panels.first().map_or(10.0, |p| p.frame.left);
             canvas.text(
-                &clean(title, 90),
+                &clean(title, self.longest_title(left)),
                 (left, 22.0),
                 Lettering { size: 14.0, colour: INK, bold: true, align: Align::Left },
             );
@@ -137,7 +153,7 @@ impl<'a> Layout<'a> {
             self.draw_panel(figure, panel, place, canvas);
         }
         if let Some(place) = self.panels.last() {
-            self.draw_x_axis(figure, place, canvas);
+            self.draw_x_axis(place, canvas);
         }
     }
 
@@ -145,7 +161,7 @@ impl<'a> Layout<'a> {
         let frame = place.frame;
         let heading = Lettering { size: 12.5, colour: INK, bold: true, align: Align::Left };
         if let Some(title) = &panel.title {
-            canvas.text(&clean(title, 90), (frame.left, place.top + 14.0), heading);
+            canvas.text(&clean(title, self.longest_title(frame.left)), (frame.left, place.top + 14.0), heading);
         }
         let lost = outside(panel, figure, &place.y);
         if lost > 0 {
@@ -153,7 +169,7 @@ impl<'a> Layout<'a> {
             let note = Lettering { size: 11.0, colour: FAINT, bold: false, align: Align::Right };
             canvas.text(&format!("{lost} {points} outside the axes"), (frame.right, place.top + 14.0), note);
         }
-        place.legend.draw(canvas, &self.styles, frame.left, frame.top - 5.0 - place.legend.height());
+        place.legend.draw(canvas, &self.styles, frame.top - 5.0 - place.legend.height());
 
         let brush = Brush { canvas, styles: &self.styles, frame, x: &self.x, y: &place.y };
         for layer in panel.layers.iter().filter(|l| matches!(l.shape, Shape::ShadedX { .. })) {
@@ -189,7 +205,7 @@ impl<'a> Layout<'a> {
         draw_y_axis(place, canvas);
     }
 
-    fn draw_x_axis(&self, figure: &Figure, place: &Place, canvas: &Canvas) {
+    fn draw_x_axis(&self, place: &Place, canvas: &Canvas) {
         let frame = place.frame;
         let letters = Lettering { size: TICK_SIZE, colour: INK, bold: false, align: Align::Centre };
         let mut free_from = f64::NEG_INFINITY;
@@ -213,12 +229,18 @@ impl<'a> Layout<'a> {
         if self.upward {
             below = frame.bottom + TICK + 4.0 + widest([&self.x]);
         }
-        let middle = (frame.left + frame.right) / 2.0;
-        canvas.text(
-            &axis_label(&figure.x, &self.x),
-            (middle, below + 6.0 + LABEL_SIZE),
-            Lettering { size: LABEL_SIZE, ..letters },
-        );
+        for (i, line) in self.x_label.iter().enumerate() {
+            // Below the middle of the panel, as far as the figure's edges leave it there.
+            let half = width(&without_markup(line), LABEL_SIZE, false) / 2.0;
+            let middle = ((frame.left + frame.right) / 2.0).min(self.width - 4.0 - half).max(4.0 + half);
+            let at = (middle, below + 6.0 + LABEL_SIZE + i as f64 * LABEL_ROW);
+            canvas.text(line, at, Lettering { size: LABEL_SIZE, ..letters });
+        }
+    }
+
+    /// Letters of a title that begins there.
+    fn longest_title(&self, left: f64) -> usize {
+        if self.width < WIDTH { ((self.width - left) / 7.8) as usize } else { 90 }
     }
 }
 
@@ -291,7 +313,7 @@ mod tests {
             let panel = Panel::new(Axis::new("North", "y", "km")).layer(layer);
             let figure = Figure::new("way", Axis::new("East", "x", "km")).panel(panel);
             let per_pixel = |figure: &Figure| {
-                let layout = Layout::new(figure);
+                let layout = Layout::new(figure, WIDTH);
                 let (x, place) = (&layout.x, &layout.panels[0]);
                 let frame = &place.frame;
                 let along_x = (x.to - x.from) / (frame.right - frame.left);

@@ -65,10 +65,10 @@ pub(super) fn heading(text: &str) -> String {
     format!("{before}[{}]{}", powers(unit), heading(after))
 }
 
-/// On one line where it fits beside the panel, otherwise on two.
-pub(super) fn y_label(axis: &Axis, scale: &Scale, height: f64) -> Vec<String> {
+/// On one line where it fits into that length, otherwise on two.
+pub(super) fn label_lines(axis: &Axis, scale: &Scale, length: f64) -> Vec<String> {
     let whole = axis_label(axis, scale);
-    if width(&without_markup(&whole), LABEL_SIZE, false) <= height + 16.0 {
+    if width(&without_markup(&whole), LABEL_SIZE, false) <= length {
         return vec![whole];
     }
     [clean(&axis.label, 80), quantity(axis, scale)].into_iter().filter(|p| !p.is_empty()).collect()

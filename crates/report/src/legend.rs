@@ -11,6 +11,10 @@ const SIZE: f64 = 12.0;
 /// Height of one row of entries.
 pub(super) const ROW: f64 = 19.0;
 const SAMPLE: f64 = 24.0;
+/// Left of it nothing is drawn.
+const EDGE: f64 = 6.0;
+/// That is hardly ever wider.
+const WIDTH_OF_A_LETTER: f64 = 6.8;
 
 /// The place in the palette of every label in a figure.
 pub(super) struct Styles<'a> {
@@ -55,6 +59,7 @@ fn is_series(shape: &Shape) -> bool {
 
 /// The entries of one panel, in rows.
 pub(super) struct Legend<'a> {
+    left: f64,
     rows: Vec<Vec<Entry<'a>>>,
 }
 
@@ -65,8 +70,9 @@ struct Entry<'a> {
 }
 
 impl<'a> Legend<'a> {
-    /// The labels of a panel that no panel above has shown, flowing into rows of a width.
-    pub fn new(panel: &'a Panel, shown: &mut BTreeSet<&'a str>, wide: f64) -> Self {
+    /// The labels of a panel that no panel above has shown, flowing into rows between the panel's edges; from the figure's
+    /// own edge on where one is too long for that.
+    pub fn new(panel: &'a Panel, shown: &mut BTreeSet<&'a str>, (left, right): (f64, f64)) -> Self {
         let mut entries: Vec<(&str, Vec<&Layer>)> = Vec::new();
         for layer in &panel.layers {
             let Some(label) = layer.label.as_deref().filter(|l| !shown.contains(l)) else { continue };
@@ -76,10 +82,14 @@ impl<'a> Legend<'a> {
             }
         }
         shown.extend(entries.iter().map(|(label, _)| *label));
+        let longest = entries.iter().map(|(label, _)| width(&clean(label, 70), SIZE, false)).fold(0.0, f64::max);
+        let left = if SAMPLE + 6.0 + longest > right - left { EDGE } else { left };
+        let wide = right - left;
+        let letters = (((wide - SAMPLE - 6.0) / WIDTH_OF_A_LETTER) as usize).min(70);
         let mut rows: Vec<Vec<Entry>> = Vec::new();
         let mut x = wide;
         for (label, layers) in entries {
-            let text = clean(label, 70);
+            let text = clean(label, letters);
             let needs = SAMPLE + 6.0 + width(&text, SIZE, false);
             if x + needs > wide {
                 rows.push(Vec::new());
@@ -90,14 +100,15 @@ impl<'a> Legend<'a> {
             }
             x += needs + 18.0;
         }
-        Legend { rows }
+        Legend { left, rows }
     }
 
     pub fn height(&self) -> f64 {
         self.rows.len() as f64 * ROW
     }
 
-    pub fn draw(&self, canvas: &Canvas, styles: &Styles, left: f64, top: f64) {
+    pub fn draw(&self, canvas: &Canvas, styles: &Styles, top: f64) {
+        let left = self.left;
         let lettering = Lettering { size: SIZE, colour: INK, bold: false, align: Align::Left };
         for (i, row) in self.rows.iter().enumerate() {
             let middle = top + (i as f64 + 0.5) * ROW;

@@ -1,6 +1,6 @@
 //! The page: what was read, what was found, how to repeat it, as one HTML file that asks nothing of any other.
 
-use super::draw::document;
+use super::draw::{NARROW, WIDTH, document};
 use super::explorer::Explorer;
 use super::figure::Figure;
 use super::labels::{heading, powers};
@@ -360,14 +360,21 @@ fn block(block: &Block, count: &mut Count) -> Value {
         }
         Block::Figure(figure) => {
             count.figures += 1;
-            if let Some(numbers) = mouse::numbers(figure) {
+            let numbers = mouse::numbers(figure);
+            // What the mouse reads is drawn anew as wide as the screen; anything else has a drawing for narrow ones.
+            let narrow = match &numbers {
+                Some(_) => String::new(),
+                None => document(figure, &format!("figure-{}-narrow", count.figures), NARROW, false),
+            };
+            if let Some(numbers) = numbers {
                 count.numbers.push(format!("\"{}\":{numbers}", count.figures));
             }
-            let svg = document(figure, &format!("figure-{}", count.figures), false);
+            let svg = document(figure, &format!("figure-{}", count.figures), WIDTH, false);
             context! {
                 kind => "figure",
                 number => count.figures,
                 svg => Value::from_safe_string(svg),
+                narrow => Value::from_safe_string(narrow),
                 caption => visible(&figure.caption),
             }
         }

@@ -18,7 +18,7 @@ use glidepolar_dynamics::buoyancy::Memory;
 use glidepolar_dynamics::contact::{Contact, Place};
 use glidepolar_dynamics::energy::{Usage, moves_1_s, under_water};
 use glidepolar_dynamics::servo::{servo_acceleration, servo_bend_s, servo_corner, servo_speed, slow_servo_bend_s};
-use glidepolar_number::Number;
+use glidepolar_number::{Number, functions};
 
 use super::forces::{Hydrodynamics, Motion};
 use super::inertia::{Inertia, Mover};
@@ -160,7 +160,7 @@ pub fn outputs<T: Number>(body: &Body<T>, time_s: T, state: &State<T>, inputs: &
     let now = Instant::new(body, time_s, state, inputs);
     let h = &now.hydrodynamics;
     let sink = dot(now.attitude.down(), now.v);
-    let path = if h.speed_m_s.value() > 0.0 { -(sink / h.speed_m_s).asin() } else { T::constant(0.0) };
+    let path = if h.speed_m_s.value() > 0.0 { -functions::asin(sink / h.speed_m_s) } else { T::constant(0.0) };
     let own = [rates.v1_m_s, rates.v2_m_s, rates.v3_m_s];
     let carried = add(cross(now.rates, now.v), now.attitude.to_body(now.water_along_the_way()));
     let gravity = scale(body.plane.gravity_m_s2, now.attitude.down());
@@ -342,7 +342,7 @@ impl<'a, T: Number> Instant<'a, T> {
     fn mover(&self, sliding: T, turning: T) -> (Mover<T>, Vector<T>) {
         let (p, l, s) = (&self.body.plane, &self.body.lateral, self.state);
         let radius = l.roll_mass_kg * l.roll_mass_radius_m / p.moving_mass_kg;
-        let (sin, cos) = (s.roll_mass_rad + l.roll_mass_offset_rad).sin_cos();
+        let (sin, cos) = functions::sin_cos(s.roll_mass_rad + l.roll_mass_offset_rad);
         let rate = s.roll_mass_rate_rad_s;
         let zero = T::constant(0.0);
         let place = [s.moving_mass_m, radius * sin, p.moving_mass_height_m - radius * (-cos + 1.0)];
@@ -398,7 +398,7 @@ impl<'a, T: Number> Instant<'a, T> {
 
     /// Rates of change of roll, pitch and heading.
     fn euler_rates(&self) -> Vector<T> {
-        let ((sr, cr), (sp, cp)) = (self.state.roll_rad.sin_cos(), self.state.pitch_rad.sin_cos());
+        let ((sr, cr), (sp, cp)) = (functions::sin_cos(self.state.roll_rad), functions::sin_cos(self.state.pitch_rad));
         let [p, q, r] = self.rates;
         let heading = (q * sr + r * cr) / cp;
         [p + heading * sp, q * cr - r * sr, heading]

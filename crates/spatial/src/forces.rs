@@ -11,7 +11,7 @@
 
 use glidepolar_dynamics::empirical::Added;
 use glidepolar_dynamics::forces::{Flow, ascent_fraction};
-use glidepolar_number::Number;
+use glidepolar_number::{Number, functions};
 
 use super::lateral::{Body, Lateral, RateLaw};
 use super::vector::Vector;
@@ -108,7 +108,7 @@ impl<T: Number> Body<T> {
         let in_plane = p.hydrodynamics_at_speed(speed_squared, &flow);
         let damping = p.still_water_damping_N_m(pitch_rate);
         let (along, speed) = (along_squared.sqrt(), speed_squared.sqrt());
-        let beta = v2.atan2(along);
+        let beta = functions::atan2(v2, along);
         let side = l.side(motion.sink_m_s);
         let q_area = motion.density_kg_m3 * speed_squared * p.frontal_area_m2 * 0.5;
         let per_rate = match self.rate_law {

@@ -7,7 +7,7 @@
 
 use glidepolar_dynamics::Surroundings;
 use glidepolar_dynamics::glide::{Attitude, SteadyGlide, at_pitch};
-use glidepolar_number::Number;
+use glidepolar_number::{Number, functions};
 use nalgebra::{SMatrix, SVector};
 use num_dual::{Derivative, DualSVec64};
 
@@ -312,8 +312,8 @@ impl<T: Number> Unknowns<T> {
             Trim::MovingMass(place) => (second, T::constant(place)),
             Trim::Pitch(pitch) => (T::constant(pitch), second),
         };
-        let ((sr, cr), (sp, cp)) = (roll.sin_cos(), pitch.sin_cos());
-        let ((sa, ca), (sb, cb)) = (alpha.sin_cos(), beta.sin_cos());
+        let ((sr, cr), (sp, cp)) = (functions::sin_cos(roll), functions::sin_cos(pitch));
+        let ((sa, ca), (sb, cb)) = (functions::sin_cos(alpha), functions::sin_cos(beta));
         let mut state = State::from_array([T::constant(0.0); N_STATES]);
         state.depth_m = T::constant(setting.depth_m);
         (state.roll_rad, state.pitch_rad) = (roll, pitch);

@@ -1,6 +1,6 @@
 //! Three numbers as a vector: sum, multiple, products.
 
-use glidepolar_number::Number;
+use glidepolar_number::{Number, functions};
 
 pub type Vector<T> = [T; 3];
 
@@ -27,7 +27,8 @@ pub struct Attitude<T> {
 
 impl<T: Number> Attitude<T> {
     pub fn new(roll: T, pitch: T, heading: T) -> Self {
-        let ((sr, cr), (sp, cp), (sh, ch)) = (roll.sin_cos(), pitch.sin_cos(), heading.sin_cos());
+        let ((sr, cr), (sp, cp), (sh, ch)) =
+            (functions::sin_cos(roll), functions::sin_cos(pitch), functions::sin_cos(heading));
         Attitude {
             rows: [
                 [cp * ch, sr * sp * ch - cr * sh, cr * sp * ch + sr * sh],

@@ -92,7 +92,7 @@ impl Instance {
 
 impl Instance {
     /// Warns where ballast or moving mass lay beyond a limit and were brought back to it: a limit was narrowed under
-    /// them, or a start lies outside. An ordinary arrival at a limit is not worth a word.
+    /// them, or a start lies outside. An ordinary arrival at a limit is not worth a word, nor is a start in trim.
     pub(super) fn tell_of_moves(&self, before: &[f64; MOST_STATES], after: &Glider) {
         const WORTH_A_WORD: f64 = 1e-6;
         if after.model != Model::Plane {
@@ -102,7 +102,8 @@ impl Instance {
         let (p, state) = (after.parameters(), State::from_array(head(&after.values.state)));
         let before = State::from_array(head(before));
         let (from, to) = (before.moving_mass_1_m, state.moving_mass_1_m);
-        if (to - from).abs() > WORTH_A_WORD {
+        let is_inside = from >= p.moving_mass_min_m && from <= p.moving_mass_max_m;
+        if !is_inside && (to - from).abs() > WORTH_A_WORD {
             let (limit, value) = if to < from {
                 ("moving_mass_max_m", p.moving_mass_max_m)
             } else {
@@ -116,7 +117,8 @@ impl Instance {
             );
         }
         let (from, to) = (before.ballast_mass_kg, state.ballast_mass_kg);
-        if (to - from).abs() > WORTH_A_WORD {
+        let [least, most] = [p.ballast_max_m3, p.ballast_min_m3].map(|volume_m3| p.ballast_mass_kg(volume_m3));
+        if !(from >= least && from <= most) && (to - from).abs() > WORTH_A_WORD {
             // More mass is less volume.
             let (limit, value) =
                 if to < from { ("ballast_min_m3", p.ballast_min_m3) } else { ("ballast_max_m3", p.ballast_max_m3) };

@@ -62,6 +62,12 @@ pub fn in_a_sentence(diagnosis: &Diagnosis) -> String {
 
 fn wrong(diagnosis: &Diagnosis) -> String {
     match diagnosis.wrong.first() {
+        // The test of one quantity against one condition is weaker than that of a cause, which counts all of them at once.
+        None if !diagnosis.causes.is_empty() => {
+            "No quantity alone departs from CL = a α, CD = b + c α², CM = d α by more than \
+             noise; the cause is found in all of them together."
+                .to_owned()
+        }
         None => "The steady runs depart from CL = a α, CD = b + c α², CM = d α by no more than their noise.".to_owned(),
         Some(wrong) => {
             let also: Vec<String> = diagnosis.wrong[1..]

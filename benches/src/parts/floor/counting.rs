@@ -5,6 +5,8 @@ use std::fmt;
 use std::iter::{Product, Sum};
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Rem, RemAssign, Sub, SubAssign};
 
+use glidepolar::Number;
+use glidepolar::number::functions::Function;
 use num_dual::{DualNum, DualStruct, Mappable};
 use num_traits::{FromPrimitive, Inv, Num, One, Signed, Zero};
 
@@ -271,6 +273,23 @@ macro_rules! bessel {
             Counted(DualNum::$name(&self.0))
         }
     )*};
+}
+
+impl Number for Counted {
+    fn value(self) -> f64 {
+        self.0
+    }
+
+    fn function_value(value: f64, function: Function) -> Self {
+        did(match function {
+            Function::SineCosine => Kind::SineCosine,
+            Function::ArcTangent => Kind::ArcTangent,
+            Function::Exponential => Kind::Exponential,
+            Function::Logarithm => Kind::Logarithm,
+            Function::Other => Kind::Other,
+        });
+        Counted(value)
+    }
 }
 
 // No derivatives: the equations then take the same way as with plain numbers.

@@ -11,7 +11,7 @@
 use super::{GlideError, SteadyGlide, complete, steady_flow};
 use crate::forces::Flow;
 use crate::{Parameters, Surroundings};
-use glidepolar_number::Number;
+use glidepolar_number::{Number, functions};
 use num_dual::Dual64;
 
 /// What a glider in a steady glide measures of itself.
@@ -115,7 +115,7 @@ impl<T: Number> SteadyGlider<T> {
             log_q -= step_log_q;
         }
         let density = parameters.true_density_kg_m3(water.density_kg_m3);
-        let speed_m_s = (log_q.exp() * 2.0 / density).sqrt();
+        let speed_m_s = (functions::exp(log_q) * 2.0 / density).sqrt();
         Ok(Flight { angle_of_attack_rad: alpha, speed_m_s, guess: solution.unknowns })
     }
 }
@@ -188,21 +188,21 @@ fn solve(asked: &Asked<'_, f64>, with_slopes: &Parameters<Dual64>, guess: [f64; 
 /// Drag over lift at the path angle that the pitch alone suggests, then the speed that carries the weight.
 fn first_guess(asked: &Asked<'_, f64>) -> Option<[f64; 2]> {
     let (p, attitude) = (asked.parameters, &asked.attitude);
-    let tangent = attitude.pitch_rad.tan();
+    let tangent = functions::tan(attitude.pitch_rad);
     let alpha = if p.a_per_rad == 0.0 { 0.0 } else { -(p.b + p.CL0 * tangent) / (p.a_per_rad * tangent) };
     let alpha = alpha.clamp(-0.15, 0.15);
     let xi = attitude.pitch_rad - alpha;
     let flow = steady_flow(p, &asked.water, alpha, 0.3, xi);
     let q = flow.density_kg_m3 * 0.3 * 0.3 * 0.5;
     let coefficients = p.coefficients(alpha, q, &flow);
-    let resultant = coefficients.lift.hypot(coefficients.drag);
+    let resultant = (coefficients.lift * coefficients.lift + coefficients.drag * coefficients.drag).sqrt();
     let q = attitude.net_mass_kg.abs() * p.gravity_m_s2 / (p.frontal_area_m2 * resultant);
-    (q > 0.0 && q.is_finite()).then(|| [alpha, q.ln()])
+    (q > 0.0 && q.is_finite()).then(|| [alpha, functions::ln(q)])
 }
 
 fn balance<T: Number>(asked: &Asked<'_, T>, [alpha, log_q]: [T; 2]) -> [T; 2] {
     let Asked { parameters, water, attitude, deflection } = asked;
-    let q = log_q.exp();
+    let q = functions::exp(log_q);
     let xi = attitude.pitch_rad - alpha;
     let weight = attitude.net_mass_kg * parameters.gravity_m_s2;
     // Which leg it is follows from the weight, not from an iterate's path; the coefficients read no speed but its sign.
@@ -219,7 +219,7 @@ fn balance<T: Number>(asked: &Asked<'_, T>, [alpha, log_q]: [T; 2]) -> [T; 2] {
         empirical: parameters.empirical(water),
     };
     let coefficients = parameters.coefficients(alpha, q, &flow);
-    let (sin, cos) = xi.sin_cos();
+    let (sin, cos) = functions::sin_cos(xi);
     [
         coefficients.drag * cos + coefficients.lift * sin,
         q * parameters.frontal_area_m2 * (coefficients.lift * cos - coefficients.drag * sin) / weight - 1.0,

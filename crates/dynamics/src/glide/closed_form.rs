@@ -9,7 +9,7 @@
 
 use super::{GlideError, SteadyGlide, complete, steady_flow};
 use crate::{Parameters, Surroundings};
-use glidepolar_number::Number;
+use glidepolar_number::{Number, functions};
 
 /// The steady glide along a path of angle `glide_angle_rad` (negative when descending) at `speed_m_s`.
 ///
@@ -30,7 +30,7 @@ pub fn at_path<T: Number>(
         return Err(out_of_range("glide_angle_deg", xi.value().to_degrees(), expected));
     }
     let law = QuadraticLaw::on_leg(parameters, water, xi, speed_m_s);
-    match law.angle_of_attack(xi.tan()) {
+    match law.angle_of_attack(functions::tan(xi)) {
         Some(alpha) => Ok(complete(parameters, water, alpha, xi, speed_m_s)),
         None => {
             let limits = shallowest(&parameters.map(T::value), &water_values(water), speed_m_s.value());
@@ -65,7 +65,7 @@ pub fn shallowest(parameters: &Parameters<f64>, water: &Surroundings<f64>, speed
             (law.a * law.a - 4.0 * n * law.lift_0, -4.0 * (law.c * law.lift_0 + n * law.b), -4.0 * law.b * law.c);
         let root = (p1 * p1 - 4.0 * p2 * p0).max(0.0).sqrt();
         let tangent = (-p1 + xi.signum() * root) / (2.0 * p2);
-        tangent.atan()
+        functions::atan(tangent)
     };
     PathLimits { descent_rad: limit(-0.5), ascent_rad: limit(0.5) }
 }

@@ -17,7 +17,7 @@ mod start;
 
 use crate::forces::Flow;
 use crate::{Parameters, Surroundings};
-use glidepolar_number::Number;
+use glidepolar_number::{Number, functions};
 
 pub use by_pitch::{Attitude, Deflection, Flight, SteadyGlider, at_pitch};
 pub use closed_form::{PathLimits, at_path, shallowest};
@@ -97,12 +97,12 @@ pub enum GlideError {
 
 /// The flow of a steady glide: no rotation, the leg known by the sign of the sink rate.
 fn steady_flow<T: Number>(parameters: &Parameters<T>, water: &Surroundings<T>, alpha: T, speed: T, xi: T) -> Flow<T> {
-    let (sin, cos) = alpha.sin_cos();
+    let (sin, cos) = functions::sin_cos(alpha);
     Flow {
         v1_m_s: speed * cos,
         v3_m_s: speed * sin,
         pitch_rate_rad_s: T::constant(0.0),
-        sink_m_s: -speed * xi.sin(),
+        sink_m_s: -speed * functions::sin(xi),
         density_kg_m3: parameters.true_density_kg_m3(water.density_kg_m3),
         time_s: water.time_s,
         roll_rad: T::constant(0.0),
@@ -121,20 +121,20 @@ fn complete<T: Number>(
 ) -> SteadyGlide<T> {
     let p = parameters;
     let forces = p.hydrodynamics(&steady_flow(p, water, alpha, speed, xi));
-    let (sin, cos) = xi.sin_cos();
+    let (sin, cos) = functions::sin_cos(xi);
     let net_mass_kg = (forces.lift_N * cos - forces.drag_N * sin) / p.gravity_m_s2;
     let without_ballast = p.net_mass_kg(T::constant(0.0), water);
     let ballast_m3 = (without_ballast - net_mass_kg) / (p.true_density_kg_m3(water.density_kg_m3) * p.ballast_scale);
     let ballast_mass_kg = p.ballast_mass_kg(ballast_m3);
     let pitch = xi + alpha;
-    let (v1, v3) = (speed * alpha.cos(), speed * alpha.sin());
+    let (v1, v3) = (speed * functions::cos(alpha), speed * functions::sin(alpha));
     // Moment balance: g (S1 cos + S3 sin) = M_hydro + (m3 - m1) v1 v3, the hull's own masses drop out of the couple.
     let munk = (p.added_mass_3_kg - p.added_mass_1_kg) * v1 * v3;
     let fixed_1 = p.offset_mass_kg * p.offset_mass_forward_m + ballast_mass_kg * p.ballast_forward_m;
     let moment_3 = p.moving_mass_kg * p.moving_mass_height_m
         + p.offset_mass_kg * p.offset_mass_below_m
         + ballast_mass_kg * p.ballast_below_m;
-    let hydrostatic = (forces.moment_without_munk_N_m + munk) / (p.gravity_m_s2 * pitch.cos());
+    let hydrostatic = (forces.moment_without_munk_N_m + munk) / (p.gravity_m_s2 * functions::cos(pitch));
     SteadyGlide {
         glide_angle_rad: xi,
         angle_of_attack_rad: alpha,
@@ -150,6 +150,6 @@ fn complete<T: Number>(
         net_mass_kg,
         ballast_m3,
         ballast_mass_kg,
-        moving_mass_m: (hydrostatic - fixed_1 - moment_3 * pitch.tan()) / p.moving_mass_kg,
+        moving_mass_m: (hydrostatic - fixed_1 - moment_3 * functions::tan(pitch)) / p.moving_mass_kg,
     }
 }
