@@ -1,0 +1,110 @@
+//! The two readings of a steady stretch and what the model says they are.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use glidepolar_flightlog::Observation;
+use nalgebra::DVector;
+
+use crate::{Stretch, stretches};
+
+/// Speeds of a leg that are taken at their word \[m/s\], and the flattest pitch of a glide \[rad\]: depth rate over its sine is no
+/// speed below that.
+const SLOWEST_M_S: f64 = 0.05;
+const FASTEST_M_S: f64 = 1.0;
+const FLATTEST_RAD: f64 = 0.12;
+
+/// One steady stretch with what the model needs.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Row {
+    pub(super) stretch: Stretch,
+    pub(super) speed_m_s: f64,
+    pub(super) cot: f64,
+}
+
+/// A figure of the model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Term {
+    /// Curvature without roll and rudder \[rad/m\].
+    Yaw,
+    /// Curvature per roll and cotangent of the pitch on descents, on ascents \[1/m\].
+    RollTurns(bool),
+    /// The same for both legs, with the sign of the leg.
+    RollTurnsAlike,
+    /// Curvature per rudder \[1/m\].
+    Rudder,
+    /// Zero of the roll sensor.
+    Zero,
+    /// List.
+    List,
+    /// Offset of the roll mass.
+    RollMassOffset,
+    /// Roll per roll mass at small angles.
+    Gain,
+    /// Roll per rudder and squared speed.
+    RudderRolls,
+    /// Roll by what damps the roll rate of a turn at this pitch.
+    Damped,
+}
+
+pub(super) fn name(term: Term) -> &'static str {
+    match term {
+        Term::RollMassOffset => "roll_mass_offset",
+        Term::Zero => "roll_offset",
+        _ => "static_list",
+    }
+}
+
+pub(super) fn parameter(term: Term) -> &'static str {
+    match term {
+        Term::RollMassOffset => "roll_mass_offset_rad",
+        Term::Zero => "roll_offset_rad",
+        _ => "static_list_rad",
+    }
+}
+
+pub(super) fn rows(observations: &[Observation]) -> Vec<Row> {
+    let is_usable = |s: &Stretch| s.roll_rad.is_finite() && s.speed_m_s.is_finite() && s.pitch_rad.abs() > FLATTEST_RAD;
+    let found: Vec<Stretch> = stretches(observations).into_iter().filter(is_usable).collect();
+    let mut of_leg: BTreeMap<(u32, bool), Vec<f64>> = BTreeMap::new();
+    for stretch in &found {
+        of_leg.entry((stretch.dive, stretch.descends)).or_default().push(stretch.speed_m_s);
+    }
+    let of_leg: BTreeMap<(u32, bool), f64> =
+        of_leg.into_iter().map(|(leg, mut speeds)| (leg, glidepolar_flightlog::median(&mut speeds))).collect();
+    let row = |stretch: Stretch| {
+        let speed_m_s = of_leg[&(stretch.dive, stretch.descends)].clamp(SLOWEST_M_S, FASTEST_M_S);
+        Row { stretch, speed_m_s, cot: 1.0 / stretch.pitch_rad.abs().tan() }
+    };
+    found.into_iter().map(row).collect()
+}
+
+pub(super) fn dives(rows: &[Row]) -> Vec<u32> {
+    rows.iter().map(|row| row.stretch.dive).collect::<BTreeSet<_>>().into_iter().collect()
+}
+
+pub(super) fn rolls(rows: &[Row]) -> Vec<f64> {
+    rows.iter().map(|row| row.stretch.roll_rad).collect()
+}
+
+/// Values of the terms at which the steps begin: a roll of half of what the roll mass turns by.
+pub(super) fn start(terms: &[Term]) -> DVector<f64> {
+    DVector::from_iterator(terms.len(), terms.iter().map(|term| if *term == Term::Gain { 0.5 } else { 0.0 }))
+}
+
+/// Turn rate and roll of a stretch by the model.
+pub(super) fn predicted(row: &Row, terms: &[Term], values: &DVector<f64>) -> [f64; 2] {
+    let of = |wanted: Term| terms.iter().position(|term| *term == wanted).map_or(0.0, |at| values[at]);
+    let Row { stretch, speed_m_s, cot } = *row;
+    let finite = |value: f64| if value.is_finite() { value } else { 0.0 };
+    let (rudder, roll_mass) = (finite(stretch.rudder_rad), finite(stretch.roll_mass_rad));
+    let (zero, gain) = (of(Term::Zero), of(Term::Gain));
+    let sign = if stretch.descends { -1.0 } else { 1.0 };
+    let per_roll = of(Term::RollTurns(stretch.descends)) + sign * of(Term::RollTurnsAlike);
+    let rate =
+        speed_m_s * (of(Term::Yaw) + of(Term::Rudder) * rudder + per_roll * cot * (stretch.roll_rad - zero).sin());
+    let (sin, cos) = (roll_mass + of(Term::RollMassOffset)).sin_cos();
+    let lean = ((gain * sin + of(Term::List).tan()) / (1.0 + gain * (cos - 1.0))).atan();
+    let (sin_pitch, cos_pitch) = stretch.pitch_rad.clamp(-1.4, 1.4).sin_cos();
+    let damped = of(Term::Damped) * speed_m_s * stretch.rate_rad_s * sin_pitch / (cos_pitch * cos_pitch);
+    [rate, zero + lean + damped + of(Term::RudderRolls) * rudder * speed_m_s * speed_m_s]
+}
