@@ -17,8 +17,20 @@ const QUESTIONS: f64 = 4.0;
 /// what gliders show (0.03 to 0.1).
 const PRIOR_PER_ROLL: f64 = 0.2;
 
+/// The same of its change with the squared sine of the roll \[1/m\]. The equations in six degrees of freedom have -0.2 to -0.5 for the
+/// built-in Seaglider: at 25 deg of roll it turns half as much per roll as at 3 deg.
+const PRIOR_BEND: f64 = 0.3;
+
 /// Steps of Gauss and Newton: the model is nearly linear.
 const STEPS: usize = 12;
+
+fn prior_sd(term: Term) -> Option<f64> {
+    match term {
+        Term::RollTurnsAlike => Some(PRIOR_PER_ROLL),
+        Term::RollBends(_) => Some(PRIOR_BEND),
+        _ => None,
+    }
+}
 
 /// The model with some of its terms, fitted.
 pub(super) struct Fit {
@@ -51,8 +63,9 @@ impl Fit {
             sds.unwrap_or_else(|| [spread(|s| s.rate_rad_s), spread(|s| s.roll_rad)].map(|sd| sd.max(1e-9)));
         // Twice a dive: rate and roll of one stretch err apart, those of one dive together.
         let mut clusters: Vec<u32> = rows.iter().flat_map(|row| [row.stretch.dive; 2]).collect();
-        let prior = terms.iter().position(|term| *term == Term::RollTurnsAlike);
-        clusters.extend(prior.map(|_| u32::MAX));
+        let priors: Vec<(usize, f64)> =
+            terms.iter().enumerate().filter_map(|(at, term)| Some((at, prior_sd(*term)?))).collect();
+        clusters.extend(priors.iter().map(|_| rows[0].stretch.dive));
         let length = clusters.len();
         let mut last = None;
         for step in 0..STEPS {
@@ -60,11 +73,11 @@ impl Fit {
                 let [rate, roll] = predicted(row, terms, &values);
                 [(row.stretch.rate_rad_s - rate) / weights[0], (row.stretch.roll_rad - roll) / weights[1]]
             });
-            let of_prior = prior.map(|at| -values[at] / PRIOR_PER_ROLL);
-            let residual = DVector::from_iterator(length, of_rows.chain(of_prior));
+            let of_priors = priors.iter().map(|(at, sd)| -values[*at] / sd);
+            let residual = DVector::from_iterator(length, of_rows.chain(of_priors));
             let mut design = DMatrix::zeros(length, terms.len());
-            if let Some(at) = prior {
-                design[(length - 1, at)] = 1.0 / PRIOR_PER_ROLL;
+            for (i, (at, sd)) in priors.iter().enumerate() {
+                design[(2 * n + i, *at)] = 1.0 / sd;
             }
             for column in 0..terms.len() {
                 let step = 1e-5;
@@ -84,7 +97,7 @@ impl Fit {
             // While nothing is known of the turn per roll, a sensor's zero is a list: it follows in the next step.
             let is_known = |at: &usize| step > 0 || terms[*at] != Term::Zero || !terms.contains(&Term::List);
             let known: Vec<usize> = (0..terms.len()).filter(is_known).collect();
-            let fit = Problem::plain(design.select_columns(&known), residual).solve(Scatter::Equal)?;
+            let mut fit = Problem::plain(design.select_columns(&known), residual).solve(Scatter::Equal)?;
             for (place, at) in known.iter().enumerate() {
                 values[*at] += fit.parameters[place];
             }
@@ -94,7 +107,12 @@ impl Fit {
             if sds.is_none() && step < STEPS / 2 {
                 weights = scatter(&values);
             }
-            last = (known.len() == terms.len()).then(|| fit.cluster_covariance(&clusters));
+            if known.len() == terms.len() && step + 1 == STEPS {
+                // A prior errs by its standard deviation, whatever it is off by here.
+                fit.residuals.rows_mut(2 * n, priors.len()).fill(0.0);
+                let of_priors = fit.gain.columns(2 * n, priors.len());
+                last = Some(fit.cluster_covariance(&clusters) + of_priors * of_priors.transpose());
+            }
         }
         let covariance = last?;
         let mut by_dive: BTreeMap<u32, [f64; 2]> = BTreeMap::new();

@@ -30,6 +30,8 @@ pub(super) enum Term {
     RollTurns(bool),
     /// The same for both legs, with the sign of the leg.
     RollTurnsAlike,
+    /// How the curvature per roll changes with the squared sine of the roll, on descents, on ascents \[1/m\].
+    RollBends(bool),
     /// Curvature per rudder \[1/m\].
     Rudder,
     /// Zero of the roll sensor.
@@ -100,8 +102,10 @@ pub(super) fn predicted(row: &Row, terms: &[Term], values: &DVector<f64>) -> [f6
     let (zero, gain) = (of(Term::Zero), of(Term::Gain));
     let sign = if stretch.descends { -1.0 } else { 1.0 };
     let per_roll = of(Term::RollTurns(stretch.descends)) + sign * of(Term::RollTurnsAlike);
-    let rate =
-        speed_m_s * (of(Term::Yaw) + of(Term::Rudder) * rudder + per_roll * cot * (stretch.roll_rad - zero).sin());
+    // Turned over, the glider turns the other way: an odd law of the true roll.
+    let sin_roll = (stretch.roll_rad - zero).sin();
+    let side = per_roll * sin_roll + of(Term::RollBends(stretch.descends)) * sin_roll.powi(3);
+    let rate = speed_m_s * (of(Term::Yaw) + of(Term::Rudder) * rudder + side * cot);
     let (sin, cos) = (roll_mass + of(Term::RollMassOffset)).sin_cos();
     let lean = ((gain * sin + of(Term::List).tan()) / (1.0 + gain * (cos - 1.0))).atan();
     let (sin_pitch, cos_pitch) = stretch.pitch_rad.clamp(-1.4, 1.4).sin_cos();

@@ -47,7 +47,9 @@ impl Terms {
         let separates_sensor = rolls_on(true) && rolls_on(false);
         let mut turns = vec![Term::Yaw];
         if separates_sensor {
-            turns.extend([Term::RollTurns(true), Term::RollTurns(false)]);
+            for down in [true, false] {
+                turns.extend([Term::RollTurns(down), Term::RollBends(down)]);
+            }
         } else if both_legs {
             turns.push(Term::RollTurnsAlike);
         }
