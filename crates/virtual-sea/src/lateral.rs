@@ -14,7 +14,15 @@
 //! Sy             = M R sin gamma + Sz0 tan(list),    Sz = Sz0 + M R (cos gamma - 1)
 //! ```
 //!
-//! `S` is the first moment of all masses about the centre of buoyancy, `B` drag area times arm of a pod on one side. CN_beta
+//! `S` is the first moment of all masses about the centre of buoyancy, `B` drag area times arm of a pod on one side. The pitch is
+//! given, so `Sx` is what balances the pitching moment at this roll: the sliding mass gives way to roll and roll mass,
+//!
+//! ```text
+//! Sx cos phi cos theta + Sz sin theta = Sx0 cos theta + Sz0 sin theta
+//! ```
+//!
+//! with the values of the vertical plane on the right. So the gravity of a leaning glider yaws it by its roll alone, whether a list
+//! or the roll mass makes it lean. CN_beta
 //! contains Munk's couple. The list is that of a roll mass at rest; the roll mass reads `gamma` less its offset, the rudder
 //! `delta` less its own. Gusts from the side and eddies about the vertical axis disturb the heading by some tenths of a degree a
 //! second, as readings of real gliders between two moves of their controls do.
@@ -141,6 +149,8 @@ struct Given<'a> {
     forward_kg_m: f64,
     starboard_kg_m: f64,
     below_kg_m: f64,
+    /// Below, with the roll mass in the middle.
+    level_below_kg_m: f64,
     rudder_rad: f64,
     pod_m3: f64,
     gust_m_s: f64,
@@ -200,6 +210,7 @@ impl Lateral {
             forward_kg_m: vehicle.moving_mass_kg * now.moving_mass_m,
             starboard_kg_m: rolling * true_roll_mass.sin() + below * list_rad.tan(),
             below_kg_m: below + rolling * (true_roll_mass.cos() - 1.0),
+            level_below_kg_m: below,
             rudder_rad,
             pod_m3: hidden.pod_m3,
             gust_m_s: self.gust.next(&mut self.random),
@@ -266,7 +277,8 @@ impl Given<'_> {
         let roll_n_m = GRAVITY_M_S2 * cos_pitch * (self.starboard_kg_m * cos_roll - self.below_kg_m * sin_roll)
             + pressed_n * length * figures.roll_per_rate * roll_star
             - AFLOAT_N_M_S * 0.3 * state.roll_rate;
-        let yaw_n_m = GRAVITY_M_S2 * (self.forward_kg_m * sin_roll * cos_pitch + self.starboard_kg_m * sin_pitch)
+        let balanced_kg_m = self.forward_kg_m * cos_pitch + (self.level_below_kg_m - self.below_kg_m) * sin_pitch;
+        let yaw_n_m = GRAVITY_M_S2 * (balanced_kg_m * sin_roll / cos_roll + self.starboard_kg_m * sin_pitch)
             + pressed_n
                 * length
                 * (figures.yaw_per_rad * slip
@@ -320,6 +332,17 @@ mod tests {
 
     /// Steady turn rate and roll with the roll mass, the rudder and a pod held, in water without eddies.
     fn turn(seed: u64, pitch_rad: f64, roll_mass_rad: f64, rudder_rad: f64, pod_m3: f64) -> (f64, f64) {
+        turn_with_list(seed, pitch_rad, roll_mass_rad, 0.0, rudder_rad, pod_m3)
+    }
+
+    fn turn_with_list(
+        seed: u64,
+        pitch_rad: f64,
+        roll_mass_rad: f64,
+        list_rad: f64,
+        rudder_rad: f64,
+        pod_m3: f64,
+    ) -> (f64, f64) {
         let ocean = Ocean::draw(&mut stream(seed, Part::Ocean), Weather::default());
         let hull = if rudder_rad == 0.0 { Hull::Seaglider } else { Hull::Slocum200 };
         let vehicle = hull.draw(&mut stream(seed, Part::Vehicle), &ocean);
@@ -336,8 +359,9 @@ mod tests {
             density_kg_m3: 1027.0,
             net_mass_kg,
             forward_kg_m: vehicle.moving_mass_kg * vehicle.moving_mass_for(pitch_rad, angle_rad, speed_m_s, 1027.0),
-            starboard_kg_m: figures.rolling_kg_m * roll_mass_rad.sin(),
+            starboard_kg_m: figures.rolling_kg_m * roll_mass_rad.sin() + below * list_rad.tan(),
             below_kg_m: below + figures.rolling_kg_m * (roll_mass_rad.cos() - 1.0),
+            level_below_kg_m: below,
             rudder_rad,
             pod_m3,
             gust_m_s: 0.0,
@@ -365,6 +389,22 @@ mod tests {
                 let [down, up] = legs.map(|pitch| turn(seed, pitch, 0.0, 0.0, 6e-4).0);
                 assert!(down > 1e-3 && (up - down).abs() < 1e-6, "{seed}: pod {down} {up}");
             }
+        }
+    }
+
+    /// What a list leans by is undone by the roll mass: the glider then goes straight, on both legs.
+    #[test]
+    fn a_list_and_a_roll_mass_that_lean_the_glider_alike_turn_it_alike() {
+        for pitch in [-0.6, -0.25, 0.25, 0.6] {
+            // The roll mass that makes the same roll as 0.12 rad of list and 0.5 rad of roll mass.
+            let (rate, roll) = turn_with_list(7001, pitch, 0.5, 0.12, 0.0, 0.0);
+            let (mut low, mut high) = (0.0, 1.4);
+            for _ in 0..40 {
+                let middle = 0.5 * (low + high);
+                if turn(7001, pitch, middle, 0.0, 0.0).1 < roll { low = middle } else { high = middle }
+            }
+            let (alone, _) = turn(7001, pitch, low, 0.0, 0.0);
+            assert!((alone - rate).abs() < 1e-6 && rate.abs() > 1e-3, "{pitch}: {rate} with a list, {alone} without");
         }
     }
 
