@@ -21,6 +21,10 @@ const PRIOR_PER_ROLL: f64 = 0.2;
 /// built-in Seaglider: at 25 deg of roll it turns half as much per roll as at 3 deg.
 const PRIOR_BEND: f64 = 0.3;
 
+/// The same of its change with the cotangent of the pitch \[1/m\]. The net weight is the drag over the sine of the path's angle, which
+/// the angle of attack makes steeper than the pitch: at 15 deg of pitch by a fifth, hence -0.05 of the curvature per roll.
+const PRIOR_PITCH: f64 = 0.01;
+
 /// Steps of Gauss and Newton: the model is nearly linear.
 const STEPS: usize = 12;
 
@@ -28,6 +32,7 @@ fn prior_sd(term: Term) -> Option<f64> {
     match term {
         Term::RollTurnsAlike => Some(PRIOR_PER_ROLL),
         Term::RollBends(_) => Some(PRIOR_BEND),
+        Term::PitchBends(_) => Some(PRIOR_PITCH),
         _ => None,
     }
 }

@@ -12,6 +12,8 @@ use crate::{Stretch, stretches};
 const SLOWEST_M_S: f64 = 0.05;
 const FASTEST_M_S: f64 = 1.0;
 const FLATTEST_RAD: f64 = 0.12;
+/// A stretch whose speed differs by more than this share from the median of its leg is not steady: the glider still accelerates.
+const UNSTEADY: f64 = 0.2;
 
 /// One steady stretch with what the model needs.
 #[derive(Debug, Clone, Copy)]
@@ -32,6 +34,8 @@ pub(super) enum Term {
     RollTurnsAlike,
     /// How the curvature per roll changes with the squared sine of the roll, on descents, on ascents \[1/m\].
     RollBends(bool),
+    /// How it changes with the cotangent of the pitch, on descents, on ascents \[1/m\].
+    PitchBends(bool),
     /// Curvature per rudder \[1/m\].
     Rudder,
     /// Zero of the roll sensor.
@@ -64,6 +68,8 @@ pub(super) fn parameter(term: Term) -> &'static str {
     }
 }
 
+/// The stretches at the speed of their leg, each with its own. At the turn of a leg a glider is slow, and it is there that a heading
+/// control leans it: with the leg's speed this would be a turn per roll other to starboard than to port.
 pub(super) fn rows(observations: &[Observation]) -> Vec<Row> {
     let is_usable = |s: &Stretch| s.roll_rad.is_finite() && s.speed_m_s.is_finite() && s.pitch_rad.abs() > FLATTEST_RAD;
     let found: Vec<Stretch> = stretches(observations).into_iter().filter(is_usable).collect();
@@ -73,11 +79,12 @@ pub(super) fn rows(observations: &[Observation]) -> Vec<Row> {
     }
     let of_leg: BTreeMap<(u32, bool), f64> =
         of_leg.into_iter().map(|(leg, mut speeds)| (leg, glidepolar_flightlog::median(&mut speeds))).collect();
+    let is_steady = |s: &Stretch| (s.speed_m_s / of_leg[&(s.dive, s.descends)] - 1.0).abs() < UNSTEADY;
     let row = |stretch: Stretch| {
-        let speed_m_s = of_leg[&(stretch.dive, stretch.descends)].clamp(SLOWEST_M_S, FASTEST_M_S);
+        let speed_m_s = stretch.speed_m_s.clamp(SLOWEST_M_S, FASTEST_M_S);
         Row { stretch, speed_m_s, cot: 1.0 / stretch.pitch_rad.abs().tan() }
     };
-    found.into_iter().map(row).collect()
+    found.into_iter().filter(is_steady).map(row).collect()
 }
 
 pub(super) fn dives(rows: &[Row]) -> Vec<u32> {
@@ -104,7 +111,10 @@ pub(super) fn predicted(row: &Row, terms: &[Term], values: &DVector<f64>) -> [f6
     let per_roll = of(Term::RollTurns(stretch.descends)) + sign * of(Term::RollTurnsAlike);
     // Turned over, the glider turns the other way: an odd law of the true roll.
     let sin_roll = (stretch.roll_rad - zero).sin();
-    let side = per_roll * sin_roll + of(Term::RollBends(stretch.descends)) * sin_roll.powi(3);
+    let per_roll = per_roll
+        + of(Term::RollBends(stretch.descends)) * sin_roll * sin_roll
+        + of(Term::PitchBends(stretch.descends)) * cot;
+    let side = per_roll * sin_roll;
     let rate = speed_m_s * (of(Term::Yaw) + of(Term::Rudder) * rudder + side * cot);
     let (sin, cos) = (roll_mass + of(Term::RollMassOffset)).sin_cos();
     let lean = ((gain * sin + of(Term::List).tan()) / (1.0 + gain * (cos - 1.0))).atan();

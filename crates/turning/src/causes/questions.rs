@@ -48,7 +48,7 @@ impl Terms {
         let mut turns = vec![Term::Yaw];
         if separates_sensor {
             for down in [true, false] {
-                turns.extend([Term::RollTurns(down), Term::RollBends(down)]);
+                turns.extend([Term::RollTurns(down), Term::RollBends(down), Term::PitchBends(down)]);
             }
         } else if both_legs {
             turns.push(Term::RollTurnsAlike);
