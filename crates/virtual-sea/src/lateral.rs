@@ -8,7 +8,7 @@
 //! (m + m2) dv/dt = m0 g sin phi cos theta + Y - (m + m1) u r + (m + m3) w p
 //! Ix dp/dt       = g cos theta (Sy cos phi - Sz sin phi) + q A l Cl_p p l/V
 //! Iz dr/dt       = g (Sx sin phi cos theta + Sy sin theta) + q A l (CN_beta beta + CN_r r l/V + CN_delta delta) + q B
-//! dphi/dt        = p + r tan theta cos phi
+//! dphi/dt        = p + r tan theta / cos phi
 //! dpsi/dt        = r / (cos phi cos theta)
 //! Y              = q A (CY_beta beta + CY_r r l/V + CY_delta delta)
 //! Sy             = M R sin gamma + Sz0 tan(list),    Sz = Sz0 + M R (cos gamma - 1)
@@ -21,7 +21,7 @@
 //! Sx cos phi cos theta + Sz sin theta = Sx0 cos theta + Sz0 sin theta
 //! ```
 //!
-//! with the values of the vertical plane on the right. So the gravity of a leaning glider yaws it by its roll alone, whether a list
+//! with the values of the vertical plane on the right, and the pitch rate in body axes is `r tan phi`. So the gravity of a leaning glider yaws it by its roll alone, whether a list
 //! or the roll mass makes it lean. CN_beta
 //! contains Munk's couple. The list is that of a roll mass at rest; the roll mass reads `gamma` less its offset, the rudder
 //! `delta` less its own. Gusts from the side and eddies about the vertical axis disturb the heading by some tenths of a degree a
@@ -295,7 +295,7 @@ impl Given<'_> {
             sway_n / (mass + figures.added_2_kg),
             roll_n_m / figures.inertia_kg_m2[0],
             yaw_n_m / figures.inertia_kg_m2[1],
-            state.roll_rate + state.yaw_rate * sin_pitch / cos_pitch * cos_roll,
+            state.roll_rate + state.yaw_rate * sin_pitch / (cos_pitch * cos_roll),
             state.yaw_rate / (cos_roll * cos_pitch),
         ]
     }

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::findings::{MOST_CHANCE, ROLL};
-use super::model::{Row, Term, dives, predicted, start};
+use super::model::{ATTACK, Row, Term, dives, predicted, start};
 use crate::{SURE, Stretch, sd};
 
 /// Questions that are asked of a log: roll at rest, list, sensor, yaw.
@@ -28,11 +28,12 @@ const PRIOR_PITCH: f64 = 0.01;
 /// Steps of Gauss and Newton: the model is nearly linear.
 const STEPS: usize = 12;
 
-fn prior_sd(term: Term) -> Option<f64> {
+fn prior(term: Term) -> Option<[f64; 2]> {
     match term {
-        Term::RollTurnsAlike => Some(PRIOR_PER_ROLL),
-        Term::RollBends(_) => Some(PRIOR_BEND),
-        Term::PitchBends(_) => Some(PRIOR_PITCH),
+        Term::Attack => Some(ATTACK),
+        Term::RollTurnsAlike => Some([0.0, PRIOR_PER_ROLL]),
+        Term::RollBends(_) => Some([0.0, PRIOR_BEND]),
+        Term::PitchBends(_) => Some([0.0, PRIOR_PITCH]),
         _ => None,
     }
 }
@@ -68,8 +69,8 @@ impl Fit {
             sds.unwrap_or_else(|| [spread(|s| s.rate_rad_s), spread(|s| s.roll_rad)].map(|sd| sd.max(1e-9)));
         // Twice a dive: rate and roll of one stretch err apart, those of one dive together.
         let mut clusters: Vec<u32> = rows.iter().flat_map(|row| [row.stretch.dive; 2]).collect();
-        let priors: Vec<(usize, f64)> =
-            terms.iter().enumerate().filter_map(|(at, term)| Some((at, prior_sd(*term)?))).collect();
+        let priors: Vec<(usize, [f64; 2])> =
+            terms.iter().enumerate().filter_map(|(at, term)| Some((at, prior(*term)?))).collect();
         clusters.extend(priors.iter().map(|_| rows[0].stretch.dive));
         let length = clusters.len();
         let mut last = None;
@@ -78,10 +79,10 @@ impl Fit {
                 let [rate, roll] = predicted(row, terms, &values);
                 [(row.stretch.rate_rad_s - rate) / weights[0], (row.stretch.roll_rad - roll) / weights[1]]
             });
-            let of_priors = priors.iter().map(|(at, sd)| -values[*at] / sd);
+            let of_priors = priors.iter().map(|(at, [mean, sd])| (mean - values[*at]) / sd);
             let residual = DVector::from_iterator(length, of_rows.chain(of_priors));
             let mut design = DMatrix::zeros(length, terms.len());
-            for (i, (at, sd)) in priors.iter().enumerate() {
+            for (i, (at, [_, sd])) in priors.iter().enumerate() {
                 design[(2 * n + i, *at)] = 1.0 / sd;
             }
             for column in 0..terms.len() {
@@ -100,7 +101,8 @@ impl Fit {
                 }
             }
             // While nothing is known of the turn per roll, a sensor's zero is a list: it follows in the next step.
-            let is_known = |at: &usize| step > 0 || terms[*at] != Term::Zero || !terms.contains(&Term::List);
+            let leans = terms.contains(&Term::List) || terms.contains(&Term::RollMassOffset);
+            let is_known = |at: &usize| step > 0 || terms[*at] != Term::Zero || !leans;
             let known: Vec<usize> = (0..terms.len()).filter(is_known).collect();
             let mut fit = Problem::plain(design.select_columns(&known), residual).solve(Scatter::Equal)?;
             for (place, at) in known.iter().enumerate() {

@@ -20,12 +20,23 @@ const UNSTEADY: f64 = 0.2;
 pub(super) struct Row {
     pub(super) stretch: Stretch,
     pub(super) speed_m_s: f64,
-    pub(super) cot: f64,
+}
+
+impl Row {
+    /// Speed along the path \[m/s\], and the net weight's component to the side over the drag for a unit of roll. The path is steeper than
+    /// the hull by the angle of attack, which is about a figure of the polar over the tangent of the pitch.
+    fn along_path(&self, drag_per_lift: f64) -> (f64, f64) {
+        let pitch = self.stretch.pitch_rad.abs();
+        let path = (pitch + drag_per_lift / pitch.tan()).clamp(pitch, 1.5);
+        (self.speed_m_s * pitch.sin() / path.sin(), pitch.cos() / path.sin())
+    }
 }
 
 /// A figure of the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Term {
+    /// Drag over slope of the lift, at small angles of attack: their angle is this over the tangent of the path.
+    Attack,
     /// Curvature without roll and rudder \[rad/m\].
     Yaw,
     /// Curvature per roll and cotangent of the pitch on descents, on ascents \[1/m\].
@@ -68,6 +79,9 @@ pub(super) fn parameter(term: Term) -> &'static str {
     }
 }
 
+/// Drag over slope of the lift and its standard deviation, of the built-in gliders.
+pub(super) const ATTACK: [f64; 2] = [0.025, 0.01];
+
 /// The stretches at the speed of their leg, each with its own. At the turn of a leg a glider is slow, and it is there that a heading
 /// control leans it: with the leg's speed this would be a turn per roll other to starboard than to port.
 pub(super) fn rows(observations: &[Observation]) -> Vec<Row> {
@@ -80,10 +94,7 @@ pub(super) fn rows(observations: &[Observation]) -> Vec<Row> {
     let of_leg: BTreeMap<(u32, bool), f64> =
         of_leg.into_iter().map(|(leg, mut speeds)| (leg, glidepolar_flightlog::median(&mut speeds))).collect();
     let is_steady = |s: &Stretch| (s.speed_m_s / of_leg[&(s.dive, s.descends)] - 1.0).abs() < UNSTEADY;
-    let row = |stretch: Stretch| {
-        let speed_m_s = stretch.speed_m_s.clamp(SLOWEST_M_S, FASTEST_M_S);
-        Row { stretch, speed_m_s, cot: 1.0 / stretch.pitch_rad.abs().tan() }
-    };
+    let row = |stretch: Stretch| Row { stretch, speed_m_s: stretch.speed_m_s.clamp(SLOWEST_M_S, FASTEST_M_S) };
     found.into_iter().filter(is_steady).map(row).collect()
 }
 
@@ -95,15 +106,24 @@ pub(super) fn rolls(rows: &[Row]) -> Vec<f64> {
     rows.iter().map(|row| row.stretch.roll_rad).collect()
 }
 
-/// Values of the terms at which the steps begin: a roll of half of what the roll mass turns by.
+/// Values of the terms at which the steps begin: a roll of half of what the roll mass turns by, the angle of attack of the
+/// built-in gliders.
 pub(super) fn start(terms: &[Term]) -> DVector<f64> {
-    DVector::from_iterator(terms.len(), terms.iter().map(|term| if *term == Term::Gain { 0.5 } else { 0.0 }))
+    DVector::from_iterator(
+        terms.len(),
+        terms.iter().map(|term| match term {
+            Term::Gain => 0.5,
+            Term::Attack => ATTACK[0],
+            _ => 0.0,
+        }),
+    )
 }
 
 /// Turn rate and roll of a stretch by the model.
 pub(super) fn predicted(row: &Row, terms: &[Term], values: &DVector<f64>) -> [f64; 2] {
     let of = |wanted: Term| terms.iter().position(|term| *term == wanted).map_or(0.0, |at| values[at]);
-    let Row { stretch, speed_m_s, cot } = *row;
+    let stretch = row.stretch;
+    let (speed_m_s, cot) = row.along_path(of(Term::Attack));
     let finite = |value: f64| if value.is_finite() { value } else { 0.0 };
     let (rudder, roll_mass) = (finite(stretch.rudder_rad), finite(stretch.roll_mass_rad));
     let (zero, gain) = (of(Term::Zero), of(Term::Gain));
@@ -117,8 +137,9 @@ pub(super) fn predicted(row: &Row, terms: &[Term], values: &DVector<f64>) -> [f6
     let side = per_roll * sin_roll;
     let rate = speed_m_s * (of(Term::Yaw) + of(Term::Rudder) * rudder + side * cot);
     let (sin, cos) = (roll_mass + of(Term::RollMassOffset)).sin_cos();
-    let lean = ((gain * sin + of(Term::List).tan()) / (1.0 + gain * (cos - 1.0))).atan();
-    let (sin_pitch, cos_pitch) = stretch.pitch_rad.clamp(-1.4, 1.4).sin_cos();
-    let damped = of(Term::Damped) * speed_m_s * stretch.rate_rad_s * sin_pitch / (cos_pitch * cos_pitch);
-    [rate, zero + lean + damped + of(Term::RudderRolls) * rudder * speed_m_s * speed_m_s]
+    // The roll rate of a turn at this pitch is the turn rate times the sine of the pitch; gravity's lever is the cosine of the pitch.
+    let damped = of(Term::Damped) * speed_m_s * stretch.rate_rad_s * stretch.pitch_rad.clamp(-1.4, 1.4).tan();
+    let pulled = gain * sin + of(Term::List).tan() + damped / (stretch.roll_rad - zero).clamp(-1.4, 1.4).cos();
+    let lean = (pulled / (1.0 + gain * (cos - 1.0))).atan();
+    [rate, zero + lean + of(Term::RudderRolls) * rudder * speed_m_s * speed_m_s]
 }

@@ -45,7 +45,7 @@ impl Terms {
         let rudder_is_held = !has_rudder && mean_rudder.abs() > HELD_RUDDER_RAD;
         let has_roll_mass = varies(&roll_mass, VARIES_RAD[2]);
         let separates_sensor = rolls_on(true) && rolls_on(false);
-        let mut turns = vec![Term::Yaw];
+        let mut turns = vec![Term::Attack, Term::Yaw];
         if separates_sensor {
             for down in [true, false] {
                 turns.extend([Term::RollTurns(down), Term::RollBends(down), Term::PitchBends(down)]);
