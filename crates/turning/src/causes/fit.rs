@@ -25,6 +25,10 @@ const PRIOR_BEND: f64 = 0.3;
 /// the angle of attack makes steeper than the pitch: at 15 deg of pitch by a fifth, hence -0.05 of the curvature per roll.
 const PRIOR_PITCH: f64 = 0.01;
 
+/// Share of the scatter of turn rates that an eddy of a minute leaves in the stretches after a move that it caused: on average over
+/// an episode, which has one such stretch among several.
+const LASTING: f64 = 0.1;
+
 /// Steps of Gauss and Newton: the model is nearly linear.
 const STEPS: usize = 12;
 
@@ -102,7 +106,11 @@ impl Fit {
             }
             // While nothing is known of the turn per roll, a sensor's zero is a list: it follows in the next step.
             let leans = terms.contains(&Term::List) || terms.contains(&Term::RollMassOffset);
-            let is_known = |at: &usize| step > 0 || terms[*at] != Term::Zero || !leans;
+            let is_known = |at: &usize| match terms[*at] {
+                Term::Zero => step > 0 || !leans,
+                Term::Share => step > 2,
+                _ => true,
+            };
             let known: Vec<usize> = (0..terms.len()).filter(is_known).collect();
             let mut fit = Problem::plain(design.select_columns(&known), residual).solve(Scatter::Equal)?;
             for (place, at) in known.iter().enumerate() {
@@ -146,12 +154,31 @@ impl Fit {
         self.at(term).map(|at| [self.values[at], self.covariance[(at, at)].max(0.0).sqrt()])
     }
 
-    /// The same of a sum of terms.
-    pub(super) fn sum(&self, terms: &[Term]) -> Option<[f64; 2]> {
-        let places: Vec<usize> = terms.iter().filter_map(|term| self.at(*term)).collect();
-        let value = places.iter().map(|at| self.values[*at]).sum();
-        let variance: f64 = places.iter().flat_map(|a| places.iter().map(|b| self.covariance[(*a, *b)])).sum();
-        (!places.is_empty()).then(|| [value, variance.max(0.0).sqrt()])
+    /// The same of a weighted sum of terms; a term that is not fitted is zero.
+    pub(super) fn sum(&self, terms: &[(Term, f64)]) -> [f64; 2] {
+        let mut weights = DVector::zeros(self.terms.len());
+        for (term, weight) in terms {
+            if let Some(at) = self.at(*term) {
+                weights[at] += weight;
+            }
+        }
+        let variance = (weights.transpose() * &self.covariance * &weights)[(0, 0)];
+        [weights.dot(&self.values), variance.max(0.0).sqrt()]
+    }
+
+    /// Error of the sensor's zero by disturbances that outlast a move of the control \[rad\]: the glider is leaned because an eddy
+    /// turned it, and what is left of the eddy after the move is taken for a turn by this roll.
+    pub(super) fn lasting_disturbance(&self, rows: &[Row]) -> f64 {
+        let Some(at) = self.at(Term::Zero) else { return 0.0 };
+        let step = 1e-4;
+        let mut moved = self.values.clone();
+        moved[at] += step;
+        let slope = |row: &Row| {
+            let [before, after] = [&self.values, &moved].map(|values| predicted(row, &self.terms, values)[0]);
+            (after - before).abs() / step
+        };
+        let mean = rows.iter().map(slope).sum::<f64>() / rows.len() as f64;
+        LASTING * self.sds[0] / mean.max(f64::MIN_POSITIVE)
     }
 
     /// Standard error of a size by leaving out one dive at a time.

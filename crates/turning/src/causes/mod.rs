@@ -48,7 +48,7 @@ pub fn causes(observations: &[Observation]) -> Option<LateralDiagnosis> {
         stretches: rows.len(),
         causes: Vec::new(),
         rejected: Vec::new(),
-        sizes: [full.sum(&[Term::List, Term::Zero]), full.size(Term::Yaw)],
+        sizes: [Some(full.sum(&[(Term::List, 1.0), (Term::Zero, 1.0)])), full.size(Term::Yaw)],
         rudder_per_roll: full.rudder_per_roll(),
     };
     terms.lean(&rows, &full, &mut found);

@@ -39,6 +39,8 @@ pub(super) enum Term {
     Attack,
     /// Curvature without roll and rudder \[rad/m\].
     Yaw,
+    /// By how much it is larger on descents and smaller on ascents.
+    YawApart,
     /// Curvature per roll and cotangent of the pitch on descents, on ascents \[1/m\].
     RollTurns(bool),
     /// The same for both legs, with the sign of the leg.
@@ -55,6 +57,8 @@ pub(super) enum Term {
     List,
     /// Offset of the roll mass.
     RollMassOffset,
+    /// The offset of the roll mass that has a part in the roll at rest, which [`Term::List`] then is as a whole.
+    Share,
     /// Roll per roll mass at small angles.
     Gain,
     /// Roll per rudder and squared speed.
@@ -80,7 +84,7 @@ pub(super) fn parameter(term: Term) -> &'static str {
 }
 
 /// Drag over slope of the lift and its standard deviation, of the built-in gliders.
-pub(super) const ATTACK: [f64; 2] = [0.025, 0.01];
+pub(super) const ATTACK: [f64; 2] = [0.03, 0.02];
 
 /// The stretches at the speed of their leg, each with its own. At the turn of a leg a glider is slow, and it is there that a heading
 /// control leans it: with the leg's speed this would be a turn per roll other to starboard than to port.
@@ -135,11 +139,13 @@ pub(super) fn predicted(row: &Row, terms: &[Term], values: &DVector<f64>) -> [f6
         + of(Term::RollBends(stretch.descends)) * sin_roll * sin_roll
         + of(Term::PitchBends(stretch.descends)) * cot;
     let side = per_roll * sin_roll;
-    let rate = speed_m_s * (of(Term::Yaw) + of(Term::Rudder) * rudder + side * cot);
-    let (sin, cos) = (roll_mass + of(Term::RollMassOffset)).sin_cos();
+    let rate = speed_m_s * (of(Term::Yaw) - sign * of(Term::YawApart) + of(Term::Rudder) * rudder + side * cot);
+    let share = of(Term::Share);
+    let (sin, cos) = (roll_mass + of(Term::RollMassOffset) + share).sin_cos();
     // The roll rate of a turn at this pitch is the turn rate times the sine of the pitch; gravity's lever is the cosine of the pitch.
     let damped = of(Term::Damped) * speed_m_s * stretch.rate_rad_s * stretch.pitch_rad.clamp(-1.4, 1.4).tan();
-    let pulled = gain * sin + of(Term::List).tan() + damped / (stretch.roll_rad - zero).clamp(-1.4, 1.4).cos();
+    let pulled =
+        gain * (sin - share.sin()) + of(Term::List).tan() + damped / (stretch.roll_rad - zero).clamp(-1.4, 1.4).cos();
     let lean = (pulled / (1.0 + gain * (cos - 1.0))).atan();
     [rate, zero + lean + of(Term::RudderRolls) * rudder * speed_m_s * speed_m_s]
 }

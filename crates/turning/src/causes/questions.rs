@@ -79,13 +79,6 @@ impl Terms {
 
     /// Roll at rest: list, roll mass or sensor.
     pub(super) fn lean(&self, rows: &[Row], full: &Fit, found: &mut LateralDiagnosis) {
-        let names = [Term::List, Term::RollMassOffset, Term::Zero];
-        let reject = |found: &mut LateralDiagnosis, p_value, predicts_no_better, remark: &str| {
-            for term in names {
-                let remark = remark.to_owned();
-                found.rejected.push(LateralRejected { cause: name(term), p_value, predicts_no_better, remark });
-            }
-        };
         // Where the roll is not fixed and nothing measured moves it, its mean is the pilot's.
         let moved_unseen = !self.has_roll_mass && sd(&rolls(rows)) > 1.5 * VARIES_RAD[0];
         if self.rudder_is_held || moved_unseen {
@@ -94,85 +87,85 @@ impl Terms {
             } else {
                 "the roll varies, and what moves it is not in the log"
             };
-            return reject(found, None, false, remark);
+            return reject(found, &LEANS.map(name), None, false, remark);
         }
-        let at_rest = full.sum(&[Term::List, Term::Zero]);
-        let alone =
-            [Term::List, Term::Zero].into_iter().filter_map(|term| full.size(term).filter(|_| self.separates_sensor));
-        let p_value = alone.chain(at_rest).map(|size| full.chance(size, RELEVANT_ROLL_RAD)).fold(1.0, f64::min);
+        let parts = Parts::new(self, rows, full);
+        let is_sure = |size: [f64; 2]| full.chance(size, RELEVANT_ROLL_RAD) <= MOST_CHANCE;
+        let sizes = parts.sizes.iter().map(|(_, size)| *size).chain([parts.sum]);
+        let p_value = sizes.map(|size| full.chance(size, RELEVANT_ROLL_RAD)).fold(1.0, f64::min);
         if p_value > MOST_CHANCE {
-            return reject(
+            let remark = "the roll at rest does not exceed the limit of relevance for certain";
+            return reject(found, &LEANS.map(name), Some(p_value), false, remark);
+        }
+        let of = |sizes: &[(Term, [f64; 2])], wanted: bool| -> Vec<Term> {
+            sizes.iter().filter(|(_, size)| is_sure(*size) == wanted).map(|(term, _)| *term).collect()
+        };
+        let (mut sure, mut alike) = (of(&parts.sizes, true), Vec::new());
+        if sure.is_empty() {
+            // A list stands for what is not known apart from it: each that may be the only one, the others being nothing for certain.
+            sure.push(Term::List);
+            alike = of(&parts.without, false);
+            alike.retain(|term| *term != Term::List);
+        }
+        if !self.separates_sensor && self.turns_apart(rows, full.sds) == Some(false) {
+            alike.push(Term::Zero);
+        }
+        for term in &sure {
+            self.name_lean(rows, full, *term, &alike, p_value, found);
+        }
+        let excluded: Vec<&'static str> =
+            LEANS.into_iter().filter(|term| !sure.contains(term) && !alike.contains(term)).map(name).collect();
+        if found.causes.iter().any(|cause| cause.quantity == ROLL) {
+            reject(
                 found,
-                Some(p_value),
-                false,
-                "the roll at rest does not exceed the limit of relevance for certain",
+                &excluded,
+                None,
+                true,
+                "turn rate and roll together exclude it as the only cause of the roll at rest",
             );
         }
-        // One explanation in the place of the other.
-        let mut rivals: Vec<(Term, Fit)> = Vec::new();
-        for term in names {
-            let is_open = match term {
-                Term::RollMassOffset => self.has_roll_mass,
-                _ => true,
-            };
-            if let Some(fit) = is_open.then(|| Fit::new(rows, &self.with(&[term]), Some(full.sds))).flatten() {
-                rivals.push((term, fit));
-            }
-        }
-        // What is known apart by turning alone: the sensor turns nothing. What is known apart by roll alone: the roll at large
-        // angles of the roll mass. A list stands for what is not known apart from it.
-        let tells = |a: Term, b: Term| if a == Term::Zero || b == Term::Zero { TURN_RATE } else { ROLL };
-        let Some(list) = rivals.iter().position(|(term, _)| *term == Term::List) else { return };
-        let mut best = list;
-        for other in 0..rivals.len() {
-            let quantity = tells(rivals[best].0, rivals[other].0);
-            let (at_hand, rival) = (&rivals[best].1, &rivals[other].1);
-            // Without a turn per roll a sensor and a list are one figure.
-            let is_better = match rivals[other].0 {
-                Term::Zero => self.separates_sensor && at_hand.is_worse_than(rival, quantity),
-                _ => at_hand.is_worse_than(rival, quantity),
-            };
-            if is_better {
-                best = other;
-            }
-        }
-        let (term, fit) = &rivals[best];
-        let alike: Vec<&'static str> = (0..rivals.len())
-            .filter(|other| *other != best && !rivals[*other].1.is_worse_than(fit, tells(rivals[*other].0, *term)))
-            .map(|other| name(rivals[other].0))
-            .collect();
+    }
+
+    /// Whether the legs turn apart as a rolled glider's do, where the roll does not vary: a sensor turns nothing.
+    fn turns_apart(&self, rows: &[Row], sds: [f64; 2]) -> Option<bool> {
+        let [list, sensor] = [Term::List, Term::Zero].map(|term| Fit::new(rows, &self.with(&[term]), Some(sds)));
+        Some(sensor?.is_worse_than(&list?, TURN_RATE))
+    }
+
+    /// Names a cause of the roll at rest with its size, where held-out dives are predicted better with it.
+    fn name_lean(
+        &self,
+        rows: &[Row],
+        full: &Fit,
+        term: Term,
+        alike: &[Term],
+        p_value: f64,
+        found: &mut LateralDiagnosis,
+    ) {
+        let knows_sensor = self.separates_sensor && !alike.contains(&Term::Zero);
         // With the sensor's zero beside it where turning shows that one.
         let beside = match term {
             Term::Zero => vec![Term::List, Term::Zero],
-            other if self.separates_sensor => vec![*other, Term::Zero],
-            other => vec![*other],
+            other if knows_sensor => vec![other, Term::Zero],
+            other => vec![other],
         };
-        let sized = Fit::new(rows, &self.with(&beside), None);
-        let separate = sized.as_ref().filter(|_| !alike.contains(&name(Term::Zero)) || !self.separates_sensor);
-        let sized = separate.unwrap_or(fit);
-        let Some(size) = sized.size(*term) else { return };
-        let Some(held_out) = HeldOut::new(rows, ROLL, &self.with(&[]), &self.with(&[*term])) else { return };
+        let Some(sized) = Fit::new(rows, &self.with(&beside), None) else { return };
+        let Some(size) = sized.size(term) else { return };
+        let Some(held_out) = HeldOut::new(rows, ROLL, &self.with(&[]), &self.with(&[term])) else { return };
         let [before, after] = held_out.rms();
         let gain = held_out.reduction_percent();
         if gain.value <= gain.se {
-            return reject(
-                found,
-                Some(p_value),
-                true,
-                "held-out dives are not predicted better with it by a standard error",
-            );
+            let remark = "held-out dives are not predicted better with it by a standard error";
+            return reject(found, &[name(term)], Some(p_value), true, remark);
         }
-        let by_scatter = sized.jackknife(rows, |fit| fit.size(*term));
-        let knows_sensor = sized.at(Term::Zero).is_some();
-        let per_rad = if *term == Term::RollMassOffset { fit.value(Term::Gain).abs().max(0.1) } else { 1.0 };
-        let of_sensor = if knows_sensor { 0.0 } else { SENSOR_ZERO_RAD / per_rad };
-        let se = size[1].max(by_scatter).hypot(of_sensor);
-        let estimate = Some(Estimate::student(size[0], se, sized.freedom(), "rad"));
-        let parameters = estimate.map(|estimate| (parameter(*term).to_owned(), estimate)).into_iter().collect();
-        let terms = self.with(&[*term]);
+        let by_scatter = sized.jackknife(rows, |fit| fit.size(term));
+        let per_rad = if term == Term::RollMassOffset { sized.value(Term::Gain).abs().max(0.1) } else { 1.0 };
+        let of_sensor = if knows_sensor { full.lasting_disturbance(rows) } else { SENSOR_ZERO_RAD };
+        let se = size[1].max(by_scatter).hypot(of_sensor / per_rad);
+        let estimate = Estimate::student(size[0], se, sized.freedom(), "rad");
         found.causes.push(LateralCause {
-            cause: name(*term),
-            parameters,
+            cause: name(term),
+            parameters: BTreeMap::from([(parameter(term).to_owned(), estimate)]),
             p_value,
             delta_bic: delta_bic(rows, before, after),
             quantity: ROLL,
@@ -180,43 +173,38 @@ impl Terms {
             holdout_rms_after: after,
             reduction_percent: gain,
             expected_rms: full.sds[1],
-            size: size[0].abs() * if *term == Term::RollMassOffset { fit.value(Term::Gain).abs() } else { 1.0 },
+            size: size[0].abs() * per_rad,
             relevant_above: RELEVANT_ROLL_RAD,
-            halves: halves(rows, &terms, |fit| fit.size(*term)),
-            indistinguishable_from: alike.clone(),
+            halves: halves(rows, &self.with(&beside), |fit| fit.size(term)),
+            indistinguishable_from: alike.iter().filter(|other| **other != term).map(|other| name(*other)).collect(),
         });
-        for (other, _) in rivals.iter().filter(|(other, _)| other != term && !alike.contains(&name(*other))) {
-            let remark = format!("in the place of {} it fits worse for certain", name(*term).replace('_', " "));
-            found.rejected.push(LateralRejected {
-                cause: name(*other),
-                p_value: None,
-                predicts_no_better: true,
-                remark,
-            });
-        }
     }
 
     /// Both legs turn alike: rudder or drag on one side.
     pub(super) fn yaw(&self, rows: &[Row], full: &Fit, found: &mut LateralDiagnosis) {
-        let reject = |found: &mut LateralDiagnosis, p_value, predicts_no_better, remark: &str| {
-            for cause in ["rudder_offset", "yaw_asymmetry"] {
-                let remark = remark.to_owned();
-                found.rejected.push(LateralRejected { cause, p_value, predicts_no_better, remark });
-            }
-        };
+        let names = ["rudder_offset", "yaw_asymmetry"];
         if self.rudder_is_held || !self.both_legs {
             let remark = if self.rudder_is_held {
                 "the rudder stands at an angle, and what it does cannot be separated from an offset"
             } else {
                 "one leg alone does not show what turns both alike"
             };
-            return reject(found, None, false, remark);
+            return reject(found, &names, None, false, remark);
         }
         let Some(size) = full.size(Term::Yaw) else { return };
         let p_value = full.chance(size, RELEVANT_YAW_RAD_M);
         if p_value > MOST_CHANCE {
             let remark = "what turns both legs alike does not exceed the limit of relevance for certain";
-            return reject(found, Some(p_value), false, remark);
+            return reject(found, &names, Some(p_value), false, remark);
+        }
+        // The legs at the sensor's own zero: with a free one, any two figures are one yaw and one zero.
+        let by_leg = Fit::new(rows, &[self.with(&[Term::List]), vec![Term::YawApart]].concat(), Some(full.sds));
+        let differ = by_leg.and_then(|fit| Some([fit.size(Term::YawApart)?, fit.size(Term::Yaw)?]));
+        if differ
+            .is_some_and(|[[half, se], [mean, _]]| half.abs() > LEGS_DIFFER * se && 2.0 * half.abs() > 0.5 * mean.abs())
+        {
+            let remark = "what turns the descents and what turns the ascents differ by far more than their errors";
+            return reject(found, &names, Some(p_value), true, remark);
         }
         let without: Vec<Term> = self.all().into_iter().filter(|term| *term != Term::Yaw).collect();
         let Some(held_out) = HeldOut::new(rows, TURN_RATE, &without, &self.all()) else { return };
@@ -224,12 +212,8 @@ impl Terms {
         let gain = held_out.reduction_percent();
         // The noise of turn rates differs from dive to dive: each dive has one vote.
         if !held_out.gains_by_dives() {
-            return reject(
-                found,
-                Some(p_value),
-                true,
-                "held-out dives are not predicted better with it by a standard error",
-            );
+            let remark = "held-out dives are not predicted better with it by a standard error";
+            return reject(found, &names, Some(p_value), true, remark);
         }
         let curvature = full.estimate(Term::Yaw, "rad/m");
         let angle = full.ratio(Term::Yaw, Term::Rudder, "rad").filter(|_| self.has_rudder);
@@ -258,5 +242,67 @@ impl Terms {
                 _ => Vec::new(),
             },
         });
+    }
+}
+
+/// So many standard errors two legs may differ by and still have one size, or by half of it: the limit of the vertical plane.
+const LEGS_DIFFER: f64 = 3.5;
+
+/// Causes of the roll at rest.
+const LEANS: [Term; 3] = [Term::List, Term::RollMassOffset, Term::Zero];
+
+fn reject(
+    found: &mut LateralDiagnosis,
+    causes: &[&'static str],
+    p_value: Option<f64>,
+    predicts_no_better: bool,
+    remark: &str,
+) {
+    found.rejected.extend(causes.iter().map(|cause| LateralRejected {
+        cause,
+        p_value,
+        predicts_no_better,
+        remark: remark.to_owned(),
+    }));
+}
+
+/// The parts of the roll at rest, fitted together as far as the log shows them apart.
+struct Parts {
+    /// Each part \[rad\] with its standard error, where the log shows it.
+    sizes: Vec<(Term, [f64; 2])>,
+    /// The sum of the others.
+    without: Vec<(Term, [f64; 2])>,
+    /// All together.
+    sum: [f64; 2],
+}
+
+impl Parts {
+    fn new(terms: &Terms, rows: &[Row], full: &Fit) -> Parts {
+        let mut lean = vec![Term::List];
+        lean.extend(terms.has_roll_mass.then_some(Term::Share));
+        lean.extend(terms.separates_sensor.then_some(Term::Zero));
+        let joint = Fit::new(rows, &terms.with(&lean), None);
+        let fit = joint.as_ref().unwrap_or(full);
+        // The roll mass's part is its offset times the roll per angle; the list is what it leaves.
+        let of_mass = fit.at(Term::Share).map(|_| fit.value(Term::Gain));
+        let weights = |part: Term| match part {
+            Term::List => vec![(Term::List, 1.0), (Term::Share, -of_mass.unwrap_or(0.0))],
+            Term::RollMassOffset => vec![(Term::Share, of_mass.unwrap_or(0.0))],
+            other => vec![(other, 1.0)],
+        };
+        let all = LEANS.into_iter().filter(|part| match part {
+            Term::RollMassOffset => of_mass.is_some(),
+            Term::Zero => fit.at(Term::Zero).is_some(),
+            _ => true,
+        });
+        let all: Vec<Term> = all.collect();
+        let rest = |part: Term| -> Vec<(Term, f64)> {
+            all.iter().filter(|other| **other != part).flat_map(|other| weights(*other)).collect()
+        };
+        Parts {
+            sizes: all.iter().map(|part| (*part, fit.sum(&weights(*part)))).collect(),
+            without: all.iter().map(|part| (*part, fit.sum(&rest(*part)))).collect(),
+            sum: full.sum(&[(Term::List, 1.0), (Term::Zero, 1.0)]),
+        }
     }
 }
