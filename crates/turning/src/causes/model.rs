@@ -139,9 +139,7 @@ pub(super) fn predicted(row: &Row, terms: &[Term], values: &DVector<f64>) -> [f6
         + of(Term::RollBends(stretch.descends)) * sin_roll * sin_roll
         + of(Term::PitchBends(stretch.descends)) * cot;
     let side = per_roll * sin_roll;
-    // Seen from above, a turn about the hull's own axis is faster by the cosines of pitch and roll.
-    let seen = 1.0 / (stretch.pitch_rad.cos() * (stretch.roll_rad - zero).cos()).max(0.1);
-    let rate = seen * speed_m_s * (of(Term::Yaw) - sign * of(Term::YawApart) + of(Term::Rudder) * rudder + side * cot);
+    let rate = speed_m_s * (of(Term::Yaw) - sign * of(Term::YawApart) + of(Term::Rudder) * rudder + side * cot);
     let share = of(Term::Share);
     let (sin, cos) = (roll_mass + of(Term::RollMassOffset) + share).sin_cos();
     // The roll rate of a turn at this pitch is the turn rate times the sine of the pitch; gravity's lever is the cosine of the pitch.
