@@ -4,19 +4,22 @@
 //! Each steady stretch gives two readings, its turn rate and its roll:
 //!
 //! ```text
-//! turn rate = V (c + k_delta delta + k_leg cot|theta| (roll - e))
-//! roll      = e + atan((g sin(gamma + gamma0) + tan list) / (1 + g (cos(gamma + gamma0) - 1))) + k_roll delta V^2 + k_p V r tan theta / cos theta
+//! turn rate = V (c + k_delta delta + (k_leg + b_leg sin^2 phi + h_leg L) L sin phi),      phi = roll - e
+//! roll      = e + atan((g sin(gamma + gamma0) + tan list + k_p V r tan theta / cos phi) / (1 + g (cos(gamma + gamma0) - 1)))
+//!               + k_roll delta V^2
+//! path      = |theta| + kappa / tan |theta|,   V = depth rate / sin(path),   L = cos(theta) / sin(path)
 //! ```
 //!
-//! `V` is the leg's median speed by depth rate and pitch. The side component of the net weight turns a rolled glider: it is
-//! proportional to `cot theta` times the drag and changes its sign with the leg. So the parity in leg and roll separates causes.
-//! A rudder's offset or drag on one side (`c`) turns both legs alike. A list (`gamma0` or `list`) turns them apart and is read as
-//! roll. A sensor that is askew (`e`) is read as roll and turns nothing. What has the same signs in both is one group: offset of
-//! the rudder and drag on one side, and, but for the cosine of large angles, offset of the roll mass and list.
+//! `V` is the stretch's own speed: at the turn of a leg a glider is slow, and there its control leans it. The side component of the net
+//! weight turns a rolled glider: it is proportional to `L` times the drag and changes its sign with the leg. So the parity in leg and
+//! roll separates causes. A rudder's offset or drag on one side (`c`) turns both legs alike. A list (`list`) or an offset of the roll
+//! mass (`gamma0`) turns them apart and is read as roll. A sensor that is askew (`e`) is read as roll and turns nothing. Offset of the
+//! rudder and drag on one side are one group. List and offset of the roll mass differ in the second order of the angle of the roll
+//! mass, and at `g` = 1/2 not even there.
 //!
 //! A size must be more than chance explains ([`MOST_CHANCE`]) with all other sizes fitted beside it, exceed a limit of relevance by
-//! a standard error, and predict held-out dives better by one. Rivals are refitted in its place; those that are not worse
-//! for certain are its group.
+//! a standard error, and predict held-out dives better by one. What turns both legs alike must be alike on both. Where no part of the
+//! roll at rest is sure by itself, a list is named, and its group are those that the others together do not exclude.
 
 mod findings;
 mod fit;
