@@ -91,21 +91,29 @@ impl Terms {
         }
         let parts = Parts::new(self, rows, full);
         let is_sure = |size: [f64; 2]| full.chance(size, RELEVANT_ROLL_RAD) <= MOST_CHANCE;
-        let sizes = parts.sizes.iter().map(|(_, size)| *size).chain([parts.sum]);
+        // Whether it leans at all is asked before what leans it: parts that undo each other lean nothing.
+        let [leans, askew] =
+            [Term::List, Term::Zero].map(|term| full.size(term).filter(|_| self.separates_sensor).is_some_and(is_sure));
+        let sizes = [full.size(Term::List), full.size(Term::Zero)].into_iter().flatten().chain([parts.sum]);
         let p_value = sizes.map(|size| full.chance(size, RELEVANT_ROLL_RAD)).fold(1.0, f64::min);
         if p_value > MOST_CHANCE {
             let remark = "the roll at rest does not exceed the limit of relevance for certain";
             return reject(found, &LEANS.map(name), Some(p_value), false, remark);
         }
-        let of = |sizes: &[(Term, [f64; 2])], wanted: bool| -> Vec<Term> {
-            sizes.iter().filter(|(_, size)| is_sure(*size) == wanted).map(|(term, _)| *term).collect()
-        };
-        let (mut sure, mut alike) = (of(&parts.sizes, true), Vec::new());
-        if sure.is_empty() {
-            // A list stands for what is not known apart from it: each that may be the only one, the others being nothing for certain.
-            sure.push(Term::List);
-            alike = of(&parts.without, false);
-            alike.retain(|term| *term != Term::List);
+        let part = |wanted: Term| parts.sizes.iter().any(|(term, size)| *term == wanted && is_sure(*size));
+        let by_mass = part(Term::RollMassOffset) && !part(Term::List);
+        let mut sure: Vec<Term> = Vec::new();
+        let mut alike: Vec<Term> = Vec::new();
+        if leans || !askew {
+            // A list stands for what is not known apart from it.
+            sure.push(if by_mass { Term::RollMassOffset } else { Term::List });
+            let is_apart = by_mass || part(Term::List) && !part(Term::RollMassOffset);
+            alike.extend((self.has_roll_mass && !is_apart).then_some(Term::RollMassOffset));
+        }
+        if askew {
+            sure.push(Term::Zero);
+        } else if self.separates_sensor && !leans {
+            alike.push(Term::Zero);
         }
         if !self.separates_sensor && self.turns_apart(rows, full.sds) == Some(false) {
             alike.push(Term::Zero);
@@ -151,6 +159,11 @@ impl Terms {
         };
         let Some(sized) = Fit::new(rows, &self.with(&beside), None) else { return };
         let Some(size) = sized.size(term) else { return };
+        let per_rad = if term == Term::RollMassOffset { sized.value(Term::Gain).abs().max(0.1) } else { 1.0 };
+        if full.chance(size.map(|size| per_rad * size), RELEVANT_ROLL_RAD) > MOST_CHANCE {
+            let remark = "by itself it does not exceed the limit of relevance for certain";
+            return reject(found, &[name(term)], Some(p_value), false, remark);
+        }
         let Some(held_out) = HeldOut::new(rows, ROLL, &self.with(&[]), &self.with(&[term])) else { return };
         let [before, after] = held_out.rms();
         let gain = held_out.reduction_percent();
@@ -159,7 +172,6 @@ impl Terms {
             return reject(found, &[name(term)], Some(p_value), true, remark);
         }
         let by_scatter = sized.jackknife(rows, |fit| fit.size(term));
-        let per_rad = if term == Term::RollMassOffset { sized.value(Term::Gain).abs().max(0.1) } else { 1.0 };
         let of_sensor = if knows_sensor { full.lasting_disturbance(rows) } else { SENSOR_ZERO_RAD };
         let se = size[1].max(by_scatter).hypot(of_sensor / per_rad);
         let estimate = Estimate::student(size[0], se, sized.freedom(), "rad");
@@ -270,8 +282,6 @@ fn reject(
 struct Parts {
     /// Each part \[rad\] with its standard error, where the log shows it.
     sizes: Vec<(Term, [f64; 2])>,
-    /// The sum of the others.
-    without: Vec<(Term, [f64; 2])>,
     /// All together.
     sum: [f64; 2],
 }
@@ -296,12 +306,8 @@ impl Parts {
             _ => true,
         });
         let all: Vec<Term> = all.collect();
-        let rest = |part: Term| -> Vec<(Term, f64)> {
-            all.iter().filter(|other| **other != part).flat_map(|other| weights(*other)).collect()
-        };
         Parts {
             sizes: all.iter().map(|part| (*part, fit.sum(&weights(*part)))).collect(),
-            without: all.iter().map(|part| (*part, fit.sum(&rest(*part)))).collect(),
             sum: full.sum(&[(Term::List, 1.0), (Term::Zero, 1.0)]),
         }
     }
