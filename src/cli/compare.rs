@@ -288,6 +288,31 @@ impl CompareReport {
         }
     }
 
+    /// What differs, as sentences: who glides furthest, who is fastest, who draws least.
+    fn findings(&self) -> Vec<String> {
+        let ranked = |of: &dyn Fn(&Compared) -> Option<f64>, smallest: bool| {
+            let mut known: Vec<(f64, &str)> =
+                self.gliders.iter().filter_map(|g| Some((of(g)?, g.what.as_str()))).collect();
+            known.sort_by(|x, y| if smallest { x.0.total_cmp(&y.0) } else { y.0.total_cmp(&x.0) });
+            (known.len() > 1).then(|| (known[0], known[known.len() - 1]))
+        };
+        let mut found = Vec::new();
+        if let Some(((best, first), (least, last))) = ranked(&|g| g.best_glide_ratio, false) {
+            found.push(format!("Best glide: {first} goes {best:.2} along for 1 down, {last} {least:.2}."));
+        }
+        let at_25_deg = |g: &Compared| g.descents.iter().find(|at| at.pitch_deg == 25.0).and_then(|at| at.speed_m_s);
+        if let Some(((fast, first), (slow, last))) = ranked(&at_25_deg, false) {
+            found.push(format!(
+                "Speed at 25 deg and a net mass of {:.3} kg: {first} {fast:.3} m/s, {last} {slow:.3} m/s.",
+                self.net_mass_kg
+            ));
+        }
+        if let Some(((little, first), (much, last))) = ranked(&|g| g.energy_per_km_kJ, true) {
+            found.push(format!("Energy per kilometre: {first} {little:.1} kJ, {last} {much:.1} kJ."));
+        }
+        found
+    }
+
     fn page(&self, gliders: &[(String, Vehicle)]) -> Report {
         let names: Vec<&str> = self.gliders.iter().map(|glider| glider.what.as_str()).collect();
         let mut columns = vec!["Figure".to_owned()];
@@ -315,6 +340,9 @@ impl CompareReport {
             self.net_mass_kg
         ));
         let mut page = Report::new("Gliders side by side", names.join(", "));
+        for finding in self.findings() {
+            page = page.finding(finding);
+        }
         for warning in &self.warnings {
             page = page.warning(warning.clone());
         }

@@ -118,12 +118,8 @@ fn sg542_is_light_rather_than_in_denser_water() {
     let (turning, of_the_plane): (Vec<&str>, Vec<&str>) = names(&found).into_iter().partition(turns);
     assert_eq!(of_the_plane, ["ballast_offset"]);
     // A straight line of curvature against roll and cotangent of the pitch for each leg, fitted apart (numpy, errors by blocks),
-    // has -0.0003 +- 0.0005 rad/m at roll 0 on descents and -0.0095 +- 0.0016 on ascents. What turns both legs alike lies between;
-    // the rest is a zero of the roll.
-    assert_eq!(turning, ["yaw_asymmetry"]);
-    let place = names(&found).iter().position(|name| *name == "yaw_asymmetry").expect("it is named");
-    let curvature = size(&found, place, "yaw_asymmetry_rad_per_m");
-    assert!((-0.0095..-0.0003).contains(&curvature), "{curvature}");
+    // has -0.0003 +- 0.0005 rad/m at roll 0 on descents and -0.0095 +- 0.0016 on ascents: no one size, hence no name.
+    assert!(turning.is_empty(), "{turning:?}");
 }
 
 /// The basestation's figures for this hull: 4.18e-10 1/Pa and 0.705e-4 1/K.

@@ -15,7 +15,7 @@ struct Drawing {
     figures: &'static [(&'static str, &'static str)],
 }
 
-const DRAWINGS: [Drawing; 3] = [
+const DRAWINGS: [Drawing; 6] = [
     Drawing { arguments: &["glide", "slocum-049"], figures: &[("polar", "glide-polar")] },
     Drawing {
         arguments: &["simulate", "slocum-049", "--mission", "missions/rising-seabed.toml"],
@@ -24,6 +24,18 @@ const DRAWINGS: [Drawing; 3] = [
     Drawing {
         arguments: &["simulate", "slocum-049", "--mission", "missions/voyage-215.toml"],
         figures: &[("way", "voyage-215")],
+    },
+    Drawing {
+        arguments: &["turn", "seaglider", "--roll-mass-deg", "40", "--net-mass-kg", "0.19", "--pitch-deg", "-22.5"],
+        figures: &[("polar-roll-mass", "turn-polar")],
+    },
+    Drawing {
+        arguments: &["simulate", "slocum-049", "--3d", "--inputs", "tests/missions/turning.csv", "--stop", "1104"],
+        figures: &[("map", "spiral")],
+    },
+    Drawing {
+        arguments: &["simulate", "slocum-049", "--3d", "--mission", "missions/lawn-mower.toml"],
+        figures: &[("map", "lawn-mower")],
     },
 ];
 

@@ -12,6 +12,7 @@
 #![allow(non_snake_case, reason = "units stand in names as they are written: N, Pa, C, J")]
 
 pub mod causes;
+mod stretches;
 
 use std::collections::BTreeSet;
 
@@ -22,21 +23,9 @@ use glidepolar_flightlog::Observation;
 use glidepolar_inference::estimate::Estimate;
 use glidepolar_inference::regression::{Problem, Scatter};
 
-/// Time after a move from which a turn is steady \[s\]: some time constants of roll and sideslip, which are 5 to 10 s.
-pub const SETTLED_S: f64 = 25.0;
-/// Shortest stretch that gives one turn rate \[s\].
-const SHORTEST_S: f64 = 20.0;
-/// Longest stretch: between the moves of motors, where the log flags them, the rate is constant for minutes; where nothing
-/// moves for a whole leg, depth must be separated \[s\].
-const LONGEST_S: [f64; 2] = [300.0, 60.0];
-/// Samples of the shortest stretch.
-const LEAST_SAMPLES: usize = 3;
-/// Longer gaps between two samples end a stretch \[s\].
-const LONGEST_GAP_S: f64 = 60.0;
-/// A step larger than this is a move: roll, rudder, roll mass \[rad\].
-const MOVES_RAD: [f64; 3] = [0.12, 0.03, 0.05];
-/// So far from the median pitch of its leg a glider is still pitching \[rad\].
-const PITCHING_RAD: f64 = 0.15;
+pub use stretches::SETTLED_S;
+use stretches::{Stretch, stretches};
+
 /// A control that varies by less than this does not identify its effect: roll, rudder, roll mass \[rad\].
 const VARIES_RAD: [f64; 3] = [0.035, 0.015, 0.05];
 /// A ratio is stated where its denominator is so many standard errors from zero.
@@ -160,101 +149,6 @@ pub fn turning(observations: &[Observation]) -> Option<Turning> {
         layers,
         warnings,
     })
-}
-
-/// One steady stretch.
-#[derive(Debug, Clone, Copy)]
-struct Stretch {
-    dive: u32,
-    descends: bool,
-    pitch_rad: f64,
-    /// By depth rate and pitch.
-    speed_m_s: f64,
-    pressure_dbar: f64,
-    rate_rad_s: f64,
-    roll_rad: f64,
-    rudder_rad: f64,
-    roll_mass_rad: f64,
-}
-
-/// The steady stretches of a log with heading.
-fn stretches(observations: &[Observation]) -> Vec<Stretch> {
-    let mut found = Vec::new();
-    // Where the log flags its motors, no move needs to be seen in the readings.
-    let flagged = observations.iter().any(|o| o.motor_moving);
-    for leg in observations.chunk_by(|a, b| a.leg == b.leg && a.stretch == b.stretch) {
-        let mut pitches: Vec<f64> = leg.iter().map(|o| o.pitch_rad).filter(|p| p.is_finite()).collect();
-        if pitches.is_empty() {
-            continue;
-        }
-        let pitch = glidepolar_flightlog::median(&mut pitches);
-        let usable = |o: &Observation| {
-            o.heading_rad.is_finite()
-                && (o.roll_rad.is_finite() || o.rudder_rad.is_finite())
-                && (o.pitch_rad - pitch).abs() < PITCHING_RAD
-                && (o.sink_m_s > 0.0) == (pitch < 0.0)
-        };
-        let mut moved_s = leg[0].time_s;
-        let mut run: Vec<&Observation> = Vec::new();
-        for (i, o) in leg.iter().enumerate() {
-            if o.motor_moving || (!flagged && is_move(leg, i)) {
-                close(&mut run, &mut found);
-                moved_s = o.time_s;
-            }
-            let gap = run.last().is_some_and(|last| o.time_s - last.time_s > LONGEST_GAP_S);
-            let full = run.first().is_some_and(|first| o.time_s - first.time_s > LONGEST_S[usize::from(!flagged)]);
-            if gap || full {
-                close(&mut run, &mut found);
-            }
-            if o.time_s - moved_s >= SETTLED_S && usable(o) {
-                run.push(o);
-            }
-        }
-        close(&mut run, &mut found);
-    }
-    found
-}
-
-/// Whether a control moved from the sample before: by the means of three samples on either side, so that noise is none.
-fn is_move(leg: &[Observation], i: usize) -> bool {
-    let of: [fn(&Observation) -> f64; 3] = [|o| o.roll_rad, |o| o.rudder_rad, |o| o.roll_mass_rad];
-    of.into_iter().zip(MOVES_RAD).any(|(of, moves)| {
-        let mean = |part: &[Observation]| part.iter().map(of).sum::<f64>() / part.len() as f64;
-        let (before, after) = (&leg[i.saturating_sub(3)..i], &leg[i..(i + 3).min(leg.len())]);
-        !before.is_empty() && (mean(after) - mean(before)).abs() > moves
-    })
-}
-
-/// The line through the headings of a run.
-fn close(run: &mut Vec<&Observation>, found: &mut Vec<Stretch>) {
-    let samples = std::mem::take(run);
-    let (Some(first), Some(last)) = (samples.first(), samples.last()) else { return };
-    if samples.len() < LEAST_SAMPLES || last.time_s - first.time_s < SHORTEST_S - 1e-6 {
-        return;
-    }
-    let n = samples.len() as f64;
-    let mean = |of: fn(&Observation) -> f64| samples.iter().map(|o| of(o)).sum::<f64>() / n;
-    let middle = mean(|o| o.time_s);
-    let (mut heading, mut before) = (0.0, first.heading_rad);
-    let (mut upper, mut lower) = (0.0, 0.0);
-    for o in &samples {
-        let turned = o.heading_rad - before;
-        heading += turned - std::f64::consts::TAU * (turned / std::f64::consts::TAU).round();
-        before = o.heading_rad;
-        upper += (o.time_s - middle) * heading;
-        lower += (o.time_s - middle) * (o.time_s - middle);
-    }
-    found.push(Stretch {
-        dive: first.dive,
-        descends: mean(|o| o.pitch_rad) < 0.0,
-        pitch_rad: mean(|o| o.pitch_rad),
-        speed_m_s: (mean(|o| o.sink_m_s) / mean(|o| o.pitch_rad).sin()).abs(),
-        pressure_dbar: mean(|o| o.pressure_dbar),
-        rate_rad_s: upper / lower,
-        roll_rad: mean(|o| o.roll_rad),
-        rudder_rad: mean(|o| o.rudder_rad),
-        roll_mass_rad: mean(|o| o.roll_mass_rad),
-    });
 }
 
 /// What a column of the regression stands for; legs by whether they descend.

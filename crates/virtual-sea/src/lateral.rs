@@ -8,13 +8,21 @@
 //! (m + m2) dv/dt = m0 g sin phi cos theta + Y - (m + m1) u r + (m + m3) w p
 //! Ix dp/dt       = g cos theta (Sy cos phi - Sz sin phi) + q A l Cl_p p l/V
 //! Iz dr/dt       = g (Sx sin phi cos theta + Sy sin theta) + q A l (CN_beta beta + CN_r r l/V + CN_delta delta) + q B
-//! dphi/dt        = p + r tan theta cos phi
+//! dphi/dt        = p + r tan theta / cos phi
 //! dpsi/dt        = r / (cos phi cos theta)
 //! Y              = q A (CY_beta beta + CY_r r l/V + CY_delta delta)
 //! Sy             = M R sin gamma + Sz0 tan(list),    Sz = Sz0 + M R (cos gamma - 1)
 //! ```
 //!
-//! `S` is the first moment of all masses about the centre of buoyancy, `B` drag area times arm of a pod on one side. CN_beta
+//! `S` is the first moment of all masses about the centre of buoyancy, `B` drag area times arm of a pod on one side. The pitch is
+//! given, so `Sx` is what balances the pitching moment at this roll: the sliding mass gives way to roll and roll mass,
+//!
+//! ```text
+//! Sx cos phi cos theta + Sz sin theta = Sx0 cos theta + Sz0 sin theta
+//! ```
+//!
+//! with the values of the vertical plane on the right, and the pitch rate in body axes is `r tan phi`. So the gravity of a leaning glider yaws it by its roll alone, whether a list
+//! or the roll mass makes it lean. CN_beta
 //! contains Munk's couple. The list is that of a roll mass at rest; the roll mass reads `gamma` less its offset, the rudder
 //! `delta` less its own. Gusts from the side and eddies about the vertical axis disturb the heading by some tenths of a degree a
 //! second, as readings of real gliders between two moves of their controls do.
@@ -141,6 +149,8 @@ struct Given<'a> {
     forward_kg_m: f64,
     starboard_kg_m: f64,
     below_kg_m: f64,
+    /// Below, with the roll mass in the middle.
+    level_below_kg_m: f64,
     rudder_rad: f64,
     pod_m3: f64,
     gust_m_s: f64,
@@ -200,6 +210,7 @@ impl Lateral {
             forward_kg_m: vehicle.moving_mass_kg * now.moving_mass_m,
             starboard_kg_m: rolling * true_roll_mass.sin() + below * list_rad.tan(),
             below_kg_m: below + rolling * (true_roll_mass.cos() - 1.0),
+            level_below_kg_m: below,
             rudder_rad,
             pod_m3: hidden.pod_m3,
             gust_m_s: self.gust.next(&mut self.random),
@@ -266,7 +277,8 @@ impl Given<'_> {
         let roll_n_m = GRAVITY_M_S2 * cos_pitch * (self.starboard_kg_m * cos_roll - self.below_kg_m * sin_roll)
             + pressed_n * length * figures.roll_per_rate * roll_star
             - AFLOAT_N_M_S * 0.3 * state.roll_rate;
-        let yaw_n_m = GRAVITY_M_S2 * (self.forward_kg_m * sin_roll * cos_pitch + self.starboard_kg_m * sin_pitch)
+        let balanced_kg_m = self.forward_kg_m * cos_pitch + (self.level_below_kg_m - self.below_kg_m) * sin_pitch;
+        let yaw_n_m = GRAVITY_M_S2 * (balanced_kg_m * sin_roll / cos_roll + self.starboard_kg_m * sin_pitch)
             + pressed_n
                 * length
                 * (figures.yaw_per_rad * slip
@@ -283,7 +295,7 @@ impl Given<'_> {
             sway_n / (mass + figures.added_2_kg),
             roll_n_m / figures.inertia_kg_m2[0],
             yaw_n_m / figures.inertia_kg_m2[1],
-            state.roll_rate + state.yaw_rate * sin_pitch / cos_pitch * cos_roll,
+            state.roll_rate + state.yaw_rate * sin_pitch / (cos_pitch * cos_roll),
             state.yaw_rate / (cos_roll * cos_pitch),
         ]
     }
@@ -313,72 +325,4 @@ impl State {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::ocean::{Ocean, Weather};
-    use crate::random::{Part, stream};
-
-    /// Steady turn rate and roll with the roll mass, the rudder and a pod held, in water without eddies.
-    fn turn(seed: u64, pitch_rad: f64, roll_mass_rad: f64, rudder_rad: f64, pod_m3: f64) -> (f64, f64) {
-        let ocean = Ocean::draw(&mut stream(seed, Part::Ocean), Weather::default());
-        let hull = if rudder_rad == 0.0 { Hull::Seaglider } else { Hull::Slocum200 };
-        let vehicle = hull.draw(&mut stream(seed, Part::Vehicle), &ocean);
-        let figures = LateralFigures::draw(&mut stream(seed, Part::LateralFigures), hull);
-        let net_mass_kg = -0.2 * pitch_rad.signum();
-        let (angle_rad, speed_m_s) = vehicle.steady_glide(net_mass_kg, pitch_rad, 1027.0).expect("a glide");
-        let below = vehicle.moving_mass_kg * vehicle.moving_mass_height_m;
-        let given = Given {
-            vehicle: &vehicle,
-            figures: &figures,
-            speed_m_s,
-            angle_rad,
-            pitch_rad,
-            density_kg_m3: 1027.0,
-            net_mass_kg,
-            forward_kg_m: vehicle.moving_mass_kg * vehicle.moving_mass_for(pitch_rad, angle_rad, speed_m_s, 1027.0),
-            starboard_kg_m: figures.rolling_kg_m * roll_mass_rad.sin(),
-            below_kg_m: below + figures.rolling_kg_m * (roll_mass_rad.cos() - 1.0),
-            rudder_rad,
-            pod_m3,
-            gust_m_s: 0.0,
-            eddy: 0.0,
-        };
-        let mut state = State::default();
-        for _ in 0..8000 {
-            state = given.advance(&state, 0.025);
-        }
-        (given.rate(&state)[4], state.roll_rad)
-    }
-
-    #[test]
-    fn the_sense_of_a_roll_reverses_between_the_legs_and_that_of_rudder_and_pod_does_not() {
-        for seed in 7000..7010 {
-            for pitch in [0.25, 0.45, 0.7] {
-                let legs = [-pitch, pitch];
-                let [down, up] = legs.map(|pitch| turn(seed, pitch, 0.4, 0.0, 0.0));
-                assert!(down.0 < -1e-3 && up.0 > 1e-3 && down.1 > 0.15 && up.1 > 0.15, "{seed}: {down:?} {up:?}");
-                // Its mirror image turns the other way, as fast.
-                let [mirror, _] = legs.map(|pitch| turn(seed, pitch, -0.4, 0.0, 0.0));
-                assert!((down.0 + mirror.0).abs() < 1e-9 && (down.1 + mirror.1).abs() < 1e-9, "{seed}");
-                let [down, up] = legs.map(|pitch| turn(seed, pitch, 0.0, 0.1, 0.0).0);
-                assert!(down > 5e-3 && (up - down).abs() < 1e-6, "{seed}: rudder {down} {up}");
-                let [down, up] = legs.map(|pitch| turn(seed, pitch, 0.0, 0.0, 6e-4).0);
-                assert!(down > 1e-3 && (up - down).abs() < 1e-6, "{seed}: pod {down} {up}");
-            }
-        }
-    }
-
-    /// Without turning, the roll is that at which gravity has no moment.
-    #[test]
-    fn a_roll_mass_and_a_list_lean_the_glider_as_statics_say() {
-        let (turn_rate, roll_rad) = turn(7001, -0.25, 0.4, 0.0, 0.0);
-        let seed = 7001;
-        let ocean = Ocean::draw(&mut stream(seed, Part::Ocean), Weather::default());
-        let vehicle = Hull::Seaglider.draw(&mut stream(seed, Part::Vehicle), &ocean);
-        let rolling = LateralFigures::draw(&mut stream(seed, Part::LateralFigures), Hull::Seaglider).rolling_kg_m;
-        let below = vehicle.moving_mass_kg * vehicle.moving_mass_height_m;
-        let at_rest = (rolling * 0.4f64.sin() / (below + rolling * (0.4f64.cos() - 1.0))).atan();
-        // The wing's damping of the roll rate that a turn at this pitch has adds some hundredths.
-        assert!((roll_rad - at_rest).abs() < 0.03 && turn_rate < 0.0, "{roll_rad} against {at_rest}");
-    }
-}
+mod tests;

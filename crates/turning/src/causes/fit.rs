@@ -1,0 +1,251 @@
+//! The model with some of its terms, fitted to turn rate and roll of all stretches.
+
+use std::collections::BTreeMap;
+
+use glidepolar_inference::estimate::Estimate;
+use glidepolar_inference::regression::{Problem, Scatter};
+use nalgebra::{DMatrix, DVector};
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use super::findings::{MOST_CHANCE, ROLL};
+use super::model::{ATTACK, Row, Term, dives, predicted, start};
+use crate::{SURE, Stretch, sd};
+
+/// Questions that are asked of a log: roll at rest, list, sensor, yaw.
+const QUESTIONS: f64 = 4.0;
+/// Prior standard deviation of the curvature per roll and cotangent of the pitch, where the roll hardly varies \[1/m\]: some times
+/// what gliders show (0.03 to 0.1).
+const PRIOR_PER_ROLL: f64 = 0.2;
+
+/// The same of its change with the squared sine of the roll \[1/m\]. The equations in six degrees of freedom have -0.2 to -0.5 for the
+/// built-in Seaglider: at 25 deg of roll it turns half as much per roll as at 3 deg.
+const PRIOR_BEND: f64 = 0.3;
+
+/// The same of its change with the cotangent of the pitch \[1/m\]. The net weight is the drag over the sine of the path's angle, which
+/// the angle of attack makes steeper than the pitch: at 15 deg of pitch by a fifth, hence -0.05 of the curvature per roll.
+const PRIOR_PITCH: f64 = 0.01;
+
+/// Share of the scatter of turn rates that an eddy of a minute leaves in the stretches after a move that it caused: on average over
+/// an episode, which has one such stretch among several.
+const LASTING: f64 = 0.1;
+
+/// Steps of Gauss and Newton: the model is nearly linear.
+const STEPS: usize = 12;
+
+fn prior(term: Term) -> Option<[f64; 2]> {
+    match term {
+        Term::Attack => Some(ATTACK),
+        Term::RollTurnsAlike => Some([0.0, PRIOR_PER_ROLL]),
+        Term::RollBends(_) => Some([0.0, PRIOR_BEND]),
+        Term::PitchBends(_) => Some([0.0, PRIOR_PITCH]),
+        _ => None,
+    }
+}
+
+/// The model with some of its terms, fitted.
+pub(super) struct Fit {
+    terms: Vec<Term>,
+    pub(super) values: DVector<f64>,
+    covariance: DMatrix<f64>,
+    /// Scatter of turn rate and roll.
+    pub(super) sds: [f64; 2],
+    /// Sums of squares of turn rate and roll, in units of the scatter, for each dive.
+    by_dive: Vec<[f64; 2]>,
+}
+
+impl Fit {
+    /// None where the terms depend on each other. The weights follow from the scatter where they are not given.
+    pub(super) fn new(rows: &[Row], terms: &[Term], sds: Option<[f64; 2]>) -> Option<Fit> {
+        let n = rows.len();
+        let mut values = start(terms);
+        let scatter = |values: &DVector<f64>| {
+            let mut squares = [0.0; 2];
+            for row in rows {
+                let [rate, roll] = predicted(row, terms, values);
+                squares[0] += (row.stretch.rate_rad_s - rate).powi(2);
+                squares[1] += (row.stretch.roll_rad - roll).powi(2);
+            }
+            // Perfect readings would leave nothing to weigh by.
+            squares.map(|sum| (sum / n as f64).sqrt().max(1e-9))
+        };
+        let spread = |of: fn(&Stretch) -> f64| sd(&rows.iter().map(|row| of(&row.stretch)).collect::<Vec<_>>());
+        let mut weights =
+            sds.unwrap_or_else(|| [spread(|s| s.rate_rad_s), spread(|s| s.roll_rad)].map(|sd| sd.max(1e-9)));
+        // Twice a dive: rate and roll of one stretch err apart, those of one dive together.
+        let mut clusters: Vec<u32> = rows.iter().flat_map(|row| [row.stretch.dive; 2]).collect();
+        let priors: Vec<(usize, [f64; 2])> =
+            terms.iter().enumerate().filter_map(|(at, term)| Some((at, prior(*term)?))).collect();
+        clusters.extend(priors.iter().map(|_| rows[0].stretch.dive));
+        let length = clusters.len();
+        let mut last = None;
+        for step in 0..STEPS {
+            let of_rows = rows.iter().flat_map(|row| {
+                let [rate, roll] = predicted(row, terms, &values);
+                [(row.stretch.rate_rad_s - rate) / weights[0], (row.stretch.roll_rad - roll) / weights[1]]
+            });
+            let of_priors = priors.iter().map(|(at, [mean, sd])| (mean - values[*at]) / sd);
+            let residual = DVector::from_iterator(length, of_rows.chain(of_priors));
+            let mut design = DMatrix::zeros(length, terms.len());
+            for (i, (at, [_, sd])) in priors.iter().enumerate() {
+                design[(2 * n + i, *at)] = 1.0 / sd;
+            }
+            for column in 0..terms.len() {
+                let step = 1e-5;
+                let at = |change: f64| {
+                    let mut values = values.clone();
+                    values[column] += change;
+                    values
+                };
+                let (above, below) = (at(step), at(-step));
+                for (i, row) in rows.iter().enumerate() {
+                    let (up, down) = (predicted(row, terms, &above), predicted(row, terms, &below));
+                    for k in 0..2 {
+                        design[(2 * i + k, column)] = (up[k] - down[k]) / (2.0 * step) / weights[k];
+                    }
+                }
+            }
+            // While nothing is known of the turn per roll, a sensor's zero is a list: it follows in the next step.
+            let leans = terms.contains(&Term::List) || terms.contains(&Term::RollMassOffset);
+            let is_known = |at: &usize| match terms[*at] {
+                Term::Zero => step > 0 || !leans,
+                Term::Share => step > 2,
+                _ => true,
+            };
+            let known: Vec<usize> = (0..terms.len()).filter(is_known).collect();
+            let mut fit = Problem::plain(design.select_columns(&known), residual).solve(Scatter::Equal)?;
+            for (place, at) in known.iter().enumerate() {
+                values[*at] += fit.parameters[place];
+            }
+            if !values.iter().all(|value| value.is_finite()) {
+                return None;
+            }
+            if sds.is_none() && step < STEPS / 2 {
+                weights = scatter(&values);
+            }
+            if known.len() == terms.len() && step + 1 == STEPS {
+                // A prior errs by its standard deviation, whatever it is off by here.
+                fit.residuals.rows_mut(2 * n, priors.len()).fill(0.0);
+                let of_priors = fit.gain.columns(2 * n, priors.len());
+                last = Some(fit.cluster_covariance(&clusters) + of_priors * of_priors.transpose());
+            }
+        }
+        let covariance = last?;
+        let mut by_dive: BTreeMap<u32, [f64; 2]> = BTreeMap::new();
+        for row in rows {
+            let [rate, roll] = predicted(row, terms, &values);
+            let of_dive = by_dive.entry(row.stretch.dive).or_default();
+            of_dive[0] += ((row.stretch.rate_rad_s - rate) / weights[0]).powi(2);
+            of_dive[1] += ((row.stretch.roll_rad - roll) / weights[1]).powi(2);
+        }
+        let by_dive = by_dive.into_values().collect();
+        Some(Fit { terms: terms.to_vec(), values, covariance, sds: weights, by_dive })
+    }
+
+    pub(super) fn at(&self, term: Term) -> Option<usize> {
+        self.terms.iter().position(|known| *known == term)
+    }
+
+    pub(super) fn value(&self, term: Term) -> f64 {
+        self.at(term).map_or(0.0, |at| self.values[at])
+    }
+
+    /// Value and standard error.
+    pub(super) fn size(&self, term: Term) -> Option<[f64; 2]> {
+        self.at(term).map(|at| [self.values[at], self.covariance[(at, at)].max(0.0).sqrt()])
+    }
+
+    /// The same of a weighted sum of terms; a term that is not fitted is zero.
+    pub(super) fn sum(&self, terms: &[(Term, f64)]) -> [f64; 2] {
+        let mut weights = DVector::zeros(self.terms.len());
+        for (term, weight) in terms {
+            if let Some(at) = self.at(*term) {
+                weights[at] += weight;
+            }
+        }
+        let variance = (weights.transpose() * &self.covariance * &weights)[(0, 0)];
+        [weights.dot(&self.values), variance.max(0.0).sqrt()]
+    }
+
+    /// Error of the sensor's zero by disturbances that outlast a move of the control \[rad\]: the glider is leaned because an eddy
+    /// turned it, and what is left of the eddy after the move is taken for a turn by this roll.
+    pub(super) fn lasting_disturbance(&self, rows: &[Row]) -> f64 {
+        let Some(at) = self.at(Term::Zero) else { return 0.0 };
+        let step = 1e-4;
+        let mut moved = self.values.clone();
+        moved[at] += step;
+        let slope = |row: &Row| {
+            let [before, after] = [&self.values, &moved].map(|values| predicted(row, &self.terms, values)[0]);
+            (after - before).abs() / step
+        };
+        let mean = rows.iter().map(slope).sum::<f64>() / rows.len() as f64;
+        LASTING * self.sds[0] / mean.max(f64::MIN_POSITIVE)
+    }
+
+    /// Standard error of a size by leaving out one dive at a time.
+    pub(super) fn jackknife(&self, rows: &[Row], of: impl Fn(&Fit) -> Option<[f64; 2]>) -> f64 {
+        let without = |dive: u32| {
+            let kept: Vec<Row> = rows.iter().filter(|row| row.stretch.dive != dive).copied().collect();
+            Fit::new(&kept, &self.terms, None).as_ref().and_then(&of).map(|[value, _]| value)
+        };
+        let parts: Vec<f64> = dives(rows).into_iter().filter_map(without).collect();
+        let n = parts.len() as f64;
+        let mean = parts.iter().sum::<f64>() / n;
+        let se = ((n - 1.0) / n * parts.iter().map(|part| (part - mean).powi(2)).sum::<f64>()).sqrt();
+        if se.is_finite() { se } else { 0.0 }
+    }
+
+    pub(super) fn freedom(&self) -> f64 {
+        self.by_dive.len() as f64 - 1.0
+    }
+
+    pub(super) fn estimate(&self, term: Term, unit: &str) -> Option<Estimate> {
+        self.size(term).map(|[value, se]| Estimate::student(value, se, self.freedom(), unit))
+    }
+
+    /// One term over another; none where the denominator may be zero.
+    pub(super) fn ratio(&self, above: Term, below: Term, unit: &str) -> Option<Estimate> {
+        let (a, b) = (self.at(above)?, self.at(below)?);
+        let (top, bottom) = (self.values[a], self.values[b]);
+        let se = |at: usize| self.covariance[(at, at)].max(0.0).sqrt();
+        if bottom.abs() < SURE * se(b) {
+            return None;
+        }
+        let value = top / bottom;
+        let variance = (self.covariance[(a, a)] - 2.0 * value * self.covariance[(a, b)]
+            + value * value * self.covariance[(b, b)])
+            / (bottom * bottom);
+        Some(Estimate::student(value, variance.max(0.0).sqrt(), self.freedom(), unit))
+    }
+
+    pub(super) fn rudder_per_roll(&self) -> Option<f64> {
+        let rudder = self.ratio(Term::Yaw, Term::Rudder, "")?;
+        let per_roll =
+            [Term::RollTurns(true), Term::RollTurns(false), Term::RollTurnsAlike].map(|term| self.value(term).abs());
+        rudder.value.is_finite().then(|| per_roll.into_iter().fold(0.0, f64::max) / self.value(Term::Rudder).abs())
+    }
+
+    /// Probability by chance of a size like this one, corrected for the number of questions; 1 where it does not exceed the
+    /// limit of relevance by a standard error.
+    pub(super) fn chance(&self, [value, se]: [f64; 2], limit: f64) -> f64 {
+        let is_relevant = value.abs() - se > limit;
+        let chance = 2.0 * student_above(value.abs() / se.max(f64::MIN_POSITIVE), self.freedom());
+        if is_relevant { (QUESTIONS * chance).min(1.0) } else { 1.0 }
+    }
+
+    /// Whether its misfit in a quantity is larger for certain, the dives being independent (Vuong 1989, with Student's t).
+    pub(super) fn is_worse_than(&self, other: &Fit, quantity: &str) -> bool {
+        let at = usize::from(quantity == ROLL);
+        let apart: Vec<f64> = self.by_dive.iter().zip(&other.by_dive).map(|(a, b)| a[at] - b[at]).collect();
+        let n = apart.len() as f64;
+        let mean = apart.iter().sum::<f64>() / n;
+        let se = sd(&apart) / n.sqrt();
+        student_above(mean / se.max(f64::MIN_POSITIVE), n - 1.0) < MOST_CHANCE
+    }
+}
+
+fn student_above(t: f64, freedom: f64) -> f64 {
+    if t.is_nan() {
+        return 1.0;
+    }
+    StudentsT::new(0.0, 1.0, freedom.max(1.0)).map_or(1.0, |student| student.sf(t))
+}

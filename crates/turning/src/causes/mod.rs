@@ -1,0 +1,61 @@
+//! What makes a glider turn or lean that should not: list, rudder or roll mass off their zeros, drag on one side, an attitude
+//! sensor that is mounted askew.
+//!
+//! Each steady stretch gives two readings, its turn rate and its roll:
+//!
+//! ```text
+//! turn rate = V (c + k_delta delta + (k_leg + b_leg sin^2 phi + h_leg L) L sin phi),      phi = roll - e
+//! roll      = e + atan((g sin(gamma + gamma0) + tan list + k_p V r tan theta / cos phi) / (1 + g (cos(gamma + gamma0) - 1)))
+//!               + k_roll delta V^2
+//! path      = |theta| + kappa / tan |theta|,   V = depth rate / sin(path),   L = cos(theta) / sin(path)
+//! ```
+//!
+//! `V` is the stretch's own speed: at the turn of a leg a glider is slow, and there its control leans it. The side component of the net
+//! weight turns a rolled glider: it is proportional to `L` times the drag and changes its sign with the leg. So the parity in leg and
+//! roll separates causes. A rudder's offset or drag on one side (`c`) turns both legs alike. A list (`list`) or an offset of the roll
+//! mass (`gamma0`) turns them apart and is read as roll. A sensor that is askew (`e`) is read as roll and turns nothing. Offset of the
+//! rudder and drag on one side are one group. List and offset of the roll mass differ in the second order of the angle of the roll
+//! mass, and at `g` = 1/2 not even there.
+//!
+//! A size must be more than chance explains ([`MOST_CHANCE`]) with all other sizes fitted beside it, exceed a limit of relevance by
+//! a standard error, and predict held-out dives better by one. What turns both legs alike must be alike on both. Where no part of the
+//! roll at rest is sure by itself, a list is named, and its group are those that the others together do not exclude.
+
+mod findings;
+mod fit;
+mod held_out;
+mod model;
+mod questions;
+
+use glidepolar_flightlog::Observation;
+
+use super::{LEAST_DIVES, LEAST_STRETCHES};
+pub use findings::{
+    LateralCause, LateralDiagnosis, LateralRejected, MOST_CHANCE, RELEVANT_ROLL_RAD, RELEVANT_YAW_RAD_M, ROLL,
+    TURN_RATE,
+};
+use fit::Fit;
+use model::{Row, Term, dives, rows};
+use questions::Terms;
+
+/// The causes; nothing where [`turning`](super::turning) has too few steady stretches, or the log has no roll.
+pub fn causes(observations: &[Observation]) -> Option<LateralDiagnosis> {
+    let rows: Vec<Row> = rows(observations);
+    let dives = dives(&rows);
+    if rows.len() < LEAST_STRETCHES || dives.len() < LEAST_DIVES {
+        return None;
+    }
+    let terms = Terms::of(&rows);
+    let full = Fit::new(&rows, &terms.all(), None)?;
+    let mut found = LateralDiagnosis {
+        stretches: rows.len(),
+        causes: Vec::new(),
+        rejected: Vec::new(),
+        sizes: [Some(full.sum(&[(Term::List, 1.0), (Term::Zero, 1.0)])), full.size(Term::Yaw)],
+        rudder_per_roll: full.rudder_per_roll(),
+    };
+    terms.lean(&rows, &full, &mut found);
+    terms.yaw(&rows, &full, &mut found);
+    found.causes.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
+    Some(found)
+}

@@ -1,0 +1,151 @@
+//! The two readings of a steady stretch and what the model says they are.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use glidepolar_flightlog::Observation;
+use nalgebra::DVector;
+
+use crate::{Stretch, stretches};
+
+/// Speeds of a leg that are taken at their word \[m/s\], and the flattest pitch of a glide \[rad\]: depth rate over its sine is no
+/// speed below that.
+const SLOWEST_M_S: f64 = 0.05;
+const FASTEST_M_S: f64 = 1.0;
+const FLATTEST_RAD: f64 = 0.12;
+/// A stretch whose speed differs by more than this share from the median of its leg is not steady: the glider still accelerates.
+const UNSTEADY: f64 = 0.2;
+
+/// One steady stretch with what the model needs.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Row {
+    pub(super) stretch: Stretch,
+    pub(super) speed_m_s: f64,
+}
+
+impl Row {
+    /// Speed along the path \[m/s\], and the net weight's component to the side over the drag for a unit of roll. The path is steeper than
+    /// the hull by the angle of attack, which is about a figure of the polar over the tangent of the pitch.
+    fn along_path(&self, drag_per_lift: f64) -> (f64, f64) {
+        let pitch = self.stretch.pitch_rad.abs();
+        let path = (pitch + drag_per_lift / pitch.tan()).clamp(pitch, 1.5);
+        (self.speed_m_s * pitch.sin() / path.sin(), pitch.cos() / path.sin())
+    }
+}
+
+/// A figure of the model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Term {
+    /// Drag over slope of the lift, at small angles of attack: their angle is this over the tangent of the path.
+    Attack,
+    /// Curvature without roll and rudder \[rad/m\].
+    Yaw,
+    /// By how much it is larger on descents and smaller on ascents.
+    YawApart,
+    /// Curvature per roll and cotangent of the pitch on descents, on ascents \[1/m\].
+    RollTurns(bool),
+    /// The same for both legs, with the sign of the leg.
+    RollTurnsAlike,
+    /// How the curvature per roll changes with the squared sine of the roll, on descents, on ascents \[1/m\].
+    RollBends(bool),
+    /// How it changes with the cotangent of the pitch, on descents, on ascents \[1/m\].
+    PitchBends(bool),
+    /// Curvature per rudder \[1/m\].
+    Rudder,
+    /// Zero of the roll sensor.
+    Zero,
+    /// List.
+    List,
+    /// Offset of the roll mass.
+    RollMassOffset,
+    /// The offset of the roll mass that has a part in the roll at rest, which [`Term::List`] then is as a whole.
+    Share,
+    /// Roll per roll mass at small angles.
+    Gain,
+    /// Roll per rudder and squared speed.
+    RudderRolls,
+    /// Roll by what damps the roll rate of a turn at this pitch.
+    Damped,
+}
+
+pub(super) fn name(term: Term) -> &'static str {
+    match term {
+        Term::RollMassOffset => "roll_mass_offset",
+        Term::Zero => "roll_offset",
+        _ => "static_list",
+    }
+}
+
+pub(super) fn parameter(term: Term) -> &'static str {
+    match term {
+        Term::RollMassOffset => "roll_mass_offset_rad",
+        Term::Zero => "roll_offset_rad",
+        _ => "static_list_rad",
+    }
+}
+
+/// Drag over slope of the lift and its standard deviation, of the built-in gliders.
+pub(super) const ATTACK: [f64; 2] = [0.03, 0.02];
+
+/// The stretches at the speed of their leg, each with its own. At the turn of a leg a glider is slow, and it is there that a heading
+/// control leans it: with the leg's speed this would be a turn per roll other to starboard than to port.
+pub(super) fn rows(observations: &[Observation]) -> Vec<Row> {
+    let is_usable = |s: &Stretch| s.roll_rad.is_finite() && s.speed_m_s.is_finite() && s.pitch_rad.abs() > FLATTEST_RAD;
+    let found: Vec<Stretch> = stretches(observations).into_iter().filter(is_usable).collect();
+    let mut of_leg: BTreeMap<(u32, bool), Vec<f64>> = BTreeMap::new();
+    for stretch in &found {
+        of_leg.entry((stretch.dive, stretch.descends)).or_default().push(stretch.speed_m_s);
+    }
+    let of_leg: BTreeMap<(u32, bool), f64> =
+        of_leg.into_iter().map(|(leg, mut speeds)| (leg, glidepolar_flightlog::median(&mut speeds))).collect();
+    let is_steady = |s: &Stretch| (s.speed_m_s / of_leg[&(s.dive, s.descends)] - 1.0).abs() < UNSTEADY;
+    let row = |stretch: Stretch| Row { stretch, speed_m_s: stretch.speed_m_s.clamp(SLOWEST_M_S, FASTEST_M_S) };
+    found.into_iter().filter(is_steady).map(row).collect()
+}
+
+pub(super) fn dives(rows: &[Row]) -> Vec<u32> {
+    rows.iter().map(|row| row.stretch.dive).collect::<BTreeSet<_>>().into_iter().collect()
+}
+
+pub(super) fn rolls(rows: &[Row]) -> Vec<f64> {
+    rows.iter().map(|row| row.stretch.roll_rad).collect()
+}
+
+/// Values of the terms at which the steps begin: a roll of half of what the roll mass turns by, the angle of attack of the
+/// built-in gliders.
+pub(super) fn start(terms: &[Term]) -> DVector<f64> {
+    DVector::from_iterator(
+        terms.len(),
+        terms.iter().map(|term| match term {
+            Term::Gain => 0.5,
+            Term::Attack => ATTACK[0],
+            _ => 0.0,
+        }),
+    )
+}
+
+/// Turn rate and roll of a stretch by the model.
+pub(super) fn predicted(row: &Row, terms: &[Term], values: &DVector<f64>) -> [f64; 2] {
+    let of = |wanted: Term| terms.iter().position(|term| *term == wanted).map_or(0.0, |at| values[at]);
+    let stretch = row.stretch;
+    let (speed_m_s, cot) = row.along_path(of(Term::Attack));
+    let finite = |value: f64| if value.is_finite() { value } else { 0.0 };
+    let (rudder, roll_mass) = (finite(stretch.rudder_rad), finite(stretch.roll_mass_rad));
+    let (zero, gain) = (of(Term::Zero), of(Term::Gain));
+    let sign = if stretch.descends { -1.0 } else { 1.0 };
+    let per_roll = of(Term::RollTurns(stretch.descends)) + sign * of(Term::RollTurnsAlike);
+    // Turned over, the glider turns the other way: an odd law of the true roll.
+    let sin_roll = (stretch.roll_rad - zero).sin();
+    let per_roll = per_roll
+        + of(Term::RollBends(stretch.descends)) * sin_roll * sin_roll
+        + of(Term::PitchBends(stretch.descends)) * cot;
+    let side = per_roll * sin_roll;
+    let rate = speed_m_s * (of(Term::Yaw) - sign * of(Term::YawApart) + of(Term::Rudder) * rudder + side * cot);
+    let share = of(Term::Share);
+    let (sin, cos) = (roll_mass + of(Term::RollMassOffset) + share).sin_cos();
+    // The roll rate of a turn at this pitch is the turn rate times the sine of the pitch; gravity's lever is the cosine of the pitch.
+    let damped = of(Term::Damped) * speed_m_s * stretch.rate_rad_s * stretch.pitch_rad.clamp(-1.4, 1.4).tan();
+    let pulled =
+        gain * (sin - share.sin()) + of(Term::List).tan() + damped / (stretch.roll_rad - zero).clamp(-1.4, 1.4).cos();
+    let lean = (pulled / (1.0 + gain * (cos - 1.0))).atan();
+    [rate, zero + lean + of(Term::RudderRolls) * rudder * speed_m_s * speed_m_s]
+}
