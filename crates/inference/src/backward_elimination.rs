@@ -188,12 +188,9 @@ impl Fitted {
         while problem.needs_both_legs() {
             let included = self.regimes_included(problem);
             let is_of_one_leg = |place: &usize| {
-                let size = included[*place].sizes[0];
-                let legs = regimes::on_each_leg(&self.evidence, &self.noises, &included, *place);
-                legs.is_some_and(|legs| {
-                    legs.may_be_absent(size.signum(), SHOWN_ON_A_LEG)
-                        || legs.differ(SURELY_APART, LEAST_DIFFERENCE * size.abs())
-                })
+                let half = LEAST_DIFFERENCE * included[*place].sizes[0].abs();
+                regimes::on_each_leg(&self.evidence, &self.noises, &included, *place)
+                    .is_some_and(|legs| legs.disagree(SHOWN_ON_A_LEG, SURELY_APART, half, problem.part_unexplained()))
             };
             let Some(place) = (0..self.included.len()).find(is_of_one_leg) else { return };
             *self = self.without(problem, baseline, place);

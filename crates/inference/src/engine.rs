@@ -50,6 +50,14 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
     if let Some((standing, of_standing)) = found.stands_with_another(problem, &baseline, &mut dropped) {
         (present, refuted) = (standing, of_standing);
     }
+    // Several laws that fit together may not predict together: then the best of them all by the slopes may stand alone.
+    if present.included.is_empty()
+        && found.included.len() > 1
+        && let Some(mut alone) = baseline.best_alone(problem)
+    {
+        refuted = refuted.or(alone.eliminate_backward(problem, &baseline, &mut dropped));
+        present = alone;
+    }
     // What was found in full, alone, stands where the slopes' choice does no better: in the place of one of its mechanisms,
     // or of them all where it was thinned out to no more than one.
     for mut rival in single.iter().flat_map(|single| present.rivals(single, problem)) {
@@ -155,6 +163,15 @@ fn decide(
 }
 
 impl Fitted {
+    /// The mechanism that explains most for its cost by the slopes here, fitted in full.
+    fn best_alone(&self, problem: &impl Problem) -> Option<Fitted> {
+        let iteration = Iteration::new(problem.candidates(), self);
+        let members = iteration.search().within(0.0, 1).into_iter().next()?.members;
+        let mut alone = Fitted::new(problem, iteration.point_of(&members, problem), members);
+        alone.converge(problem);
+        alone.is_possible(problem.candidates()).then_some(alone)
+    }
+
     /// This set with one of its refused members exchanged for a mechanism that predicts as well, if then all of them stand; with
     /// the covariate of what was refuted on the way.
     fn stands_with_another(

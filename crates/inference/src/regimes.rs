@@ -117,28 +117,41 @@ impl OnLegs {
         (self.size[0] - self.size[1]).abs() / self.variance_of_difference().sqrt()
     }
 
-    /// Whether the sizes differ by so many standard errors and by more than so much.
-    pub fn differ(&self, standard_errors: f64, by: f64) -> bool {
-        self.against_one_size() > standard_errors && (self.size[0] - self.size[1]).abs() > by
+    /// Variance of one size on both legs.
+    fn variance_together(&self) -> f64 {
+        let [a, b] = self.variance;
+        ((a * b - self.covariance.powi(2)) / self.variance_of_difference()).max(f64::MIN_POSITIVE)
+    }
+
+    /// One size on both legs.
+    fn together(&self) -> f64 {
+        let ([a, b], [var_a, var_b]) = (self.size, self.variance);
+        (a * (var_b - self.covariance) + b * (var_a - self.covariance)) / self.variance_of_difference()
     }
 
     /// Whether neither leg tells by itself what both tell together: an offset of the pitch shifts the legs' polars apart, and
     /// each leg alone would call it another polar.
     fn is_known_by_contrast(&self) -> bool {
-        let [a, b] = self.variance;
-        let together = (a * b - self.covariance.powi(2)).max(0.0) / self.variance_of_difference();
-        together < BY_CONTRAST.powi(2) * a.min(b)
+        self.variance_together() < BY_CONTRAST.powi(2) * self.variance[0].min(self.variance[1])
     }
 
-    /// Whether the mechanism may be absent on a leg: it does not show there by so many standard errors towards the side of
-    /// `sign`. Where it is known by the contrast of the legs, none shows it by itself: then one size on both stands until a law
-    /// that acts on one of them fits better.
-    pub fn may_be_absent(&self, sign: f64, shown: f64) -> bool {
-        let against_one_size = if self.is_known_by_contrast() { self.against_one_size() } else { f64::INFINITY };
-        (0..2).any(|leg| {
-            let against_none = self.size[leg] * sign / self.variance[leg].sqrt();
-            against_none < shown && against_none.max(0.0) < against_one_size
-        })
+    /// Whether the mechanism may be absent on a leg, or has another size there.
+    ///
+    /// It may be absent where it does not show on a leg by `shown` standard errors, and has another size where the sizes differ by
+    /// `apart` standard errors and by more than `by`. Where it is known by the contrast of the legs none shows it by itself:
+    /// then one size on both stands until two sizes, or a law on one leg, explain more by `share` of what the one size does.
+    pub fn disagree(&self, shown: f64, apart: f64, by: f64, share: f64) -> bool {
+        let against_one_size = self.against_one_size();
+        let sign = self.together().signum();
+        let against_none = (0..2).map(|leg| self.size[leg] * sign / self.variance[leg].sqrt());
+        let least = against_none.fold(f64::INFINITY, f64::min);
+        let differ = against_one_size > apart && (self.size[0] - self.size[1]).abs() > by;
+        if !self.is_known_by_contrast() {
+            return least < shown || differ;
+        }
+        let enough = share * self.together().powi(2) / self.variance_together();
+        let against_one_size = against_one_size.powi(2);
+        least < shown && against_one_size - least.max(0.0).powi(2) > enough || differ && against_one_size > enough
     }
 }
 
@@ -195,37 +208,36 @@ fn weights(evidence: &Evidence) -> Vec<(String, Vec<f64>)> {
 mod tests {
     use super::OnLegs;
 
-    const SHOWN: f64 = 1.645;
+    /// The rule of the diagnosis at sea, half of the size being 0.5.
+    fn disagree(legs: OnLegs) -> bool {
+        legs.disagree(1.645, 3.5, 0.5, 0.1)
+    }
 
     #[test]
     fn a_leg_that_shows_nothing_may_have_none() {
         // Independent legs, one hardly measured: what is there may act on the other alone.
-        let legs = OnLegs { size: [1.0, 0.9], variance: [0.01, 1.0], covariance: 0.0 };
-        assert!(legs.may_be_absent(1.0, SHOWN));
-        let legs = OnLegs { size: [1.0, 0.9], variance: [0.01, 0.01], covariance: 0.0 };
-        assert!(!legs.may_be_absent(1.0, SHOWN));
-        assert!(legs.may_be_absent(-1.0, SHOWN));
+        assert!(disagree(OnLegs { size: [1.0, 0.9], variance: [0.01, 1.0], covariance: 0.0 }));
+        assert!(!disagree(OnLegs { size: [1.0, 0.9], variance: [0.01, 0.01], covariance: 0.0 }));
+        assert!(disagree(OnLegs { size: [1.0, -0.9], variance: [0.01, 0.01], covariance: 0.0 }));
     }
 
     /// The sum of the sizes is known by 0.1, the difference by 1: one size on both is known by 0.05, each leg by 0.5.
     #[test]
-    fn what_the_contrast_shows_stands_until_one_leg_alone_explains_more() {
+    fn what_the_contrast_shows_stands_until_the_legs_speak_against_it() {
         let (variance, covariance) = ([0.2525; 2], -0.2475);
-        let alike = OnLegs { size: [0.6, 0.4], variance, covariance };
-        assert!(!alike.may_be_absent(1.0, SHOWN));
-        let on_one = OnLegs { size: [1.0, 0.0], variance, covariance };
-        assert!(on_one.may_be_absent(1.0, SHOWN));
-        let opposite = OnLegs { size: [1.5, -0.5], variance, covariance };
-        assert!(opposite.may_be_absent(1.0, SHOWN));
+        assert!(!disagree(OnLegs { size: [0.6, 0.4], variance, covariance }));
+        // A law on one leg explains a hundredth more.
+        assert!(!disagree(OnLegs { size: [1.0, 0.0], variance, covariance }));
+        // One size explains 100, two explain 20 more.
+        assert!(disagree(OnLegs { size: [2.75, -1.75], variance, covariance }));
     }
 
     #[test]
-    fn sizes_differ_by_their_own_standard_errors_and_by_enough() {
-        let legs = OnLegs { size: [1.0, 0.2], variance: [0.01, 0.01], covariance: 0.0 };
-        assert!(legs.differ(3.5, 0.5));
-        assert!(!legs.differ(3.5, 0.9));
-        assert!(!legs.differ(6.0, 0.5));
-        let together = OnLegs { covariance: -0.0099, ..legs };
-        assert!(!together.differ(4.5, 0.5), "errors of opposite sign make the difference less certain");
+    fn sizes_differ_by_their_standard_errors_and_by_enough() {
+        let legs = |covariance| OnLegs { size: [1.0, 0.45], variance: [0.01, 0.01], covariance };
+        assert!(disagree(legs(0.0)));
+        assert!(!legs(0.0).disagree(1.645, 3.5, 0.6, 0.1));
+        // Errors of opposite sign make the difference less certain.
+        assert!(!disagree(legs(-0.005)));
     }
 }
