@@ -201,6 +201,12 @@ fn comet_with_its_raw_pitch_is_warned_of() {
         warnings.contains("a_per_rad") && warnings.contains("scale of the pitch cannot be distinguished"),
         "{warnings}"
     );
-    // No mechanism is blamed instead.
-    assert!(names(&found).is_empty(), "{:?}", names(&found));
+    // No mechanism of the vertical plane is blamed instead. Beside it the glider leans: its mean roll with the fin within 0.02 rad
+    // of zero is 0.0653 rad on descents (398 rows) and 0.0674 on ascents (399), a list or a sensor mounted askew.
+    assert_eq!(names(&found), ["static_list"]);
+    let list = &found["causes"][0];
+    assert_eq!(list["indistinguishable_from"], serde_json::json!(["roll_offset"]));
+    let interval = list["parameters"]["static_list_rad"]["ci95"].as_array().expect("an interval");
+    let [low, high] = [0, 1].map(|end| interval[end].as_f64().expect("a number"));
+    assert!(low < 0.0653 && 0.0674 < high, "{low} to {high}");
 }
