@@ -4,6 +4,7 @@ use super::diagnose_words::{checked, left_over, less, shown_in, size, table_with
 use crate::diagnose::sea::SeaDiagnosis;
 use crate::diagnose::{Checked, Diagnosis};
 use crate::report::{Axis, Cell, Figure, Layer, Panel, Report, Section, Table, probability, with_interval};
+use crate::turning::causes::ModelledStretch;
 
 /// The page of a log's diagnosis.
 pub(super) fn page(vehicle: &str, found: &SeaDiagnosis, trim: &str) -> Report {
@@ -27,7 +28,7 @@ pub(super) fn page(vehicle: &str, found: &SeaDiagnosis, trim: &str) -> Report {
     let [wrong, cause, extension, gain] = sentences;
     report
         .section(Section::new("Wrong").text(wrong).figure(misfit(found)))
-        .section(named(diagnosis, cause))
+        .section(named(found, cause))
         .section(Section::new("Extension").text(extension).figure(flown(found)))
         .section(Section::new("Gain").text(gain).figure(gained(diagnosis)).table(gains(diagnosis)))
         .section(Section::new("Rejected").folded().table(rejected(diagnosis)))
@@ -38,9 +39,13 @@ pub(super) fn page(vehicle: &str, found: &SeaDiagnosis, trim: &str) -> Report {
         )
 }
 
-fn named(found: &Diagnosis, sentence: String) -> Section {
-    let section = Section::new("Cause").text(sentence).figure(weighed(found));
-    if found.causes.is_empty() { section } else { section.table(causes(found)) }
+fn named(found: &SeaDiagnosis, sentence: String) -> Section {
+    let diagnosis = &found.outcome.diagnosis;
+    let mut section = Section::new("Cause").text(sentence).figure(weighed(diagnosis));
+    if !found.turns.is_empty() {
+        section = section.figure(turned(&found.turns));
+    }
+    if diagnosis.causes.is_empty() { section } else { section.table(causes(diagnosis)) }
 }
 
 fn wrong(found: &Diagnosis) -> String {
@@ -232,6 +237,36 @@ fn weighed(found: &Diagnosis) -> Figure {
         "What each mechanism explains, the strongest first, on a logarithmic scale from 0 on: the named ones beside the others that are named, \
          the others beside all that are.",
     )
+}
+
+/// Turn rate against roll of every steady stretch, beside the model without and with the named causes of turning.
+fn turned(stretches: &[ModelledStretch]) -> Figure {
+    let rates = stretches.iter().flat_map(|s| [s.measured, s.before, s.after]).map(|[_, rate]| rate.to_degrees());
+    let (low, high) = rates.fold((0.0, 0.0), |(low, high), rate| (f64::min(low, rate), f64::max(high, rate)));
+    let margin = 0.05 * (high - low);
+    let y = Axis::new("Turn rate", "r", "deg/s").range(low - margin, high + margin);
+    let panel = |title: &str, model: fn(&ModelledStretch) -> [f64; 2]| {
+        let mut panel = Panel::new(y.clone()).title(title).layer(Layer::at_y(0.0)).layer(Layer::at_x(0.0));
+        let measured: fn(&ModelledStretch) -> [f64; 2] = |s| s.measured;
+        for (slot, label, descends, of) in [
+            (0, "descents, measured", true, measured),
+            (1, "ascents, measured", false, measured),
+            (2, "descents, modelled", true, model),
+            (3, "ascents, modelled", false, model),
+        ] {
+            let of_leg = stretches.iter().filter(|s| s.descends == descends);
+            let (rolls, rates) = of_leg.map(|s| of(s).map(f64::to_degrees)).map(|[roll, rate]| (roll, rate)).unzip();
+            panel = panel.layer(Layer::points(rolls, rates).label(label).slot(slot));
+        }
+        panel
+    };
+    Figure::new("turning", Axis::new("Roll, to starboard", "φ", "deg"))
+        .panel(panel("Without the causes of turning", |s| s.before))
+        .panel(panel("With the causes of turning", |s| s.after))
+        .caption(
+            "Turn rate against roll. A point is a steady stretch between moves of the controls; the model is fitted twice, without and with \
+             the named causes.",
+        )
 }
 
 /// Residuals before and after in the order of time.

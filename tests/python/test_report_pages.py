@@ -50,6 +50,9 @@ REPORTS = {
     "diagnose": (
         "GLIDEPOLAR_COMMAND", "diagnose", "SEA_LOG", "--vehicle", "SEA_VEHICLE", "--quiet", "--out",
     ),  # fmt: skip
+    "diagnose-turning": (
+        "GLIDEPOLAR_COMMAND", "diagnose", "TURNING_LOG", "--vehicle", "TURNING_VEHICLE", "--quiet", "--out",
+    ),  # fmt: skip
     "campaign": ("GLIDEPOLAR_TANK_REDUCE", "CAMPAIGN", "--diagnose", "--quiet", "--out"),
     "points": (
         "GLIDEPOLAR_TANK_REDUCE",
@@ -83,6 +86,9 @@ def tables(tmp_path_factory) -> dict[str, Path]:
     sea = [path_from("GLIDEPOLAR_VIRTUAL_SEA"), "--seed", "3", "--effect", "drag_growth", "--hours", "6", "--dives", "8"]
     subprocess.run([*sea, "--out", folder / "sea"], check=True)
     found["SEA_LOG"], found["SEA_VEHICLE"] = folder / "sea/log.csv", folder / "sea/vehicle.toml"
+    bent = ["--seed", "7000", "--effect", "rudder_offset=0.0524", "--hull", "slocum200", "--lateral", "--hours", "6", "--dives", "8"]
+    subprocess.run([sea[0], *bent, "--out", folder / "turning"], check=True)
+    found["TURNING_LOG"], found["TURNING_VEHICLE"] = folder / "turning/log.csv", folder / "turning/vehicle.toml"
     found["CAMPAIGN"] = folder / "campaign"
     demo = [path_from("GLIDEPOLAR_TANK_REDUCE"), "demo", found["CAMPAIGN"], "--hull", "LDR8.5", "--effect", "crossflow"]
     subprocess.run([*demo, "--quiet"], check=True)
@@ -409,6 +415,28 @@ def test_the_second_best_mechanism_is_seen_beside_the_best(tables, tmp_path):
     bars = [[float(value) for value in re.findall(r"[-\d.]+", points)] for points in re.findall(r'<polyline[^>]*points="([^"]+)"', figure)]
     lengths = sorted((abs(bar[2] - bar[0]) for bar in bars if len(bar) == 4 and bar[1] == bar[3]), reverse=True)
     assert len(lengths) >= 3 and lengths[1] > 0.1 * lengths[0], lengths
+
+
+def test_causes_of_turning_are_seen_in_the_turn_rate(page):
+    """Of a bent rudder, one mark for each leg and series; the model with it lies nearer to the measured stretches."""
+    figure = page.parent / "figures/turning.svg"
+    is_of_turning = page.parent.name == "diagnose-turning"
+    assert figure.exists() == is_of_turning
+    if not is_of_turning:
+        return
+    drawn = figure.read_text(encoding="utf-8")
+    for text in ["Turn rate", "Roll, to starboard", "Without the causes of turning", "With the causes of turning"]:
+        assert text in drawn, text
+    for text in [f"{leg}, {series}" for leg in ["descents", "ascents"] for series in ["measured", "modelled"]]:
+        assert drawn.count(text) == 1, text
+    figures = json.loads(re.search(r'(?s)id="figures">(.*?)</script>', page.read_text(encoding="utf-8"))[1])
+    (panels,) = [f["panels"] for f in figures.values() if f["panels"][0]["title"] == "Without the causes of turning"]
+    errors = []
+    for panel in panels:
+        rates = [layer["y"] for layer in panel["layers"] if layer.get("label")]
+        pairs = [pair for leg in [0, 1] for pair in zip(rates[leg], rates[leg + 2], strict=True)]
+        errors.append(sum((modelled - measured) ** 2 for measured, modelled in pairs))
+    assert errors[1] < 0.3 * errors[0], errors
 
 
 def cut_or_covered(figure: dict):

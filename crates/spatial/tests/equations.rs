@@ -378,7 +378,7 @@ fn a_steady_current_changes_nothing_in_the_frame_of_the_water() {
     b.north_m -= 0.4 * 120.0;
     b.east_m += 0.25 * 120.0;
     for ((x, y), name) in a.as_array().into_iter().zip(b.as_array()).zip(State::<f64>::NAMES) {
-        assert!((x - y).abs() < 1e-8 * f64::max(1.0, x.abs()), "{name}: {x} {y}");
+        assert!((x - y).abs() < 1e-12 * f64::max(1.0, x.abs()), "{name}: {x} {y}");
     }
 }
 

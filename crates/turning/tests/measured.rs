@@ -18,6 +18,10 @@ fn data() -> Option<PathBuf> {
 }
 
 fn read(files: &[PathBuf]) -> Turning {
+    turning(&observations(files)).expect("it turns")
+}
+
+fn observations(files: &[PathBuf]) -> Vec<Observation> {
     let columns = Columns::default();
     let mut log = LogFiles::open(files, &columns).expect("a log");
     let mut preparation =
@@ -29,7 +33,7 @@ fn read(files: &[PathBuf]) -> Turning {
         }
     }
     preparation.finish(&mut all);
-    turning(&all).expect("it turns")
+    all
 }
 
 fn holds(q: &Option<Estimate>, stated: f64) -> bool {
@@ -56,6 +60,23 @@ fn sg542_turns_against_its_roll_on_dives_and_with_it_on_climbs() {
     // .561 deg per deg on dives, .551 on climbs: one value for both has to lie between, within its own error.
     assert!((0.551 - 2.0 * roll.se..=0.561 + 2.0 * roll.se).contains(&roll.value), "{roll:?}");
     assert_predicts(&found, [0.206, 0.185]);
+}
+
+/// The halves differ by no more than the 95 % interval of their difference.
+#[test]
+fn odd_and_even_dives_of_sg542_have_one_turn_rate_per_roll() {
+    let Some(data) = data() else { return };
+    let all = observations(&[data.join("sg542_samples.csv")]);
+    let [odd, even] = [1, 0].map(|parity| {
+        let half: Vec<Observation> = all.iter().filter(|o| o.dive % 2 == parity).copied().collect();
+        turning(&half).expect("seven dives").turn_rate_per_roll_1_s
+    });
+    for (a, b) in [(odd.descent, even.descent), (odd.ascent, even.ascent)] {
+        let (a, b) = a.zip(b).expect("the roll varies in both halves");
+        let half_width = ((a.ci95[1] - a.value).powi(2) + (b.ci95[1] - b.value).powi(2)).sqrt();
+        eprintln!("odd {:.4}({:.4}), even {:.4}({:.4})", a.value, a.se, b.value, b.se);
+        assert!((a.value - b.value).abs() < half_width, "odd {a:?}, even {b:?}");
+    }
 }
 
 #[test]

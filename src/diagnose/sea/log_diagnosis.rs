@@ -11,6 +11,7 @@ use crate::dynamics::{Parameters, parameter_index};
 use crate::estimate::Estimate;
 use crate::identify::Trim;
 use crate::log::Observation;
+use crate::turning::causes::ModelledStretch;
 
 /// A log's diagnosis.
 pub struct SeaDiagnosis {
@@ -22,6 +23,8 @@ pub struct SeaDiagnosis {
     pub problem: SeaProblem,
     /// The baseline: the vehicle, with its trim decided.
     pub baseline: Parameters<f64>,
+    /// Roll and turn rate of steady stretches before and after the named causes of turning; empty without such a cause.
+    pub turns: Vec<ModelledStretch>,
 }
 
 /// Relative compressibility of sea water \[1/Pa\], within a tenth over the ocean's upper kilometre (TEOS-10).
@@ -89,7 +92,7 @@ pub fn diagnose_log(
     outcome.diagnosis.warnings.extend(problem.warnings(&outcome.before.point, &outcome.after.point));
     let problem = empirical::extend(problem, &mut outcome);
     let evidence = problem.evidence(&outcome.after.point);
-    Ok(SeaDiagnosis { outcome, evidence, problem, baseline })
+    Ok(SeaDiagnosis { outcome, evidence, problem, baseline, turns: Vec::new() })
 }
 
 /// Diagnoses a problem; once more, where the drag jumped, with the time of the jump looked for more closely.

@@ -5,16 +5,16 @@ use crate::diagnose::findings::{Cause, Diagnosis, Gain, HalfSize, Rejected, Verd
 use crate::dynamics::Parameters;
 use crate::estimate::Estimate;
 use crate::log::Observation;
-use crate::turning::causes::{LateralCause, LateralDiagnosis, ROLL, causes};
+use crate::turning::causes::{LateralCause, LateralDiagnosis, ModelledStretch, ROLL, causes};
 use crate::vehicle::Vehicle;
 
 /// Relative growth of the drag with the squared rudder angle where the vehicle states none \[1/rad2\]: the middle of what
 /// trials of Slocums gave (1.5 to 4).
 const RUDDER_DRAG_PER_RAD2: f64 = 2.0;
 
-/// Adds what the turn rate and the roll of a log show.
-pub(super) fn add(diagnosis: &mut Diagnosis, vehicle: &Vehicle, observations: &[Observation]) {
-    let Some(found) = causes(observations) else { return };
+/// Adds what the turn rate and the roll of a log show; returns the stretches before and after the named causes.
+pub(super) fn add(diagnosis: &mut Diagnosis, vehicle: &Vehicle, observations: &[Observation]) -> Vec<ModelledStretch> {
+    let Some(found) = causes(observations) else { return Vec::new() };
     for cause in &found.causes {
         diagnosis.wrong.push(wrong(cause));
         diagnosis.gains.push(Gain {
@@ -45,6 +45,7 @@ pub(super) fn add(diagnosis: &mut Diagnosis, vehicle: &Vehicle, observations: &[
             remark: one.remark,
         });
     }
+    found.modelled
 }
 
 fn wrong(cause: &LateralCause) -> Wrong {

@@ -75,7 +75,7 @@ pub fn diagnose_vehicle(
     let settings = DiagnosisSettings { lift, relevance: request.relevance.clone(), ..DiagnosisSettings::default() };
     let mut found = diagnose_log(&vehicle.glide_parameters(), trim, observations, settings)?;
     found.outcome.diagnosis.warnings.extend(warnings);
-    super::turns::add(&mut found.outcome.diagnosis, &vehicle, observations);
+    found.turns = super::turns::add(&mut found.outcome.diagnosis, &vehicle, observations);
     Ok((vehicle, found))
 }
 

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use glidepolar_inference::estimate::Estimate;
 
+use super::ModelledStretch;
+
 /// Probability by chance, corrected for the number of questions, above which nothing is named: the diagnosis' own limit.
 pub const MOST_CHANCE: f64 = 0.01;
 
@@ -77,4 +79,6 @@ pub struct LateralDiagnosis {
     pub rejected: Vec<LateralRejected>,
     /// Turn rate per roll on a straight course over turn rate per rudder: the rudder that holds a rolled glider straight.
     pub rudder_per_roll: Option<f64>,
+    /// The stretches before and after the named causes; empty where nothing is named.
+    pub modelled: Vec<ModelledStretch>,
 }

@@ -25,6 +25,7 @@ mod findings;
 mod fit;
 mod held_out;
 mod model;
+mod modelled;
 mod questions;
 
 use glidepolar_flightlog::Observation;
@@ -36,6 +37,7 @@ pub use findings::{
 };
 use fit::Fit;
 use model::{Row, Term, dives, rows};
+pub use modelled::ModelledStretch;
 use questions::Terms;
 
 /// The causes; nothing where [`turning`](super::turning) has too few steady stretches, or the log has no roll.
@@ -53,9 +55,11 @@ pub fn causes(observations: &[Observation]) -> Option<LateralDiagnosis> {
         rejected: Vec::new(),
         sizes: [Some(full.sum(&[(Term::List, 1.0), (Term::Zero, 1.0)])), full.size(Term::Yaw)],
         rudder_per_roll: full.rudder_per_roll(),
+        modelled: Vec::new(),
     };
     terms.lean(&rows, &full, &mut found);
     terms.yaw(&rows, &full, &mut found);
     found.causes.sort_by(|a, b| b.delta_bic.total_cmp(&a.delta_bic));
+    found.modelled = modelled::modelled(&rows, &terms, &found.causes);
     Some(found)
 }

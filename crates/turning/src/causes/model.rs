@@ -75,6 +75,11 @@ pub(super) fn name(term: Term) -> &'static str {
     }
 }
 
+/// The term of a cause of the roll.
+pub(super) fn term_of(cause: &str) -> Option<Term> {
+    [Term::List, Term::RollMassOffset, Term::Zero].into_iter().find(|term| name(*term) == cause)
+}
+
 pub(super) fn parameter(term: Term) -> &'static str {
     match term {
         Term::RollMassOffset => "roll_mass_offset_rad",
