@@ -242,7 +242,25 @@ fn gliders_are_compared_side_by_side() {
         let speed = number(&json(folder.path(), &glide).expect("a glide")["glide"]["speed_m_s"]);
         assert!((number(&at["speed_m_s"]) - speed).abs() < 1e-9, "{name}: {speed} beside {at}");
     }
-    assert!(folder.path().join("page/report.html").exists());
+    // The page begins with what differs: who glides furthest, who is fastest, who draws least, each with the table's figures.
+    let page = std::fs::read_to_string(folder.path().join("page/report.html")).expect("a page");
+    let (_, found_on_page) = page.split_once("<h2>What was found</h2>").expect("what was found");
+    let (found_on_page, _) = found_on_page.split_once("</section>").expect("its end");
+    let ranked = |key: &str| {
+        let mut known: Vec<(f64, &str)> = gliders
+            .iter()
+            .filter_map(|glider| Some((glider[key].as_f64()?, glider["what"].as_str().expect("a name"))))
+            .collect();
+        known.sort_by(|one, other| one.0.total_cmp(&other.0));
+        known
+    };
+    let ratios = ranked("best_glide_ratio");
+    let ((least, last), (best, first)) = (ratios[0], ratios[ratios.len() - 1]);
+    let sentence = format!("Best glide: {first} goes {best:.2} along for 1 down, {last} {least:.2}.");
+    assert!(found_on_page.contains(&sentence), "{sentence} is not in {found_on_page}");
+    assert!(found_on_page.contains("Speed at 25 deg and a net mass of"), "{found_on_page}");
+    let costs = ranked("energy_per_km_kJ");
+    assert_eq!(costs.len() > 1, found_on_page.contains("Energy per kilometre:"), "{costs:?}: {found_on_page}");
 }
 
 /// Half an hour of one leg gives figures of which no error is known: that is no result.

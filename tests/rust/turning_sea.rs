@@ -6,6 +6,7 @@
 //! by as much as makes 5 deg of roll, a pod of 12 to 13 cm across
 //! (drag area 53 cm2, 0.15 m off the axis).
 
+use std::process::Command;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -14,6 +15,8 @@ use glidepolar::diagnose::sea::{Request, diagnose_vehicle};
 use glidepolar::mechanisms::LATERAL;
 use glidepolar::reading;
 use glidepolar::vehicle::Vehicle;
+use glidepolar_tests::Built;
+use glidepolar_virtual_sea::log::Log;
 use glidepolar_virtual_sea::truth::Truth;
 use glidepolar_virtual_sea::vehicle::Hull;
 use glidepolar_virtual_sea::{Options, catalogue, generate};
@@ -139,6 +142,39 @@ fn a_list_is_named_with_its_cost_and_a_straight_glider_is_not() {
     assert!(found.gains.iter().any(|gain| gain.quantity == "roll" && gain.ci95[0] > 0.0), "{:?}", found.gains);
     let straight = Answer::new(7, 7001);
     assert!(straight.causes.is_empty(), "{}", straight.said());
+}
+
+/// A CTD that is off on half of the dives leaves the turn rates of `glidepolar identify` as they are: its rows show turns.
+#[test]
+fn dives_without_density_still_show_turn_rates() {
+    let Some(program) = Built::Glidepolar.path() else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut sea = generate(&Options { hull: Some(Hull::Seaglider), lateral: true, ..Options::seeded(7002) });
+    std::fs::write(folder.path().join("vehicle.toml"), &sea.vehicle_toml).expect("the vehicle");
+    let identified = |name: &str, log: &Log| -> serde_json::Value {
+        std::fs::write(folder.path().join(name), log.to_csv()).expect("the log");
+        let mut command = Command::new(&program);
+        command.current_dir(folder.path()).args(["identify", name, "--vehicle", "vehicle.toml", "--json", "-"]);
+        let output = command.output().expect("it starts");
+        assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).expect("JSON and nothing else")
+    };
+    let whole = identified("whole.csv", &sea.log);
+    let is_off = |dive: u32| dive.is_multiple_of(2);
+    for column in [&mut sea.log.density_kg_m3, &mut sea.log.salinity_psu] {
+        column.iter_mut().zip(&sea.log.dive).filter(|(_, dive)| is_off(**dive)).for_each(|(cell, _)| *cell = f64::NAN);
+    }
+    let partial = identified("partial.csv", &sea.log);
+    let glides = |found: &serde_json::Value| found["n_glides"].as_u64().expect("a number of glides");
+    assert!(2 * glides(&partial) < glides(&whole) + 10, "{} of {}", glides(&partial), glides(&whole));
+    let [all, half] = [&whole, &partial].map(|found| &found["turning"]);
+    assert_eq!((&half["dives"], &half["stretches"]), (&all["dives"], &all["stretches"]));
+    for leg in ["descent", "ascent"] {
+        let [all, half] = [all, half].map(|turning| &turning["turn_rate_per_roll_1_s"][leg]);
+        let number = |value: &serde_json::Value| value.as_f64().expect("a number");
+        let apart = number(&half["value"]) - number(&all["value"]);
+        assert!(apart.abs() < 0.5 * number(&all["se"]), "{leg}: {half} beside {all}");
+    }
 }
 
 #[test]
