@@ -4,8 +4,6 @@ use std::collections::BTreeMap;
 
 use glidepolar_inference::estimate::Estimate;
 
-use super::ModelledStretch;
-
 /// Probability by chance, corrected for the number of questions, above which nothing is named: the diagnosis' own limit.
 pub const MOST_CHANCE: f64 = 0.01;
 
@@ -81,4 +79,17 @@ pub struct LateralDiagnosis {
     pub rudder_per_roll: Option<f64>,
     /// The stretches before and after the named causes; empty where nothing is named.
     pub modelled: Vec<ModelledStretch>,
+}
+
+/// A steady stretch: roll \[rad\] and turn rate \[rad/s\] as measured and as modelled.
+#[derive(Debug, Clone, Copy)]
+pub struct ModelledStretch {
+    /// Whether the glider descends.
+    pub descends: bool,
+    /// Roll and turn rate by the log.
+    pub measured: [f64; 2],
+    /// The same by the model fitted without the named causes.
+    pub before: [f64; 2],
+    /// The same by the model fitted with them.
+    pub after: [f64; 2],
 }

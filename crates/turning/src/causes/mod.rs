@@ -32,12 +32,11 @@ use glidepolar_flightlog::Observation;
 
 use super::{LEAST_DIVES, LEAST_STRETCHES};
 pub use findings::{
-    LateralCause, LateralDiagnosis, LateralRejected, MOST_CHANCE, RELEVANT_ROLL_RAD, RELEVANT_YAW_RAD_M, ROLL,
-    TURN_RATE,
+    LateralCause, LateralDiagnosis, LateralRejected, MOST_CHANCE, ModelledStretch, RELEVANT_ROLL_RAD,
+    RELEVANT_YAW_RAD_M, ROLL, TURN_RATE,
 };
 use fit::Fit;
 use model::{Row, Term, dives, rows};
-pub use modelled::ModelledStretch;
 use questions::Terms;
 
 /// The causes; nothing where [`turning`](super::turning) has too few steady stretches, or the log has no roll.

@@ -1,22 +1,9 @@
 //! What the model says of each stretch, before and after the causes that are named: for a figure.
 
-use super::findings::{LateralCause, ROLL, TURN_RATE};
+use super::findings::{LateralCause, ModelledStretch, ROLL, TURN_RATE};
 use super::fit::Fit;
 use super::model::{Row, Term, predicted, term_of};
 use super::questions::Terms;
-
-/// A steady stretch: roll \[rad\] and turn rate \[rad/s\] as measured and as modelled.
-#[derive(Debug, Clone, Copy)]
-pub struct ModelledStretch {
-    /// Whether the glider descends.
-    pub descends: bool,
-    /// Roll and turn rate by the log.
-    pub measured: [f64; 2],
-    /// The same by the model fitted without the named causes.
-    pub before: [f64; 2],
-    /// The same by the model fitted with them.
-    pub after: [f64; 2],
-}
 
 /// Fits the model without and with the named causes; none where nothing is named.
 pub(super) fn modelled(rows: &[Row], terms: &Terms, causes: &[LateralCause]) -> Vec<ModelledStretch> {
