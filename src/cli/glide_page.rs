@@ -4,7 +4,7 @@ use crate::dynamics::forces::Flow;
 use crate::dynamics::{Parameters, Surroundings};
 use crate::glide::{Attitude, SteadyGlide, at_pitch, shallowest};
 use crate::report::{
-    Axis, Block, Cell, Explorer, Figure, Layer, Panel, Quantity, Report, Section, Slider, Table, significant,
+    Axis, Block, Cell, Explorer, Figure, Layer, Panel, Quantity, Report, Section, Slider, Table, paragraph, significant,
 };
 use crate::vehicle::Vehicle;
 
@@ -97,7 +97,7 @@ fn source(vehicle: &Vehicle) -> Block {
     Block::Text(if vehicle.source.is_empty() {
         String::new()
     } else {
-        format!("Source: {}", vehicle.source.split_whitespace().collect::<Vec<_>>().join(" "))
+        format!("Source: {}", paragraph(&vehicle.source))
     })
 }
 

@@ -1,7 +1,7 @@
 //! The page of a mission: depth and seabed against time, what pitch and ballast did, and the way over ground.
 
 use crate::dynamics::Energy;
-use crate::report::{Axis, Cell, Dash, Figure, InputFile, Layer, Panel, Report, Section, Table};
+use crate::report::{Axis, Cell, Dash, Figure, InputFile, Layer, Panel, Report, Section, Table, paragraph};
 use crate::simulate::mission::{Flight, LegKind, Mission, Moment};
 
 /// More moments than a figure can show are thinned as they come: every second one goes, and only every second comes.
@@ -70,11 +70,8 @@ pub(super) fn page(vehicle: &str, mission: &Mission, flight: &Flight, trace: &Tr
         .panel(Panel::new(Axis::new("Way over ground", "x", "km")).layer(Layer::line(hours.clone(), trace.column(2))))
         .caption("Way over ground against time; current included.");
     let count = |kind: LegKind| flight.legs.iter().filter(|leg| leg.kind == kind).count();
-    let mut section = Section::new("Flight")
-        .text(mission.source.split_whitespace().collect::<Vec<_>>().join(" "))
-        .figure(saw_tooth)
-        .figure(record)
-        .figure(way);
+    let mut section =
+        Section::new("Flight").text(paragraph(&mission.source)).figure(saw_tooth).figure(record).figure(way);
     // A vehicle file may leave energy out, and noughts would claim that nothing was drawn.
     if flight.energy.total_J() > 0.0 {
         section = section.table(energy_table(&flight.energy));

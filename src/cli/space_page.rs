@@ -2,7 +2,7 @@
 
 use super::mission_page::energy_table;
 use crate::dynamics::Energy;
-use crate::report::{Axis, Figure, Layer, Panel, Report, Section};
+use crate::report::{Axis, Figure, Layer, Panel, Report, Section, paragraph};
 use crate::simulate::mission::{Account, Mission};
 use crate::simulate::space::{Row, column};
 
@@ -85,7 +85,7 @@ pub(super) fn history_page(vehicle: &str, trace: &Trace) -> Report {
 /// The page of a mission.
 pub(super) fn mission_page(vehicle: &str, mission: &Mission, account: &Account, trace: &Trace) -> Report {
     let mut section = Section::new("Flight")
-        .text(mission.source.split_whitespace().collect::<Vec<_>>().join(" "))
+        .text(paragraph(&mission.source))
         .figure(trace.map(&mission.route.waypoints_m))
         .figure(trace.record());
     // A vehicle file may leave energy out, and noughts would claim that nothing was drawn.

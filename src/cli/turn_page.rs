@@ -1,6 +1,6 @@
 //! Steady turns as a page: what `glidepolar turn --out` writes.
 
-use crate::report::{Axis, Block, Cell, Dash, Figure, Layer, Panel, Report, Section, Table};
+use crate::report::{Axis, Block, Cell, Dash, Figure, Layer, Panel, Report, Section, Table, paragraph};
 use crate::spatial::Body;
 use crate::spatial::turn::{ROLLS_DEG, SIDESLIPS_DEG, Setting, TURN_RATES_RAD_S, Trim, Turn, continued};
 use crate::vehicle::Vehicle;
@@ -38,9 +38,7 @@ pub(super) fn page(vehicle: &Vehicle, body: &Body<f64>, cases: &[Case]) -> Repor
         .section(polars)
         .section(Section::new("Turns").table(table(cases)).text(starts()))
         .section(Section::new("Eigenvalues").folded().table(eigenvalues(cases)))
-        .section(
-            Section::new("Source").block(Block::Text(vehicle.source.split_whitespace().collect::<Vec<_>>().join(" "))),
-        )
+        .section(Section::new("Source").block(Block::Text(paragraph(&vehicle.source))))
 }
 
 /// What the sense of turning on the two legs says of this vehicle. A roll mass turns public Seagliders and SeaExplorers one way

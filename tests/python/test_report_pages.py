@@ -14,7 +14,7 @@ import pytest
 from conftest import counters, path_from
 
 CHROMIUM = next(filter(None, map(shutil.which, ["chromium", "chromium-browser", "google-chrome", "chrome"])), None)
-WIDTHS = {"desktop": 1100, "phone": 400}
+WIDTHS = {"desktop": 1100, "phone": 390}
 SCHEMES = {"light": 1, "dark": 0}
 
 ROOT = Path(__file__).parents[2]

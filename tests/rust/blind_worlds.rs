@@ -11,6 +11,7 @@ use glidepolar::diagnose::sea::{Request, diagnose_vehicle};
 use glidepolar::reading;
 use glidepolar::vehicle::Vehicle;
 use glidepolar_virtual_sea::worlds::generate;
+use rayon::prelude::*;
 
 /// Share of logs with nothing hidden in which a mechanism may be named, and that in which something may be unexplained.
 const NAMED: f64 = 0.01;
@@ -78,27 +79,21 @@ fn nothing_hidden_gets_no_name_in_worlds_of_their_own() {
 fn the_table_of_false_alarms() {
     let number = |name, default| std::env::var(name).ok().and_then(|n| n.parse().ok()).unwrap_or(default);
     let (first, seeds): (u64, u64) = (number("BLIND_FIRST", 0), number("BLIND_SEEDS", 300));
-    let next = std::sync::atomic::AtomicU64::new(first);
-    let table = std::sync::Mutex::new(BTreeMap::<(bool, String), u32>::new());
-    std::thread::scope(|scope| {
-        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
-            scope.spawn(|| {
-                loop {
-                    let seed = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-                    if seed >= first + seeds {
-                        break;
-                    }
-                    let (found, drawn) = blind(seed);
-                    let verdict = verdict(found.as_ref());
-                    if verdict != "none" {
-                        println!("seed {seed}: {verdict}; {}; {drawn}", what_is_left(found.as_ref()));
-                    }
-                    *table.lock().expect("the table").entry((seed.is_multiple_of(2), verdict)).or_insert(0) += 1;
-                }
-            });
-        }
-    });
-    let table = table.into_inner().expect("the table");
+    let verdicts: Vec<(bool, String)> = (first..first + seeds)
+        .into_par_iter()
+        .map(|seed| {
+            let (found, drawn) = blind(seed);
+            let verdict = verdict(found.as_ref());
+            if verdict != "none" {
+                println!("seed {seed}: {verdict}; {}; {drawn}", what_is_left(found.as_ref()));
+            }
+            (seed.is_multiple_of(2), verdict)
+        })
+        .collect();
+    let mut table = BTreeMap::<(bool, String), u32>::new();
+    for one in verdicts {
+        *table.entry(one).or_insert(0) += 1;
+    }
     let mut sums: BTreeMap<&str, u32> = BTreeMap::new();
     for ((speed, verdict), n) in &table {
         println!("{} {verdict:<24} {n}", if *speed { "measured speed" } else { "no speed      " });

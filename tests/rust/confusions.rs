@@ -8,8 +8,6 @@
 //! cannot be named.
 
 use std::collections::BTreeMap;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glidepolar::diagnose::sea::{Request, diagnose_vehicle};
 use glidepolar::diagnose::{Diagnosis, Verdict};
@@ -17,6 +15,7 @@ use glidepolar::reading;
 use glidepolar::vehicle::Vehicle;
 use glidepolar_virtual_sea::catalogue::Drawn;
 use glidepolar_virtual_sea::{Options, catalogue, generate, worlds};
+use rayon::prelude::*;
 
 /// What the table must reach, with measured speed and on vertical velocity alone, as shares.
 struct Floors {
@@ -340,18 +339,8 @@ fn below(part: &str, sum: &Tally, floors: &Floors) -> Vec<String> {
 fn answers(effects: &[&'static str], seeds: std::ops::Range<u64>, speed: bool, drawn: bool) -> Vec<Answer> {
     let tasks: Vec<(&'static str, u64)> =
         effects.iter().flat_map(|effect| seeds.clone().map(|seed| (*effect, seed))).collect();
-    let (next, found) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
-    std::thread::scope(|scope| {
-        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
-            scope.spawn(|| {
-                while let Some((effect, seed)) = tasks.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let answer = Answer::diagnose(effect, *seed, speed, drawn);
-                    found.lock().expect("the answers").extend(answer);
-                }
-            });
-        }
-    });
-    let mut found = found.into_inner().expect("the answers");
+    let mut found: Vec<Answer> =
+        tasks.into_par_iter().filter_map(|(effect, seed)| Answer::diagnose(effect, seed, speed, drawn)).collect();
     found.sort_by_key(|answer| (answer.effect, answer.seed));
     found
 }

@@ -7,8 +7,6 @@
 //! (drag area 53 cm2, 0.15 m off the axis).
 
 use std::process::Command;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glidepolar::diagnose::Diagnosis;
 use glidepolar::diagnose::sea::{Request, diagnose_vehicle};
@@ -20,6 +18,7 @@ use glidepolar_virtual_sea::log::Log;
 use glidepolar_virtual_sea::truth::Truth;
 use glidepolar_virtual_sea::vehicle::Hull;
 use glidepolar_virtual_sea::{Options, catalogue, generate};
+use rayon::prelude::*;
 
 /// A hidden effect on a glider, and how many of 20 must be named, or be named or stand in the group of what is named.
 struct Case {
@@ -67,8 +66,9 @@ impl Answer {
         let (lateral, others): (Vec<_>, Vec<_>) = found.causes.iter().partition(|cause| is_lateral(&cause.cause));
         let wanted = wanted(effect);
         let of_name = lateral.iter().find(|cause| cause.cause == wanted);
-        let size = of_name.zip(true_size(wanted, &truth)).and_then(|(cause, (parameter, size))| {
-            let [low, high] = cause.parameters.get(parameter)?.ci95;
+        let parameter = format!("{wanted}_rad");
+        let size = of_name.zip(truth.lateral_parameter(&parameter)).and_then(|(cause, size)| {
+            let [low, high] = cause.parameters.get(&parameter)?.ci95;
             Some((low..=high).contains(&size))
         });
         Answer {
@@ -98,18 +98,6 @@ impl Answer {
 
 fn wanted(effect: &str) -> &str {
     effect.split_once('=').map_or("", |(name, _)| name)
-}
-
-/// The size that the glider has, its own small imperfections included.
-fn true_size(wanted: &str, truth: &Truth) -> Option<(&'static str, f64)> {
-    let own = truth.lateral?;
-    let (parameter, own) = match wanted {
-        "static_list" => ("static_list_rad", own.own_list_rad),
-        "rudder_offset" => ("rudder_offset_rad", own.own_rudder_rad),
-        "roll_offset" => ("roll_offset_rad", own.roll_zero_rad),
-        _ => return None,
-    };
-    Some((parameter, truth.parameter(parameter)? + own))
 }
 
 /// What a user's `glidepolar diagnose log.csv --vehicle vehicle.toml` answers.
@@ -184,20 +172,7 @@ fn causes_of_turning_are_named() {
     let (first, seeds): (u64, u64) = (number("TURNING_FIRST", 7500), number("TURNING_SEEDS", 20));
     let logs: Vec<(usize, u64)> =
         (0..CASES.len()).flat_map(|case| (first..first + seeds).map(move |seed| (case, seed))).collect();
-    let (next, answers) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
-    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    std::thread::scope(|scope| {
-        for _ in 0..threads {
-            scope.spawn(|| {
-                while let Some(&(case, seed)) = logs.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let answer = Answer::new(case, seed);
-                    answers.lock().expect("no panic").push(answer);
-                }
-            });
-        }
-    });
-    let mut answers = answers.into_inner().expect("no panic");
-    answers.sort_by_key(|answer| (answer.case, answer.seed));
+    let answers: Vec<Answer> = logs.into_par_iter().map(|(case, seed)| Answer::new(case, seed)).collect();
     let mut failed = Vec::new();
     for (place, case) in CASES.iter().enumerate() {
         let of_case: Vec<&Answer> = answers.iter().filter(|answer| answer.case == place).collect();

@@ -57,3 +57,4 @@ pub use figure::{Axis, Dash, Figure, Layer, Panel, Shape};
 pub use number::{estimate, interval, probability, significant, with_interval};
 pub use page::{Block, InputFile, Report, Section, as_command};
 pub use table::{Cell, Table};
+pub use text::paragraph;

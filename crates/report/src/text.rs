@@ -4,6 +4,11 @@ use glidepolar_input::turns;
 use plotters::style::{FontStyle, IntoFont, register_font};
 use std::sync::Once;
 
+/// Joins the lines of a text into one paragraph: a file breaks its lines where its editor ended.
+pub fn paragraph(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 /// The regular, bold and oblique cut of the font that measures text and draws it in PNG files.
 pub(super) const FONTS: [(&[u8], FontStyle); 3] = [
     (include_bytes!("fonts/DejaVuSans.subset.ttf"), FontStyle::Normal),

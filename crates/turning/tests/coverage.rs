@@ -4,14 +4,12 @@
 //! `cargo test -p glidepolar-turning --test coverage -- --ignored --nocapture` prints the table over `TURNING_SEEDS` seeds (40) from
 //! `TURNING_FIRST` (7400) on.
 
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
+mod hidden;
+mod logs;
 
-use glidepolar_flightlog::{Columns, LogFiles, Observation, Piece, Preparation, PreparationSettings};
 use glidepolar_turning::causes::causes;
-use glidepolar_virtual_sea::truth::Truth;
 use glidepolar_virtual_sea::vehicle::Hull;
-use glidepolar_virtual_sea::{Options, catalogue, generate};
+use rayon::prelude::*;
 
 /// Hidden effect, glider, the parameter and how many of 40 must be named.
 const CASES: [(&str, Hull, &str, usize); 6] = [
@@ -24,41 +22,6 @@ const CASES: [(&str, Hull, &str, usize); 6] = [
     ("none", Hull::Slocum200, "", 0),
 ];
 
-fn log(effect: &str, hull: Hull, seed: u64) -> (Vec<Observation>, Truth) {
-    let effects = catalogue::parse_requests(effect).expect("an effect of the virtual sea");
-    let sea = generate(&Options { effects, hull: Some(hull), lateral: true, ..Options::seeded(seed) });
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("log.csv");
-    std::fs::write(&path, sea.log.to_csv()).expect("the log");
-    let columns = Columns::default();
-    let mut log = LogFiles::open(&[path], &columns).expect("a log");
-    let mut preparation = Preparation::new(PreparationSettings::default());
-    let mut all: Vec<Observation> = Vec::new();
-    while let Some(piece) = log.next_piece(50_000).expect("a piece") {
-        if let Piece::Series(piece) = piece {
-            preparation.push(*piece, &mut all);
-        }
-    }
-    preparation.finish(&mut all);
-    (all, sea.truth)
-}
-
-/// The size that the glider has, its own small imperfections included.
-fn true_size(parameter: &str, truth: &Truth) -> Option<f64> {
-    let own = truth.lateral?;
-    let vehicle = &truth.vehicle;
-    match parameter {
-        "static_list_rad" => Some(truth.parameter(parameter)? + own.own_list_rad),
-        "rudder_offset_rad" => Some(truth.parameter(parameter)? + own.own_rudder_rad),
-        // The glider's own list is the same roll by another angle of the roll mass.
-        "roll_mass_offset_rad" => {
-            let below = vehicle.moving_mass_kg * vehicle.moving_mass_height_m;
-            Some(truth.parameter(parameter)? + own.own_list_rad * below / own.rolling_kg_m)
-        }
-        _ => None,
-    }
-}
-
 /// What one log gave: the names, whether the interval holds the size, its error in standard errors.
 struct Answer {
     case: usize,
@@ -69,10 +32,10 @@ struct Answer {
 
 fn answer(case: usize, seed: u64) -> Answer {
     let (effect, hull, parameter, _) = CASES[case];
-    let (observations, truth) = log(effect, hull, seed);
+    let (observations, truth) = hidden::log(effect, hull, seed);
     let found = causes(&observations).expect("steady stretches");
     let size = found.causes.iter().find_map(|cause| cause.parameters.get(parameter));
-    let size = size.zip(true_size(parameter, &truth));
+    let size = size.zip(truth.lateral_parameter(parameter));
     let names =
         found.causes.iter().map(|cause| format!("{} {:?}", cause.cause, cause.indistinguishable_from)).collect();
     let size =
@@ -85,21 +48,9 @@ fn answer(case: usize, seed: u64) -> Answer {
 fn intervals_of_lateral_sizes_hold() {
     let number = |name: &str, default| std::env::var(name).ok().and_then(|n| n.parse().ok()).unwrap_or(default);
     let (first, seeds): (u64, u64) = (number("TURNING_FIRST", 7400), number("TURNING_SEEDS", 40));
-    let logs: Vec<(usize, u64)> =
+    let tasks: Vec<(usize, u64)> =
         (0..CASES.len()).flat_map(|case| (first..first + seeds).map(move |seed| (case, seed))).collect();
-    let (next, answers) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
-    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    std::thread::scope(|scope| {
-        for _ in 0..threads {
-            scope.spawn(|| {
-                while let Some(&(case, seed)) = logs.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let one = answer(case, seed);
-                    answers.lock().expect("no panic").push(one);
-                }
-            });
-        }
-    });
-    let answers = answers.into_inner().expect("no panic");
+    let answers: Vec<Answer> = tasks.into_par_iter().map(|(case, seed)| answer(case, seed)).collect();
     let mut failed = Vec::new();
     for (case, (effect, hull, _, floor)) in CASES.iter().enumerate() {
         let of_case: Vec<&Answer> = answers.iter().filter(|answer| answer.case == case).collect();

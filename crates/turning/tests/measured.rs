@@ -1,8 +1,10 @@
 //! Logs of real gliders, against figures that were stated before by an independent analysis of the same files.
 
+mod logs;
+
 use std::path::PathBuf;
 
-use glidepolar_flightlog::{Columns, LogFiles, Observation, Piece, Preparation, PreparationSettings};
+use glidepolar_flightlog::{Observation, PreparationSettings};
 use glidepolar_inference::estimate::Estimate;
 use glidepolar_turning::{Turning, turning};
 
@@ -22,18 +24,7 @@ fn read(files: &[PathBuf]) -> Turning {
 }
 
 fn observations(files: &[PathBuf]) -> Vec<Observation> {
-    let columns = Columns::default();
-    let mut log = LogFiles::open(files, &columns).expect("a log");
-    let mut preparation =
-        Preparation::new(PreparationSettings { density_kg_m3: Some(1027.0), ..PreparationSettings::default() });
-    let mut all: Vec<Observation> = Vec::new();
-    while let Some(piece) = log.next_piece(50_000).expect("a piece") {
-        if let Piece::Series(piece) = piece {
-            preparation.push(*piece, &mut all);
-        }
-    }
-    preparation.finish(&mut all);
-    all
+    logs::read(files, PreparationSettings { density_kg_m3: Some(1027.0), ..PreparationSettings::default() })
 }
 
 fn holds(q: &Option<Estimate>, stated: f64) -> bool {

@@ -1,32 +1,14 @@
 //! Causes of turning that the virtual sea hides.
 
-use glidepolar_flightlog::{Columns, LogFiles, Observation, Piece, Preparation, PreparationSettings};
+mod hidden;
+mod logs;
+
 use glidepolar_turning::causes::causes;
 use glidepolar_virtual_sea::vehicle::Hull;
-use glidepolar_virtual_sea::{Options, catalogue, generate};
-
-fn observations(effect: &str, hull: Hull, seed: u64) -> Vec<Observation> {
-    let effects = catalogue::parse_requests(effect).expect("an effect of the virtual sea");
-    let sea = generate(&Options { effects, hull: Some(hull), lateral: true, ..Options::seeded(seed) });
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("log.csv");
-    std::fs::write(&path, sea.log.to_csv()).expect("the log");
-    let columns = Columns::default();
-    let mut log = LogFiles::open(&[path], &columns).expect("a log");
-    let mut preparation = Preparation::new(PreparationSettings::default());
-    let mut all: Vec<Observation> = Vec::new();
-    while let Some(piece) = log.next_piece(50_000).expect("a piece") {
-        if let Piece::Series(piece) = piece {
-            preparation.push(*piece, &mut all);
-        }
-    }
-    preparation.finish(&mut all);
-    all
-}
 
 /// What is named first, and the group that it stands in.
 fn first(effect: &str, hull: Hull, seed: u64) -> (String, Vec<&'static str>) {
-    let found = causes(&observations(effect, hull, seed)).expect("enough steady stretches");
+    let found = causes(&hidden::log(effect, hull, seed).0).expect("enough steady stretches");
     let cause = found.causes.first();
     cause.map_or((String::new(), Vec::new()), |cause| (cause.cause.to_owned(), cause.indistinguishable_from.clone()))
 }
@@ -71,7 +53,7 @@ fn a_straight_glider_has_no_cause_of_turning() {
 /// The size lies in its interval and is that of the question.
 #[test]
 fn a_bent_rudder_has_its_angle() {
-    let found = causes(&observations("rudder_offset=0.0524", Hull::Slocum200, 7001)).expect("enough stretches");
+    let found = causes(&hidden::log("rudder_offset=0.0524", Hull::Slocum200, 7001).0).expect("enough stretches");
     let angle = &found.causes[0].parameters["rudder_offset_rad"];
     assert!((angle.value - 0.0524).abs() < 0.010 && angle.se < 0.005, "{angle:?}");
     assert!(found.causes[0].holdout_rms_after < 0.7 * found.causes[0].holdout_rms_before);
@@ -79,7 +61,7 @@ fn a_bent_rudder_has_its_angle() {
 
 #[test]
 fn a_log_without_heading_says_nothing() {
-    let mut log = observations("rudder_offset=0.0524", Hull::Slocum200, 7001);
+    let (mut log, _) = hidden::log("rudder_offset=0.0524", Hull::Slocum200, 7001);
     log.iter_mut().for_each(|o| o.heading_rad = f64::NAN);
     assert!(causes(&log).is_none());
 }

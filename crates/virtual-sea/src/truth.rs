@@ -42,6 +42,23 @@ impl Truth {
         parameters.into_iter().find(|(parameter, _)| *parameter == name).map(|(_, value)| *value)
     }
 
+    /// True value of a lateral parameter, the glider's own small imperfection in it; of the roll mass with the glider's own list
+    /// as that angle of the roll mass which leans it alike.
+    pub fn lateral_parameter(&self, name: &str) -> Option<f64> {
+        let own = self.lateral?;
+        let imperfection = match name {
+            "static_list_rad" => own.own_list_rad,
+            "rudder_offset_rad" => own.own_rudder_rad,
+            "roll_offset_rad" => own.roll_zero_rad,
+            "roll_mass_offset_rad" => {
+                let below_kg_m = self.vehicle.moving_mass_kg * self.vehicle.moving_mass_height_m;
+                own.own_list_rad * below_kg_m / own.rolling_kg_m
+            }
+            _ => return None,
+        };
+        Some(self.parameter(name)? + imperfection)
+    }
+
     /// The content of `truth.json`.
     pub fn to_json(&self) -> Value {
         let effects = effects_json(&self.effects);

@@ -104,7 +104,8 @@ impl Fit {
                     }
                 }
             }
-            // While nothing is known of the turn per roll, a sensor's zero is a list: it follows in the next step.
+            // While nothing is known of the turn per roll, a sensor's zero is a list: it follows in the next step. Nor is a roll
+            // mass's part in the roll at rest known before the roll per roll mass is, which takes two.
             let leans = terms.contains(&Term::List) || terms.contains(&Term::RollMassOffset);
             let is_known = |at: &usize| match terms[*at] {
                 Term::Zero => step > 0 || !leans,

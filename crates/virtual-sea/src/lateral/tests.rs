@@ -66,7 +66,7 @@ fn the_sense_of_a_roll_reverses_between_the_legs_and_that_of_rudder_and_pod_does
     }
 }
 
-/// What a list leans by is undone by the roll mass: the glider then goes straight, on both legs.
+/// Gravity yaws a leaning glider by its roll alone, whether a list or the roll mass makes it lean.
 #[test]
 fn a_list_and_a_roll_mass_that_lean_the_glider_alike_turn_it_alike() {
     for pitch in [-0.6, -0.25, 0.25, 0.6] {
