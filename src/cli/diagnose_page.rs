@@ -241,10 +241,16 @@ fn weighed(found: &Diagnosis) -> Figure {
 
 /// Turn rate against roll of every steady stretch, beside the model without and with the named causes of turning.
 fn turned(stretches: &[ModelledStretch]) -> Figure {
-    let rates = stretches.iter().flat_map(|s| [s.measured, s.before, s.after]).map(|[_, rate]| rate.to_degrees());
-    let (low, high) = rates.fold((0.0, 0.0), |(low, high), rate| (f64::min(low, rate), f64::max(high, rate)));
-    let margin = 0.05 * (high - low);
-    let y = Axis::new("Turn rate", "r", "deg/s").range(low - margin, high + margin);
+    // Both panels have the same axes, whichever stretches a panel's model moves.
+    let around = |place: usize| {
+        let values =
+            stretches.iter().flat_map(|s| [s.measured, s.before, s.after]).map(|pair| pair[place].to_degrees());
+        let (low, high) = values.fold((0.0, 0.0), |(low, high), value| (f64::min(low, value), f64::max(high, value)));
+        let margin = 0.05 * (high - low);
+        (low - margin, high + margin)
+    };
+    let [(left, right), (low, high)] = [0, 1].map(around);
+    let y = Axis::new("Turn rate", "r", "deg/s").range(low, high);
     let panel = |title: &str, model: fn(&ModelledStretch) -> [f64; 2]| {
         let mut panel = Panel::new(y.clone()).title(title).layer(Layer::at_y(0.0)).layer(Layer::at_x(0.0));
         let measured: fn(&ModelledStretch) -> [f64; 2] = |s| s.measured;
@@ -260,7 +266,7 @@ fn turned(stretches: &[ModelledStretch]) -> Figure {
         }
         panel
     };
-    Figure::new("turning", Axis::new("Roll, to starboard", "φ", "deg"))
+    Figure::new("turning", Axis::new("Roll, to starboard", "φ", "deg").range(left, right))
         .panel(panel("Without the causes of turning", |s| s.before))
         .panel(panel("With the causes of turning", |s| s.after))
         .caption(

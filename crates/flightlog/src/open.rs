@@ -70,7 +70,7 @@ pub fn open(path: impl AsRef<Path>, columns: &Columns) -> Result<Opened, InputEr
 
 /// What is neither NetCDF nor text.
 pub(super) fn refuse_foreign(path: &Path) -> Result<(), InputError> {
-    let mut magic = [0u8; 8];
+    let mut magic = [0u8; 256];
     let mut file = std::fs::File::open(path).map_err(|error| InputError::io(path, &error))?;
     let read = file.read(&mut magic).map_err(|error| InputError::io(path, &error))?;
     if magic.starts_with(&[0x1f, 0x8b]) {
@@ -81,5 +81,28 @@ pub(super) fn refuse_foreign(path: &Path) -> Result<(), InputError> {
     if read == 0 {
         return Err(InputError::new(Place::file(path), "the file is empty, expected a flight log"));
     }
+    // Text has tabs and ends of lines, and no other control character.
+    if magic[..read].iter().any(|byte| matches!(byte, 0..=8 | 14..=26)) {
+        let error = InputError::new(Place::file(path), "is neither text nor any kind of flight log by its first bytes");
+        return Err(error.help("is it damaged? CSV, NetCDF, Slocum's dbd family and SeaExplorer's files are read"));
+    }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::refuse_foreign;
+
+    #[test]
+    fn a_file_that_is_no_text_is_not_read_as_a_table() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = |name: &str, content: &[u8]| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, content).expect("a file");
+            refuse_foreign(&path).map_err(|error| error.to_string())
+        };
+        let said = file("damaged.nc", b"\x00\x13\x7fCDX and more").expect_err("no log");
+        assert!(said.contains("damaged.nc") && said.contains("neither text"), "{said}");
+        assert_eq!(file("log.csv", "time_s\tdepth_m;Grad °C\r\n1,2\n".as_bytes()), Ok(()));
+    }
 }

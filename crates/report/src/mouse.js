@@ -124,11 +124,15 @@
       const axis = (label, more) => ({ label, stroke: style("--ink"), grid, ticks: grid, font, labelFont: font, ...more });
       const called = names(columns, named(panel.y));
       const y = panel.y.range ? { range: () => panel.y.range } : {};
+      // All of the data stand in the figure's own range, as in the drawing; a stretch that was dragged over in its own.
+      const [first, last] = [data[0][0], data[0][data[0].length - 1]];
+      const whole = (_, from, to) => (from <= first && to >= last ? figure.x.range : [from, to]);
+      const x = figure.x.range ? { range: whole } : {};
       const options = {
         title: panel.title || undefined,
         width: Math.max(280, place.clientWidth),
         height: Math.max(figure.panels.length > 1 ? 230 : 340, width_of(named(panel.y)) + 105),
-        scales: { x: { time: false }, y: { ...y, dir: panel.y.reversed ? -1 : 1 } },
+        scales: { x: { time: false, ...x }, y: { ...y, dir: panel.y.reversed ? -1 : 1 } },
         axes: [axis(named(figure.x), {}), axis(named(panel.y), { size: 62 })],
         series: [{ label: named(figure.x), value: (_, v) => shown(v) }, ...columns.map((column, i) => series(column, called[i]))],
         bands,
