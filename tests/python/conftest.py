@@ -9,6 +9,9 @@ from pathlib import Path
 import flights
 import pytest
 
+# dbdreader makes this folder on import and fails where another process of the tests makes it at the same time.
+(Path.home() / ".local/share/dbdreader").mkdir(parents=True, exist_ok=True)
+
 # Where measured logs lie, if there are any.
 MEASURED = Path(os.environ.get("GLIDEPOLAR_DATA", Path(__file__).parents[3] / "shared/data"))
 
