@@ -16,7 +16,8 @@ pub fn run(workspace: &Workspace, kind: Kind) -> Result<()> {
     let python = python::ensure(workspace)?;
     // In one build for one platform: what programs and library share is built once.
     let programs = wheel::programs(workspace, kind)?;
-    let fmus = fmu::run(workspace, &[], fmu::Scope::Host)?;
+    let scope = if kind == Kind::Tests { fmu::Scope::Host } else { fmu::Scope::HostWithPrograms };
+    let fmus = fmu::run(workspace, &[], scope)?;
     let folder = workspace.target("demo");
     let mut demo = workspace.command(&programs[0]);
     demo.arg("demo").arg(&folder).arg("--python").arg(python.interpreter()).arg("--template").arg(&fmus.fmi3);

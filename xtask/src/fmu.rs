@@ -24,11 +24,18 @@ pub struct Fmus {
     pub library: PathBuf,
 }
 
+/// Programs and library together. What is built in one command has one set of features; a second command with other packages
+/// would compile most of it again.
+pub const RELEASED: [&str; 6] =
+    ["--release", "--package=glidepolar", "--package=glidepolar-tank", "--package=glidepolar-fmu", "--bins", "--lib"];
+
 /// For which platforms the library is built here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scope {
     /// For this machine's.
     Host,
+    /// For this machine's, in one build with the released programs: what they share is compiled once.
+    HostWithPrograms,
     /// For every one whose standard library and linker can be had.
     All,
 }
@@ -37,7 +44,7 @@ pub enum Scope {
 pub fn run(workspace: &Workspace, merge: &[PathBuf], scope: Scope) -> Result<Fmus> {
     pack::check_sources(workspace)?;
     let host = Platform::host()?;
-    let library = build(workspace, host)?;
+    let library = build(workspace, host, scope == Scope::HostWithPrograms)?;
     let mut binaries: Binaries = BTreeMap::new();
     if scope == Scope::All {
         for platform in PLATFORMS.iter().filter(|platform| *platform != host) {
@@ -76,7 +83,7 @@ pub fn run(workspace: &Workspace, merge: &[PathBuf], scope: Scope) -> Result<Fmu
 
 /// Builds the library for this machine's platform and checks it. On Linux it is linked against an old C library; where
 /// that cannot be had, the build says aloud that the result is for this machine and newer ones only.
-fn build(workspace: &Workspace, host: &Platform) -> Result<PathBuf> {
+fn build(workspace: &Workspace, host: &Platform, with_programs: bool) -> Result<PathBuf> {
     let (prefix, suffix) = host.library;
     let built = workspace.target(host.triple).join("release").join(format!("{prefix}glidepolar_fmu{suffix}"));
 
@@ -87,7 +94,11 @@ fn build(workspace: &Workspace, host: &Platform) -> Result<PathBuf> {
         command.args(["build", "--target", host.triple]);
         command
     });
-    command.args(["--release", "--package", "glidepolar-fmu", "--lib"]);
+    if with_programs {
+        command.args(RELEASED);
+    } else {
+        command.args(["--release", "--package=glidepolar-fmu", "--lib"]);
+    }
     command.env("CARGO_PROFILE_RELEASE_STRIP", "symbols");
     command.env("CARGO_ENCODED_RUSTFLAGS", rustc_flags(workspace, host).join("\x1f"));
     run_command(&mut command)?;

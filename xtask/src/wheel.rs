@@ -154,7 +154,7 @@ fn release_programs(workspace: &Workspace) -> Result<Vec<PathBuf>> {
         command.args(["build", "--target", host.triple]);
         command
     });
-    command.args(["--release", "--package=glidepolar", "--package=glidepolar-tank", "--bins"]);
+    command.args(fmu::RELEASED);
     command.env("CARGO_PROFILE_RELEASE_STRIP", "symbols");
     command.env("CARGO_ENCODED_RUSTFLAGS", rustc_flags(workspace, host).join("\x1f"));
     run_command(&mut command)?;
