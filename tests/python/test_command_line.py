@@ -422,3 +422,14 @@ def contents(folder: Path) -> dict[str, bytes]:
     """The files that a user sees: partial files and the list of what was written begin with a dot."""
     files = (path for path in folder.rglob("*") if path.is_file() and not path.name.startswith("."))
     return {str(path.relative_to(folder)): path.read_bytes() for path in files}
+
+
+def test_thirty_rows_of_a_log_are_no_result(glidepolar, tmp_path):
+    """Part of one leg has a solution with a condition number of 1e7, which is no polar."""
+    mission = ROOT / "missions/rising-seabed.toml"
+    ok(glidepolar, "simulate", "slocum-049", "--mission", mission, "--log", "flight.csv", "--quiet", cwd=tmp_path)
+    rows = (tmp_path / "flight.csv").read_text().splitlines(keepends=True)
+    (tmp_path / "short.csv").write_text("".join(rows[:31]))
+    done = run(glidepolar, "identify", "short.csv", "--vehicle", "slocum-049", cwd=tmp_path)
+    assert done.returncode == 1, done.stderr
+    assert "at least 2 are needed" in done.stderr and "condition number" in done.stderr
