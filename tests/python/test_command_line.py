@@ -418,12 +418,6 @@ def test_a_killed_command_leaves_no_half_written_file(glidepolar, tank_reduce, t
         assert killed > 0, "no run was killed: the test has seen nothing"
 
 
-def contents(folder: Path) -> dict[str, bytes]:
-    """The files that a user sees: partial files and the list of what was written begin with a dot."""
-    files = (path for path in folder.rglob("*") if path.is_file() and not path.name.startswith("."))
-    return {str(path.relative_to(folder)): path.read_bytes() for path in files}
-
-
 def test_thirty_rows_of_a_log_are_no_result(glidepolar, tmp_path):
     """Part of one leg has a solution with a condition number of 1e7, which is no polar."""
     mission = ROOT / "missions/rising-seabed.toml"
@@ -433,3 +427,9 @@ def test_thirty_rows_of_a_log_are_no_result(glidepolar, tmp_path):
     done = run(glidepolar, "identify", "short.csv", "--vehicle", "slocum-049", cwd=tmp_path)
     assert done.returncode == 1, done.stderr
     assert "at least 2 are needed" in done.stderr and "condition number" in done.stderr
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """The files that a user sees: partial files and the list of what was written begin with a dot."""
+    files = (path for path in folder.rglob("*") if path.is_file() and not path.name.startswith("."))
+    return {str(path.relative_to(folder)): path.read_bytes() for path in files}

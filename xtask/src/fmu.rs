@@ -26,8 +26,8 @@ pub struct Fmus {
 
 /// Programs and library together. What is built in one command has one set of features; a second command with other packages
 /// would compile most of it again.
-pub const RELEASED: [&str; 6] =
-    ["--release", "--package=glidepolar", "--package=glidepolar-tank", "--package=glidepolar-fmu", "--bins", "--lib"];
+pub const PROGRAMS_AND_LIBRARY: [&str; 5] =
+    ["--package=glidepolar", "--package=glidepolar-tank", "--package=glidepolar-fmu", "--bins", "--lib"];
 
 /// For which platforms the library is built here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -87,21 +87,8 @@ fn build(workspace: &Workspace, host: &Platform, with_programs: bool) -> Result<
     let (prefix, suffix) = host.library;
     let built = workspace.target(host.triple).join("release").join(format!("{prefix}glidepolar_fmu{suffix}"));
 
-    let portable = if host.is_linux() { portable_cargo(workspace, host) } else { None };
-    let is_portable = portable.is_some();
-    let mut command = portable.unwrap_or_else(|| {
-        let mut command = workspace.cargo();
-        command.args(["build", "--target", host.triple]);
-        command
-    });
-    if with_programs {
-        command.args(RELEASED);
-    } else {
-        command.args(["--release", "--package=glidepolar-fmu", "--lib"]);
-    }
-    command.env("CARGO_PROFILE_RELEASE_STRIP", "symbols");
-    command.env("CARGO_ENCODED_RUSTFLAGS", rustc_flags(workspace, host).join("\x1f"));
-    run_command(&mut command)?;
+    let packages: &[&str] = if with_programs { &PROGRAMS_AND_LIBRARY } else { &["--package=glidepolar-fmu", "--lib"] };
+    let is_portable = build_released(workspace, host, packages)?;
 
     let bytes = fs::read(&built).with_context(|| format!("cargo did not leave {}", workspace.shown(&built)))?;
     check_exports(&bytes)?;
@@ -113,9 +100,26 @@ fn build(workspace: &Workspace, host: &Platform, with_programs: bool) -> Result<
     Ok(built)
 }
 
+/// Builds packages as they are released: optimised, without symbols, on Linux against an old C library where that is to be had;
+/// returns whether it was.
+pub fn build_released(workspace: &Workspace, host: &Platform, packages: &[&str]) -> Result<bool> {
+    let portable = if host.is_linux() { portable_cargo(workspace, host) } else { None };
+    let is_portable = portable.is_some();
+    let mut command = portable.unwrap_or_else(|| {
+        let mut command = workspace.cargo();
+        command.args(["build", "--target", host.triple]);
+        command
+    });
+    command.arg("--release").args(packages);
+    command.env("CARGO_PROFILE_RELEASE_STRIP", "symbols");
+    command.env("CARGO_ENCODED_RUSTFLAGS", rustc_flags(workspace, host).join("\x1f"));
+    run_command(&mut command)?;
+    Ok(is_portable)
+}
+
 /// `cargo zigbuild` from the Python environment, for this platform with the old C library; `None`, said aloud, if that
 /// is not to be had here.
-pub fn portable_cargo(workspace: &Workspace, host: &Platform) -> Option<Command> {
+fn portable_cargo(workspace: &Workspace, host: &Platform) -> Option<Command> {
     let warn = |reason: String| {
         eprintln!("WARNING: {reason}.\n         The FMU is built against this machine's C library instead.");
     };

@@ -147,17 +147,7 @@ fn executable(name: &str) -> String {
 /// Builds both programs for others: optimised, without symbols, on Linux against an old C library.
 fn release_programs(workspace: &Workspace) -> Result<Vec<PathBuf>> {
     let host = Platform::host()?;
-    let portable = if host.is_linux() { fmu::portable_cargo(workspace, host) } else { None };
-    let is_portable = portable.is_some();
-    let mut command = portable.unwrap_or_else(|| {
-        let mut command = workspace.cargo();
-        command.args(["build", "--target", host.triple]);
-        command
-    });
-    command.args(fmu::RELEASED);
-    command.env("CARGO_PROFILE_RELEASE_STRIP", "symbols");
-    command.env("CARGO_ENCODED_RUSTFLAGS", rustc_flags(workspace, host).join("\x1f"));
-    run_command(&mut command)?;
+    let is_portable = fmu::build_released(workspace, host, &fmu::PROGRAMS_AND_LIBRARY)?;
     let folder = workspace.target(host.triple).join("release");
     let programs: Vec<PathBuf> = PROGRAMS.iter().map(|(name, ..)| folder.join(executable(name))).collect();
     for program in programs.iter().filter(|_| is_portable) {

@@ -22,8 +22,9 @@
 //! ```
 //!
 //! with the values of the vertical plane on the right, and the pitch rate in body axes is `r tan phi`. So the gravity of a leaning
-//! glider yaws it by its roll alone, whether a list or the roll mass makes it lean. CN_beta contains Munk's couple. The list is that of a roll mass at rest; the roll mass reads `gamma` less its offset, the rudder
-//! `delta` less its own. Gusts from the side and eddies about the vertical axis disturb the heading by some tenths of a degree a
+//! glider yaws it by its roll alone, whether a list or the roll mass makes it lean. CN_beta contains Munk's couple. The list
+//! is that of a roll mass at rest; the roll mass reads `gamma` less its offset, the rudder `delta` less its own. Gusts from
+//! the side and eddies about the vertical axis disturb the heading by some tenths of a degree a
 //! second, as readings of real gliders between two moves of their controls do.
 
 use crate::hidden::{Hidden, Instant};
