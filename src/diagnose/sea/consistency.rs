@@ -47,6 +47,9 @@ const LEAST_COMPRESSION_KG_M3: f64 = 0.13;
 /// By how much the share of the pressure may be off.
 const SHARE_MARGIN: f64 = 0.1;
 
+/// Quantile of the pressure that stands for the deepest: a hundredth of the samples may be spikes.
+const DEEPEST: f64 = 0.99;
+
 /// Fewest samples with a density and a water sample.
 const LEAST_SAMPLES: usize = 30;
 
@@ -87,10 +90,11 @@ pub fn taken_out(log: &Preparation) -> Vec<Check> {
 /// Holds a log against itself. `carried_bias_kg_m3` is what the vehicle already adds to the density that is read.
 pub fn checks(observations: &[Observation], carried_bias_kg_m3: f64) -> (Vec<Check>, Option<DensityError>) {
     let (density, error) = density(observations, carried_bias_kg_m3);
+    let under_way = under_way(observations);
     let checks = vec![
-        vertical_velocity(observations),
+        vertical_velocity(&under_way),
         pressure(observations),
-        pitch_unit(observations),
+        pitch_unit(&under_way),
         pitch_sign(observations),
         ballast_unit(observations),
         ballast_sign(observations),
@@ -123,6 +127,16 @@ pub fn corrected(observations: &[Observation], error: DensityError, carried_bias
     observations.iter().map(of).collect()
 }
 
+/// The samples between a tenth and nine tenths of the way down, in whatever unit the pressure is: there a glider is under way. At
+/// the surface it lies still, in shallow water for longer than it dives.
+fn under_way(observations: &[Observation]) -> Vec<Observation> {
+    let Some(deepest) = quantile(observations.iter().map(|o| o.pressure_dbar.abs()), DEEPEST) else {
+        return observations.to_vec();
+    };
+    let is_between = |o: &&Observation| (0.1 * deepest..=0.9 * deepest).contains(&o.pressure_dbar.abs());
+    observations.iter().filter(is_between).copied().collect()
+}
+
 fn vertical_velocity(observations: &[Observation]) -> Check {
     let check = "time base and pressure unit";
     let Some(w) = quantile(observations.iter().map(|o| o.sink_m_s.abs()), 0.5) else {
@@ -138,13 +152,15 @@ fn vertical_velocity(observations: &[Observation]) -> Check {
 
 fn pressure(observations: &[Observation]) -> Check {
     let check = "sign of pressure or depth";
-    let Some(p) = quantile(observations.iter().map(|o| o.pressure_dbar), 0.5) else {
+    let of = |share| quantile(observations.iter().map(|o| o.pressure_dbar), share);
+    let (Some(low), Some(high)) = (of(1.0 - DEEPEST), of(DEEPEST)) else {
         return not_checked(check, "no pressure");
     };
+    // A zero that is off by a little is no wrong sign, however long the glider lay at the surface.
     judge(
         check,
-        p > 0.0,
-        || format!("the median pressure is {p:.1} dbar"),
+        high > -low,
+        || format!("the pressure goes from {low:.1} to {high:.1} dbar"),
         "pressure and depth are positive below the surface",
     )
 }
