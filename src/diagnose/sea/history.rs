@@ -203,9 +203,11 @@ impl History {
     fn met_m_s2(&self, bins: &[Bin], samples: &[Observation], parameters: &Parameters<f64>) -> Option<Vec<f64>> {
         let met: Vec<f64> =
             samples.iter().map(|o| if o.water_met_m_s2.is_finite() { o.water_met_m_s2 } else { 0.0 }).collect();
-        if met.iter().all(|met| *met == 0.0) || bins.is_empty() {
-            return None;
-        }
+        let is_known = met.iter().any(|met| *met != 0.0) && !bins.is_empty();
+        is_known.then(|| self.late(&met, bins, parameters))
+    }
+
+    fn late(&self, met: &[f64], bins: &[Bin], parameters: &Parameters<f64>) -> Vec<f64> {
         // M V / (2 D) with V = w / sin and D = m0 g sin, both as measured, over the log.
         let mass_kg = parameters.mass_kg() + parameters.added_mass_1_kg;
         let slow = |bin: &Bin| {
@@ -215,8 +217,8 @@ impl History {
             mass_kg * bin.mean.sink_m_s.abs() / (2.0 * weight_N * sin2)
         };
         let mut slow_s: Vec<f64> = bins.iter().map(slow).collect();
-        let late = lagged(&self.past.time_s, &met, median(&mut slow_s));
-        Some(self.of_bin.iter().map(|own| own.iter().map(|i| late[*i]).sum::<f64>() / own.len() as f64).collect())
+        let late = lagged(&self.past.time_s, met, median(&mut slow_s));
+        self.of_bin.iter().map(|own| own.iter().map(|i| late[*i]).sum::<f64>() / own.len() as f64).collect()
     }
 
     /// Least-squares slope of a quantity over the samples of each bin.
@@ -254,6 +256,11 @@ impl Columns {
     /// Whether the log's own current gives the force of its shear.
     pub fn knows_shear(&self) -> bool {
         self.met_m_s2.is_some()
+    }
+
+    /// What the samples meet as the glider follows it, late, in each bin.
+    pub fn late(&self, met: &[f64], bins: &[Bin], parameters: &Parameters<f64>) -> Vec<f64> {
+        self.history.late(met, bins, parameters)
     }
 
     /// What a unit of a mechanism's size does to each bin.

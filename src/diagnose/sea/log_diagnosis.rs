@@ -237,7 +237,7 @@ fn unweighed(checks: &[Check], outcome: &Outcome, problem: &SeaProblem) -> Vec<c
     let why = if problem.knows_shear() {
         "the log's own current is in the model: its force is subtracted, it has no free size"
     } else {
-        "not checked: the log has no current (columns current_east_m_s and current_north_m_s)"
+        "the log has no current (columns current_east_m_s and current_north_m_s): an unknown steady one whose velocity changes with depth as currents usually do is part of the model"
     };
     found.push(reject("shear", why.to_owned()));
     let why = "beside a polar that is fitted it does what a scale of the pressure does";

@@ -17,6 +17,7 @@ mod jumps;
 mod log_diagnosis;
 mod model;
 mod salinity;
+mod shear;
 mod turns;
 mod vehicle_log;
 
@@ -35,6 +36,7 @@ use jumps::Jump;
 pub use log_diagnosis::{SeaDiagnosis, diagnose_log};
 use model::{Directions, Vehicle};
 use nalgebra::{DMatrix, DVector};
+use shear::UnknownShear;
 pub use vehicle_log::{LiftSlope, Request, VehicleLogError, diagnose_vehicle, extended};
 
 /// What is fitted to which data.
@@ -159,6 +161,8 @@ pub struct SeaProblem {
     directions: Directions,
     /// What the mechanisms of the past go by.
     past: history::Columns,
+    /// The shear of a current that the log does not have.
+    shear: UnknownShear,
     /// What other channels of the log show.
     channels: candidates::Channels,
 }
@@ -223,6 +227,12 @@ impl SeaProblem {
             if settings.lift == Lift::Held { &["b", "c_per_rad2"] } else { &["a_per_rad", "b", "c_per_rad2"] };
         let baseline_index: Vec<usize> = names.iter().filter_map(|name| parameter_index(name)).collect();
         let mut baseline: Vec<_> = baseline_index.iter().map(|i| (PARAMETERS[*i].name, PARAMETERS[*i].unit)).collect();
+        let shear = if past.knows_shear() {
+            UnknownShear::default()
+        } else {
+            UnknownShear::new(&bins, observations, |met| past.late(met, &bins, parameters))
+        };
+        baseline.extend(shear.names());
         baseline.push(INERTIA_SHARE);
 
         let mut problem = SeaProblem {
@@ -238,6 +248,7 @@ impl SeaProblem {
             candidates: Vec::new(),
             shapes: Vec::new(),
             past,
+            shear,
             channels: candidates::Channels::new(observations),
         };
         let jumps = Jump::between_legs(&problem.bins);
@@ -265,9 +276,9 @@ impl SeaProblem {
     /// predicts no worse with fewer.
     pub(super) fn without_inertia_if_better(&self, found: &Outcome) -> Option<(SeaProblem, Outcome)> {
         let mut steady = SeaProblem { parts: self.parts.without_inertia(), ..self.clone() };
-        steady.baseline.truncate(self.baseline_index.len());
+        steady.baseline.truncate(self.place_of_inertia());
         let mut point = found.after.point.clone();
-        point.baseline.truncate(self.baseline_index.len());
+        point.baseline.truncate(self.place_of_inertia());
         let block: Vec<usize> = self.bins.iter().map(|bin| bin.mean.leg as usize).collect();
         let gain = |with: &DVector<f64>, without: &DVector<f64>| {
             holdout::reduction_interval(&block, 0..self.bins.len(), with, without)
@@ -407,13 +418,38 @@ impl SeaProblem {
                 };
                 (belief - value, sd)
             })
+            .chain(self.shear_coefficients(point).iter().map(|value| (-value, 1.0)))
             .chain(self.inertia_share(point).map(|share| (1.0 - share, INERTIA_SHARE_SD)))
             .collect()
     }
 
+    /// The coefficients of the unknown shear at a point.
+    fn shear_coefficients<'a>(&self, point: &'a Point) -> &'a [f64] {
+        &point.baseline[self.baseline_index.len()..self.place_of_inertia()]
+    }
+
+    /// Where the share of the inertia stands in the baseline: behind the polar and the shear.
+    fn place_of_inertia(&self) -> usize {
+        self.baseline_index.len() + self.shear.len()
+    }
+
     /// The share of its inertia with which the glider follows its forces at a point, where it is fitted.
     fn inertia_share(&self, point: &Point) -> Option<f64> {
-        point.baseline.get(self.baseline_index.len()).copied()
+        point.baseline.get(self.place_of_inertia()).copied()
+    }
+
+    /// What the past and the unknown shear do to each bin at a point; nothing where both do nothing.
+    fn effects(&self, point: &Point, parameters: &Parameters<f64>) -> Option<Vec<history::Effect>> {
+        let effects = self.past.effects(&self.bins, parameters);
+        let coefficients = self.shear_coefficients(point);
+        if coefficients.iter().all(|value| *value == 0.0) {
+            return effects;
+        }
+        let mut effects = effects.unwrap_or_else(|| vec![history::Effect::default(); self.bins.len()]);
+        for (bin, effect) in effects.iter_mut().enumerate() {
+            effect.along_N += self.shear.along_N(coefficients, bin, parameters.mass_kg());
+        }
+        Some(effects)
     }
 
     /// The parameters at a point of the fit.
@@ -462,6 +498,28 @@ fn with_past(
     (bin, inside, 1.0 + past.reading)
 }
 
+/// Force along the heading over which its slopes are taken \[N\]: a hundredth of a usual drag.
+const FORCE_STEP_N: f64 = 3e-3;
+
+/// What a force along the heading changes in the vertical velocity and the speed of a bin \[m/s per N\].
+fn by_force_along(
+    parameters: &Parameters<f64>,
+    vehicle: &Vehicle,
+    bin: &Bin,
+    inside: &Inside,
+    effect: Option<&history::Effect>,
+) -> [f64; 2] {
+    let fly = |step_N: f64| {
+        let effect = effect.copied().unwrap_or_default();
+        let pushed = history::Effect { along_N: effect.along_N + step_N, ..effect };
+        let (bin, inside, reading) = with_past(parameters, bin, inside, Some(&pushed));
+        let [sink, speed] = vehicle.fly_plainly(&bin, &inside);
+        [reading * sink, speed]
+    };
+    let (more, less) = (fly(FORCE_STEP_N), fly(-FORCE_STEP_N));
+    [0, 1].map(|quantity| (more[quantity] - less[quantity]) / (2.0 * FORCE_STEP_N))
+}
+
 /// Puts the leg's mean rate of the pressure in place of each sample's. The rate that is read is the vertical velocity that is to
 /// be explained: a lag of the pressure, by which the density follows it, would explain the noise of its own row.
 fn take_rate_of_leg(usable: &mut [Observation]) {
@@ -498,6 +556,7 @@ impl Problem for SeaProblem {
                 .baseline_index
                 .iter()
                 .map(|index| *parameters.at(*index))
+                .chain((0..self.shear.len()).map(|_| 0.0))
                 .chain((!self.parts.is_quasi_steady()).then_some(1.0))
                 .collect(),
             candidates: self.candidates.iter().map(|candidate| candidate.neutral.clone()).collect(),
@@ -568,11 +627,13 @@ impl Problem for SeaProblem {
         let mut slopes = DMatrix::zeros(n, self.directions.len());
         let mut speed_row = n_w;
         let vehicle = Vehicle::new(&parameters, &self.directions);
-        let past = self.past.effects(&self.bins, &parameters);
+        let past = self.effects(point, &parameters);
         let share = self.inertia_share(point);
         let at_rest = share.map(|_| self.parts.inside_without_inertia(&parameters, &self.bins));
         // What the whole of the inertia changes in each row.
         let mut by_inertia = DVector::zeros(n);
+        // What a force along the heading changes in each row [m/s per N].
+        let mut by_force = DVector::zeros(n);
         let mut modelled_sink_m_s = Vec::with_capacity(n_w);
         for (row, (bin, inside)) in self.bins.iter().zip(&inside).enumerate() {
             let effect = past.as_ref().map(|effects| &effects[row]);
@@ -588,6 +649,12 @@ impl Problem for SeaProblem {
                 speed.value += (share - 1.0) * inertia[1];
             }
             by_inertia[row] = inertia[0];
+            let along = if self.shear.len() > 0 {
+                by_force_along(&parameters, &vehicle, bin, inside, effect)
+            } else {
+                [0.0; 2]
+            };
+            by_force[row] = along[0];
             modelled_sink_m_s.push(sink.value);
             residual[row] = bin.mean.sink_m_s - sink.value;
             slopes.row_mut(row).copy_from_slice(&sink.slopes);
@@ -596,17 +663,22 @@ impl Problem for SeaProblem {
                 slopes.row_mut(speed_row).copy_from_slice(&speed.slopes);
                 slopes.row_mut(speed_row).scale_mut(parameters.speed_scale);
                 by_inertia[speed_row] = parameters.speed_scale * inertia[1];
+                by_force[speed_row] = parameters.speed_scale * along[1];
                 speed_row += 1;
             }
         }
 
         let nb = self.baseline_index.len();
-        let mut baseline = slopes.columns(0, nb).into_owned();
-        if share.is_some() {
-            baseline = baseline.insert_column(nb, 0.0);
-            baseline.set_column(nb, &by_inertia);
-        }
         let bin_of = |row: usize| if row < n_w { row } else { self.with_speed[row - n_w] };
+        let mut baseline = slopes.columns(0, nb).into_owned().resize_horizontally(self.baseline.len(), 0.0);
+        let mass_kg = parameters.mass_kg();
+        for j in 0..self.shear.len() {
+            let of_row = |row: usize| by_force[row] * self.shear.unit_N(j, bin_of(row), mass_kg);
+            baseline.set_column(nb + j, &DVector::from_fn(n, |row, _| of_row(row)));
+        }
+        if share.is_some() {
+            baseline.set_column(self.place_of_inertia(), &by_inertia);
+        }
         let candidates = self
             .shapes
             .iter()
