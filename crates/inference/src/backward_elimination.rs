@@ -299,15 +299,19 @@ impl Fitted {
     }
 
     /// A law that is the right one predicts better than a curve that only resembles it. Where the best curve alone predicts
-    /// held-out data better than the named mechanisms for certain, these resemble something unknown: they go, and what the
-    /// curve runs along is returned.
+    /// held-out data better than the named mechanisms for certain, and explains more by the part that may stay unexplained beside
+    /// a name, these resemble something unknown: they go, and what the curve runs along is returned. A curve that predicts better
+    /// for certain by next to nothing has only taken up what no law explains.
     pub(super) fn drop_what_a_curve_beats(&mut self, problem: &impl Problem, baseline: &Fitted) -> Option<String> {
         if !problem.has_regimes() || self.included.is_empty() {
             return None;
         }
         let iteration = Iteration::new(problem.candidates(), self);
         let curve = iteration.most_explaining_curve()?;
-        if iteration.advantage(&[curve], &self.included) < BEATEN {
+        let search = iteration.search();
+        let (by_names, by_curve) = (search.gain(&self.included), search.gain(&[curve]));
+        let explains_more = by_curve - by_names > problem.part_unexplained() * by_names;
+        if !explains_more || iteration.advantage(&[curve], &self.included) < BEATEN {
             return None;
         }
         let covariate = iteration.curve_name(curve).map(str::to_owned);
