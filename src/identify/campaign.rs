@@ -19,6 +19,7 @@ use super::residuals::{Score, ScoreSums, residuals};
 use super::specification_test::reweighed;
 use super::speeds::Rows;
 use super::trim::Trim;
+use super::unknown_shear;
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
 use crate::log::Observation;
 use crate::vehicle::Vehicle;
@@ -180,6 +181,7 @@ pub fn identify(
         return without_speed(vehicle, observations, request, few);
     }
     propagate(&mut fitted, &mut &mut dives[..], &considered(vehicle, &baseline, &pinned));
+    unknown_shear::consider(&mut fitted, &dives);
     loop {
         let unknown = (0..fitted.free.len())
             .filter(|&i| !is_identified(&fitted, i) && !asked.contains(&PARAMETERS[fitted.free[i]].name))
@@ -202,6 +204,7 @@ pub fn identify(
         question = Question::new(baseline, &free)?;
         fitted = fit(&question, &mut dives)?;
         propagate(&mut fitted, &mut &mut dives[..], &considered(vehicle, &baseline, &pinned));
+        unknown_shear::consider(&mut fitted, &dives);
     }
     let considered = considered(vehicle, &baseline, &pinned);
 
@@ -218,13 +221,14 @@ pub fn identify(
             }
             let mut flown = inflections(&moving, &fitted.parameters, observations, unsteady)?;
             propagate(&mut flown.fit, &mut flown.passages, &considered);
+            unknown_shear::consider(&mut flown.fit, &dives);
             flown.fit.model_error = model_error_of(&flown.fit.free, &fitted);
             Some(flown)
         }
         None => None,
     };
     let polar = inflections.as_ref().map_or(&fitted, |flown| &flown.fit);
-    for propagated in &polar.propagated {
+    for propagated in polar.propagated.iter().filter(|propagated| propagated.considered.name != unknown_shear::NAME) {
         let moves = polar.free.iter().map(|&row| short_name(PARAMETERS[row].name).to_owned());
         let moves: BTreeMap<String, f64> = moves.zip(propagated.moves.iter().copied()).collect();
         let pin = pinned

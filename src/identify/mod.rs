@@ -34,6 +34,7 @@ mod residuals;
 mod specification_test;
 mod speeds;
 mod trim;
+pub mod unknown_shear;
 pub mod unsteady;
 mod within_bin;
 

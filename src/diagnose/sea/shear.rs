@@ -22,12 +22,8 @@ use std::collections::BTreeMap;
 
 use crate::dynamics::buoyancy::WATER_COMPRESSIBILITY_PER_PA;
 use crate::identify::Bin;
+use crate::identify::unknown_shear::DIFFERENCE_M_S;
 use crate::log::{DBAR_PA, Observation};
-
-/// Difference of the current between the surface and the deepest dive, root mean square of each component \[m/s\]. Drifters at the
-/// surface have an rms velocity of 0.2 to 0.3 m/s (Lumpkin and Johnson 2013), 0.15 to 0.2 in each component, and most of it falls off
-/// within the depth of a glider's dives.
-const DIFFERENCE_M_S: f64 = 0.15;
 
 /// Layers over which the stratification is averaged.
 const LAYERS: usize = 32;
