@@ -42,7 +42,10 @@ pub(super) fn report(
     named.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let causes: Vec<Cause> = named.iter().map(|named| named.cause.clone()).collect();
 
-    let wrong = wrong(problem, baseline);
+    let mut wrong = wrong(problem, baseline);
+    if wrong.is_empty() {
+        wrong.extend(named.first().map(|named| wrong_by_cause(problem, baseline, named)));
+    }
     let mut depends_on: Vec<String> = curve.into_iter().collect();
     if depends_on.is_empty() && causes.is_empty() {
         // Nothing deserved a name, a curve neither: what is wrong is unexplained all the same.
@@ -301,6 +304,26 @@ pub(super) fn wrong(problem: &impl Problem, baseline: &Fitted) -> Vec<Wrong> {
     }
     found.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
     found
+}
+
+/// Where the baseline misses the data as a named mechanism says: its own law finds what a curve along one covariate does not.
+fn wrong_by_cause(problem: &impl Problem, baseline: &Fitted, named: &Named) -> Wrong {
+    let iteration = Iteration::new(problem.candidates(), baseline);
+    let evidence = &baseline.evidence;
+    let sizes = iteration.size_where_it_acts(&[], named.candidate);
+    let limits = baseline.limits(problem);
+    let worth = |quantity: &usize| sizes[*quantity] / limits[*quantity];
+    let most = (0..limits.len()).max_by(|a, b| worth(a).total_cmp(&worth(b))).unwrap_or(0);
+    let quantity = &evidence.quantities[most];
+    Wrong {
+        quantity: quantity.name.to_owned(),
+        regime: format!("{} (its own law)", named.cause.cause.replace('_', " ")),
+        rms: holdout::rms(&evidence.residual, quantity.rows.clone()),
+        expected_rms: expected_rms(evidence, &baseline.noises, most),
+        size: sizes[most],
+        relevant_above: limits[most],
+        p_value: named.cause.p_value,
+    }
 }
 
 /// For each quantity the clearest dependence that is left beside what is included, relevant or not.

@@ -124,9 +124,21 @@ const MIN_BINS: usize = 12;
 /// Why there is no diagnosis.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SeaError {
-    /// Too little data.
+    /// Too little steady glide in the log, whatever the vehicle.
     #[error(
-        "only {found} stretches of steady glide fit the vehicle, at least {MIN_BINS} are needed; check that pitch, ballast and density are in the log and that the vehicle's mass and volume are this glider's (`--trim neutral` takes it as neutral at ballast zero)"
+        "the log is too short: {found} stretches of steady glide, at least {MIN_BINS} are needed; {steady} of its {samples} samples are steady glide, away from the surface, from turns and from moves of a motor, with pitch, ballast volume and density"
+    )]
+    TooShort {
+        /// Stretches.
+        found: usize,
+        /// Samples of steady glide with all that is needed.
+        steady: usize,
+        /// All samples.
+        samples: usize,
+    },
+    /// Too little that the vehicle could glide.
+    #[error(
+        "only {found} stretches of steady glide fit the vehicle, at least {MIN_BINS} are needed; check that the vehicle's mass and volume are this glider's (`--trim neutral` takes it as neutral at ballast zero)"
     )]
     TooFew {
         /// Bins that remained.
@@ -204,6 +216,9 @@ impl SeaProblem {
         let (pitch_variance, read_variance) = attitude::smooth(&mut usable);
         take_rate_of_leg(&mut usable);
         let mut bins = bins(&usable, settings.max_bins, MIN_SAMPLES);
+        if bins.len() < MIN_BINS {
+            return Err(SeaError::TooShort { found: bins.len(), steady: usable.len(), samples: observations.len() });
+        }
         let is_steady = model::steady(parameters, &bins);
         let mut keep = is_steady.into_iter();
         bins.retain(|bin| keep.next().unwrap_or(false) && model::flies(parameters, bin));
