@@ -32,6 +32,7 @@ use super::findings::{Check, Checked};
 use super::holdout;
 use super::outcome::Outcome;
 use super::relevance::Relevance;
+use crate::identify::unknown_shear::DIFFERENCE_M_S;
 use jumps::Jump;
 pub use log_diagnosis::{SeaDiagnosis, diagnose_log};
 use model::{Directions, Vehicle};
@@ -413,6 +414,12 @@ impl SeaProblem {
         if is_scaled && !warnings.iter().any(|warning| warning.ends_with(PITCH_OR_LIFT)) {
             warnings.push(format!(
                 "the scale of the pitch rests on a lift slope that was fitted beside it: {PITCH_OR_LIFT}"
+            ));
+        }
+        let current_m_s = self.shear.difference_m_s(self.shear_coefficients(named));
+        if current_m_s > MOST_USUAL * DIFFERENCE_M_S {
+            warnings.push(format!(
+                "the fit needs a current that differs by {current_m_s:.2} m/s between the surface and the deepest, more than most seas have: something else may depend on depth and leg"
             ));
         }
         warnings

@@ -106,6 +106,13 @@ impl UnknownShear {
         -mass_kg * self.modes[coefficient].1[bin]
     }
 
+    /// By how much the current differs between the surface and the deepest: the first mode of each component \[m/s\].
+    pub fn difference_m_s(&self, coefficients: &[f64]) -> f64 {
+        let is_first = |name: &str| NAMES.iter().any(|names| names[0] == name);
+        let first = self.modes.iter().zip(coefficients).filter(|((name, _), _)| is_first(name));
+        DIFFERENCE_M_S * first.map(|(_, value)| value * value).sum::<f64>().sqrt()
+    }
+
     /// The force along the heading in a bin \[N\].
     pub fn along_N(&self, coefficients: &[f64], bin: usize, mass_kg: f64) -> f64 {
         let of = |(j, value): (usize, &f64)| value * self.unit_N(j, bin, mass_kg);
