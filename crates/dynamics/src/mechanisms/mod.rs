@@ -93,7 +93,8 @@ pub const AT_SEA: &[Mechanism] = &[
         "pitch_offset",
         Instruments,
         ["pitch_offset_rad"],
-        0.1,
+        // A millimetre or two over the length of an attitude module, 50 mm, with which it is mounted in the hull.
+        0.03,
         "The attitude sensor is mounted askew",
         "mounting of the attitude sensor",
         "shallow glides most, opposite on the two legs"
@@ -284,7 +285,8 @@ pub const AT_SEA: &[Mechanism] = &[
         "vertical_current",
         Motion,
         ["vertical_current_m_s"],
-        0.05,
+        // A current of half a metre per second over a slope of 1 in 25 rises by 2 cm/s; more does not last for a log.
+        0.02,
         "The water itself rises or sinks steadily",
         "kinematics",
         "adds to vertical velocity, alike on the two legs"
