@@ -1,6 +1,8 @@
 """Comet's spiral of 9 August 2019 flown leg by leg by the glider in six degrees of freedom, in FMPy.
 
-    python tests/python/comet.py UnderwaterGlider3D.fmu      fits list, rudder and shear to the odd dives; predicts the even ones
+    python tests/python/comet.py UnderwaterGlider3D.fmu
+
+fits list, rudder and shear to the odd dives and predicts the even ones, then the other way round: some minutes.
 
 Each leg begins in a settled turn at the depth and heading that were recorded 25 s after the leg began. From then on the heading
 is the FMU's. What differs between the legs is that heading alone: the shear of the water is one profile for all of them.
@@ -119,13 +121,29 @@ def means(legs, of) -> dict[bool, np.ndarray]:
     return {down: np.nanmean([rate for leg, rate in zip(legs, of) if leg.descends == down], axis=0) for down in (True, False)}
 
 
-# List and rudder with which the settled turns of slocum-graver in water without shear are those recorded below the thermocline,
-# .0177(5) and .0179(6) rad/s: two figures from two. Their standard errors are 0.024 rad and 0.007.
-LIST_RAD, CN_DELTA = -0.0773, 0.1833
-# Error of a recorded turn rate, rad/s, and what shear is usual, 1/s: they weigh the fit.
+# The fit to the odd dives: list, rad, yawing moment per rudder, shear at the knots (rows: north, east), 1/s.
+LIST_RAD, CN_DELTA = -0.157, 0.088
+SHEAR_1_S = np.array(
+    [
+        [0.0682, 0.0153, -0.015, -0.0201, 0.0368, 0.0012, 0.0584],
+        [0.0203, -0.0528, -0.0852, -0.0776, 0.0567, 0.0109, 0.0763],
+    ]
+)
+# Where the fit begins: the vehicle file's rudder, the list of -4 deg with which it turns alike on both legs without shear.
+START = np.concatenate([[-0.077, 0.183], np.zeros(2 * len(KNOTS_M))])
+# Error of a recorded turn rate, rad/s, and the prior standard deviation of the shear, 1/s.
 RATE_SE, SHEAR_SD = 0.002, 0.05
-# slocum-graver's list by first moment, N m / (m/s2), and its rudder.
-BELOW_KG_M = 0.45
+# slocum-graver: mass of the vehicle, and the first moment below the centre of buoyancy that rights it.
+MASS_KG, BELOW_KG_M = 50.0, 0.45
+
+
+def vehicle(graver: str) -> str:
+    """The vehicle file of slocum-graver with Comet's list and rudder."""
+    starboard_m = BELOW_KG_M * np.tan(LIST_RAD) / MASS_KG
+    own = graver.replace("moving_mass_height_m = 0.05\n", f"moving_mass_height_m = 0.05\ncg_starboard_m = {starboard_m:.8f}\n")
+    own = own.replace("CN_delta_per_rad = 0.205", f"CN_delta_per_rad = {CN_DELTA}")
+    assert own.count("cg_starboard_m") == 1 and f"CN_delta_per_rad = {CN_DELTA}\n" in own
+    return own
 
 
 def parameters_of(values) -> dict[str, float]:
@@ -165,25 +183,22 @@ def fit(archive, legs, start, steps=6):
 
 def report(archive):
     legs = recorded()
-    everything = measured(legs)
-    start = np.concatenate([[LIST_RAD, CN_DELTA], np.zeros(2 * len(KNOTS_M))])
-    for name, odd in (("odd", 1), ("even", 0)):
+    for odd in (1, 0):
         fitted = [leg for leg in legs if leg.dive % 2 == odd]
         others = [leg for leg in legs if leg.dive % 2 != odd]
-        values, now, slopes = fit(archive, fitted, start)
-        print(f"fitted to {name} dives: list {values[0]:.4f} rad, CN_delta {values[1]:.4f}")
-        covariance = np.linalg.inv(slopes.T @ slopes) * max(1.0, now @ now / (np.isfinite(measured(fitted)).sum() - 2))
-        print("standard errors", np.sqrt(np.diag(covariance)).round(4))
-        print("shear north, east:", values[2:].reshape(2, -1).round(4).tolist())
+        values, _, slopes = fit(archive, fitted, START)
+        errors = np.sqrt(np.diag(np.linalg.inv(slopes.T @ slopes)))
+        print(f"fitted to {'odd' if odd else 'even'} dives: list {values[0]:.3f}({errors[0]:.3f}) rad,", end=" ")
+        print(f"CN_delta {values[1]:.3f}({errors[1]:.3f})")
+        print("shear north, east, 1/s:", values[2:].reshape(2, -1).round(4).tolist())
         flown = Flown(archive, parameters_of(values))
+        known = means(fitted, measured(fitted))
         for what, those in (("fitted", fitted), ("held out", others)):
             found, wanted = flown.legs(those, values[2:].reshape(2, -1)), measured(those)
-            known = means(fitted, measured(fitted))
             baseline = np.array([known[leg.descends] for leg in those])
-            print(f"{what}: rms FMU {rms(found - wanted):.5f}, leg and layer means {rms(baseline - wanted):.5f} rad/s")
+            print(f"{what}: rms of the FMU {rms(found - wanted):.5f}, of means {rms(baseline - wanted):.5f} rad/s")
             print("  flown", means(those, found), "\n  recorded", means(those, wanted))
         flown.free()
-    del everything
 
 
 if __name__ == "__main__":
