@@ -226,7 +226,9 @@ impl Description {
     fn set_text_if_stated(&mut self, name: &str, value: &str) {
         let mark = format!(" name=\"{name}\"");
         let Some(place) = self.lines.iter().position(|line| line.contains(&mark)) else { return };
-        for line in self.lines[place..].iter_mut().take(2) {
+        // What follows an element without content is another variable's.
+        let own = if self.lines[place].trim_end().ends_with("/>") { 1 } else { 2 };
+        for line in self.lines[place..].iter_mut().take(own) {
             let attribute = if line.contains("<Start ") { "value" } else { "start" };
             if attribute_of(line, attribute).is_some() {
                 set_attribute(line, attribute, &escaped(value));
@@ -349,6 +351,8 @@ mod tests {
             let body = with_gains(&seaglider.body().unwrap());
             assert_eq!(stated(&text, "CN_beta_per_rad"), body.lateral.CN_beta_per_rad);
             assert_eq!(stated(&text, "roll_mass_kg"), body.lateral.roll_mass_kg);
+            // In FMI 3 it stands right behind the vehicle's name, which has no start there.
+            assert_eq!(stated(&text, "pitch_move_J"), body.plane.pitch_move_J);
             let gains = ["heading_roll_gain_descent", "heading_roll_gain_ascent"].map(|name| stated(&text, name));
             assert!(gains[0] * gains[1] < 0.0, "a roll turns the other way on the other leg: {gains:?}");
             assert_eq!(stated(&text, "moving_mass_position_m"), start(&body.plane).state.moving_mass_1_m);

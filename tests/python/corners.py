@@ -10,6 +10,7 @@ An importer of its own drives scipy's methods with events as the standards have 
 """
 
 import contextlib
+import ctypes
 import functools
 import io
 import multiprocessing
@@ -22,6 +23,7 @@ from unittest import mock
 
 import numpy as np
 from fmpy import sundials
+from fmpy.sundials.libraries import sundials_cvode
 from fmpy import extract, instantiate_fmu, read_model_description, simulate_fmu
 from scipy.integrate import solve_ivp
 
@@ -73,6 +75,8 @@ MISSIONS = {
     # Onto the seabed, a rest there, up to the surface, a stay there with all the ballast out, and down again to mid-water.
     "seabed and surface": Mission({"seabed_depth_m": 60.0}, [(0, DOWN), (1200, UP), (2000, EMPTY), (2600, DOWN)], 3000),
 }
+# From one steady glide to the other in mid-water: neither surface nor seabed is met.
+LEG_CHANGE = Mission({}, [(0, DOWN), (600, UP)], 1000)
 RAW = {"u1_N": 0.0, "u3_N": 0.0}
 RAW_MISSIONS = {
     # The ballast runs into both of its limits, the moving mass is pushed into its foremost and aftmost one.
@@ -263,6 +267,30 @@ def simulate_by_cvode(folder, mission: Mission, tolerance: float, interval: floa
         input=mission.signals(),
         output=names,
     )
+
+
+def internal_steps(folder, mission: Mission, tolerance: float, interval: float) -> dict[float, int]:
+    """CVODE's internal steps in each of FMPy's calls, by the time at which the call ended. FMPy allows 500 in each."""
+    most: dict[float, int] = {}
+    step = sundials.CVodeSolver.step
+
+    def counted(solver, time, next_time):
+        before = steps_of(solver)
+        found, roots, reached = step(solver, time, next_time)
+        most[reached] = max(steps_of(solver) - before, most.get(reached, 0))
+        return found, roots, reached
+
+    with mock.patch.object(sundials.CVodeSolver, "step", counted):
+        fly_by_cvode(folder, mission, tolerance, interval, 100_000)
+    return most
+
+
+def steps_of(solver: sundials.CVodeSolver) -> int:
+    count = ctypes.c_long(0)
+    function = sundials_cvode.CVodeGetNumSteps
+    function.argtypes = [ctypes.c_void_p, ctypes.POINTER(ctypes.c_long)]
+    assert function(solver.cvode_mem, ctypes.byref(count)) == 0
+    return count.value
 
 
 def fly(folder, mission: Mission, method: str, tolerance: float, interval: float) -> Result:

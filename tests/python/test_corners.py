@@ -64,3 +64,14 @@ def test_surface_seabed_and_limits_are_flown(folder, own, method, tolerance, int
 def test_euler_is_stable_in_a_dive_with_steps_of_50_ms(folder):
     for name, apart in corners.euler_in_a_dive(folder).items():
         assert apart < 1e-2, name
+
+
+def test_cvode_at_1e_10_needs_more_than_500_steps_for_a_leg_change_in_mid_water(folder):
+    """Why outputs ten minutes apart fail in FMPy at this tolerance: no contact takes part."""
+    most = corners.internal_steps(folder, corners.LEG_CHANGE, 1e-10, 1000.0)
+    description = read_model_description(folder)
+    rows = corners.simulate_by_cvode(folder, corners.LEG_CHANGE, 1e-4, 10.0, ["depth_m"])
+    assert rows["depth_m"].min() > 1, description.modelName
+    assert 500 < max(most.values()) < 800, most
+    # Outputs a second apart are far from the limit.
+    assert max(corners.internal_steps(folder, corners.LEG_CHANGE, 1e-10, 1.0).values()) < 250

@@ -4,6 +4,7 @@ import subprocess
 
 import numpy as np
 import pytest
+from conftest import path_from
 from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 
@@ -31,6 +32,17 @@ def test_an_exported_vehicle_starts_where_its_description_says(glidepolar, fmu, 
         for name, start in stated.items():
             # Bit for bit: what the importer reads is what the instance starts from.
             assert float(result[name][0]) == start, (interface, name)
+
+
+@pytest.mark.parametrize("template", ["GLIDEPOLAR_SPACE_FMU3", "GLIDEPOLAR_SPACE_FMU2"], ids=["fmi3", "fmi2"])
+def test_a_vehicle_exported_in_space_is_valid_and_starts_where_its_description_says(glidepolar, template, tmp_path):
+    path = export(glidepolar, path_from(template), tmp_path, "slocum-graver", "--3d")
+    assert validate_fmu(str(path)) == []
+    stated = {
+        v.name: float(v.start) for v in read_model_description(path).modelVariables if v.start and v.type != "String"
+    }
+    result = simulate_fmu(path, stop_time=1, output=list(stated), output_interval=1)
+    assert {name: float(result[name][0]) for name in stated} == stated
 
 
 def test_the_water_travels_along(glidepolar, fmu, tmp_path):

@@ -108,6 +108,37 @@ impl LateralFigures {
         }
     }
 
+    /// Curvature of the way seen from above, turn rate over speed, of a steady turn by a pod and a rudder that stand so while a
+    /// list keeps the roll at zero, rad/m: the balances of this module, linear in the sideslip, which is small.
+    ///
+    /// The roll rate of a turn at a pitch, `-r tan theta`, is damped by the wing; what balances this damping yaws the glider by
+    /// the sine of its pitch. So the damping of the roll resists the turn, with the squared tangent of the pitch.
+    pub fn curvature_without_roll(
+        &self,
+        vehicle: &Vehicle,
+        pod_m3: f64,
+        rudder_rad: f64,
+        pitch_rad: f64,
+        speed_m_s: f64,
+    ) -> Option<f64> {
+        let density_kg_m3 = crate::vehicle::REFERENCE_DENSITY_KG_M3;
+        let (length, area) = (vehicle.length_m, vehicle.frontal_area_m2);
+        let draggier = Vehicle { b: vehicle.b + pod_drag_m2(pod_m3) / area, ..*vehicle };
+        let (angle_rad, _) = draggier.steady_glide(-pitch_rad.signum(), pitch_rad, density_kg_m3)?;
+        let pressed_n = 0.5 * density_kg_m3 * speed_m_s * speed_m_s * area;
+        let per_rate = length / speed_m_s;
+        let tan = pitch_rad.tan();
+        let inertia = (vehicle.mass_kg + vehicle.added_mass_1_kg) * speed_m_s * angle_rad.cos()
+            + (vehicle.mass_kg + vehicle.added_mass_3_kg) * speed_m_s * angle_rad.sin() * tan;
+        // Sideslip per yaw rate, and without one.
+        let slips = (inertia / pressed_n - self.side_per_rate * per_rate) / self.side_per_rad;
+        let slip = -self.side_per_rudder * rudder_rad / self.side_per_rad;
+        let damped = self.roll_per_rate * per_rate - AFLOAT_N_M_S * 0.3 / (pressed_n * length);
+        let resists = -(self.yaw_per_rad * slips + self.yaw_per_rate * per_rate + damped * tan * tan);
+        let turns = self.yaw_per_rad * slip + self.yaw_per_rudder * rudder_rad + pod_m3 / (area * length);
+        Some(turns / resists / pitch_rad.cos() / speed_m_s)
+    }
+
     /// Whether the glider has a roll mass.
     pub fn rolls(&self) -> bool {
         self.rolling_kg_m != 0.0

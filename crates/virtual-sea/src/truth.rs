@@ -59,6 +59,15 @@ impl Truth {
         Some(self.parameter(name)? + imperfection)
     }
 
+    /// True curvature without roll, of a pod and a rudder off its zero, at a pitch and speed, rad/m; the glider's own small
+    /// imperfection in it.
+    pub fn curvature_without_roll(&self, pitch_rad: f64, speed_m_s: f64) -> Option<f64> {
+        let own = self.lateral?;
+        let hidden = |name: &str| self.parameter(name).unwrap_or(0.0);
+        let rudder_rad = own.own_rudder_rad + hidden("rudder_offset_rad");
+        own.curvature_without_roll(&self.vehicle, hidden("yaw_asymmetry_m3"), rudder_rad, pitch_rad, speed_m_s)
+    }
+
     /// The content of `truth.json`.
     pub fn to_json(&self) -> Value {
         let effects = effects_json(&self.effects);

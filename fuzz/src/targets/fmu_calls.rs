@@ -1,12 +1,13 @@
 //! Calls of the C functions of both standards in any order, with arguments right and wrong.
 //!
 //! Each call is three bytes: which function, and how its arguments are drawn. Calls can so be cut, repeated and mixed
-//! between inputs.
+//! between inputs. The first byte chooses standard, interface, flags and model.
 
 use std::sync::atomic::Ordering;
 
 use glidepolar_fmu::fmi2::*;
 use glidepolar_fmu::fmi3::*;
+use glidepolar_fmu::model::Model;
 
 use crate::Target;
 
@@ -14,7 +15,7 @@ use crate::Target;
 #[path = "../../../fmu/tests/abuse/caller.rs"]
 mod caller;
 
-use caller::{AnyFunction, Counter, ERROR, Loaded, Memory, OK, Random, Victim, begin, instantiate};
+use caller::{AnyFunction, Counter, ERROR, Loaded, Memory, OK, Random, Victim, begin, instantiate_of};
 
 pub const CALLS: Target = Target {
     name: "fmu_calls",
@@ -40,7 +41,8 @@ fn sequence(loaded: &Loaded, data: &[u8]) {
     let Some((&how, calls)) = data.split_first() else { return };
     let (standard, exchange) = (2 + usize::from(how & 1), how & 2 != 0);
     let counter = Counter::default();
-    let pointer = instantiate(loaded, standard, exchange, usize::from(how >> 2 & 3), &counter);
+    let model = if how & 32 == 0 { Model::Plane } else { Model::Space };
+    let pointer = instantiate_of(loaded, model, standard, exchange, usize::from(how >> 2 & 3), &counter);
     assert_ne!(pointer, 0);
     if how & 16 != 0 {
         begin(loaded, standard, exchange, pointer);
@@ -48,6 +50,7 @@ fn sequence(loaded: &Loaded, data: &[u8]) {
     let functions = if standard == 2 { &loaded.two } else { &loaded.three };
     let mut victim = Victim { functions, pointer, states: Vec::new(), time: 0.0 };
     let mut memory = Memory::new();
+    memory.model = model;
     for call in calls.chunks_exact(3).take(MOST_CALLS) {
         let function = &functions[usize::from(call[0]) % functions.len()];
         let mut random = Random((u64::from(call[1]) << 8 | u64::from(call[2])).wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
@@ -66,12 +69,12 @@ fn sequence(loaded: &Loaded, data: &[u8]) {
     unsafe { loaded.get(free)(pointer, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0.0, 0.0, 0.0) };
 }
 
-/// A few calls of every function, before and after the simulation has begun.
+/// A few calls of every function of both models, before and after the simulation has begun.
 fn sequences() -> Vec<Vec<u8>> {
     (0..64u8)
         .map(|how| {
             let calls = (0..40u8).flat_map(|i| [i.wrapping_mul(7).wrapping_add(how), how, i]);
-            std::iter::once(how % 32).chain(calls).collect()
+            std::iter::once(how).chain(calls).collect()
         })
         .collect()
 }

@@ -5,7 +5,7 @@ use glidepolar_fmu::instance::phase::Phase;
 use glidepolar_fmu::instance::refusal::Outcome;
 use glidepolar_fmu::instance::{Abilities, Instance, Interface};
 use glidepolar_fmu::model::vehicle::Vehicle;
-use glidepolar_fmu::model::{Kind, variables};
+use glidepolar_fmu::model::{Kind, Model};
 
 use crate::Target;
 
@@ -19,12 +19,16 @@ pub const STATE: Target = Target {
 
 const CHECKSUM_BYTES: usize = 4;
 
-/// The first byte chooses the interface and whether the bytes are taken as they are.
+/// Its bits choose the interface, whether the bytes are taken as they are, and the model.
+const EXCHANGE: u8 = 1;
+const AS_THEY_ARE: u8 = 2;
+const SPACE: u8 = 4;
+
+/// The first byte is the choice.
 fn state(data: &[u8]) {
     let Some((&choice, content)) = data.split_first() else { return };
-    let interface = if choice & 1 == 0 { Interface::CoSimulation } else { Interface::ModelExchange };
-    let mut instance = fresh(interface);
-    let bytes = if choice & 2 == 0 { sealed(&mut instance, content) } else { content.to_vec() };
+    let mut instance = fresh(choice);
+    let bytes = if choice & AS_THEY_ARE == 0 { sealed(&mut instance, content) } else { content.to_vec() };
     let Ok(handle) = instance.deserialized(&bytes) else { return };
     let written = instance.serialized(handle).expect("what was read can be written");
     let again = instance.deserialized(&written).expect("what was written can be read");
@@ -32,8 +36,10 @@ fn state(data: &[u8]) {
     let _ = go_on(&mut instance, handle);
 }
 
-fn fresh(interface: Interface) -> Instance {
-    Instance::new(interface, Abilities::default(), &Vehicle::default(), Log::new(None, false))
+fn fresh(choice: u8) -> Instance {
+    let interface = if choice & EXCHANGE == 0 { Interface::CoSimulation } else { Interface::ModelExchange };
+    let model = if choice & SPACE == 0 { Model::Plane } else { Model::Space };
+    Instance::new(interface, Abilities::default(), &Vehicle::built_in(model), Log::new(None, false))
 }
 
 /// These fields behind the header of a true state, with the checksum of all.
@@ -46,7 +52,7 @@ fn sealed(instance: &mut Instance, fields: &[u8]) -> Vec<u8> {
 
 /// What every state of this instance begins with: two states that differ in phase share no more than that.
 fn header(instance: &mut Instance) -> Vec<u8> {
-    let token = glidepolar_fmu::model::table::token();
+    let token = instance.table().token;
     let mut bytes = saved(instance).expect("a state can always be saved");
     // Mark, version, token, interface.
     bytes.truncate(8 + 4 + token.len() + 1);
@@ -69,10 +75,10 @@ fn checksum(bytes: &[u8]) -> u32 {
 
 fn go_on(instance: &mut Instance, handle: usize) -> Outcome {
     instance.restore(handle)?;
-    let reals = variables().iter().enumerate().filter(|(_, variable)| variable.kind == Kind::Real);
-    let references: Vec<u32> = reals.map(|(place, _)| place as u32).collect();
+    let reals = instance.table().rows.iter().filter(|variable| variable.kind == Kind::Real);
+    let references: Vec<u32> = reals.map(|variable| variable.reference).collect();
     instance.get_reals(&references, &mut vec![0.0; references.len()])?;
-    instance.derivatives(&mut [0.0; 12])?;
+    instance.derivatives(&mut vec![0.0; instance.model().n_states()])?;
     if instance.interface() == Interface::CoSimulation && instance.phase() == Phase::Step {
         for _ in 0..2 {
             instance.whole_step(instance.time_s(), 0.5)?;
@@ -85,22 +91,25 @@ fn go_on(instance: &mut Instance, handle: usize) -> Outcome {
 
 fn states() -> Vec<Vec<u8>> {
     let mut states = Vec::new();
-    for (choice, interface) in [(0, Interface::CoSimulation), (1, Interface::ModelExchange)] {
-        let mut instance = fresh(interface);
+    for choice in [0, EXCHANGE, SPACE, SPACE | EXCHANGE] {
+        let mut instance = fresh(choice);
         let mut keep = |instance: &mut Instance| {
             let bytes = saved(instance).expect("a state can always be saved");
             let content = &bytes[header(instance).len()..bytes.len() - CHECKSUM_BYTES];
             states.push([[choice].as_slice(), content].concat());
-            states.push([[choice | 2].as_slice(), &bytes].concat());
+            states.push([[choice | AS_THEY_ARE].as_slice(), &bytes].concat());
         };
         keep(&mut instance);
         instance.set_up(Some(1e-6), 0.0, Some(100.0)).expect("plain figures");
         instance.enter_initialization().expect("it is fresh");
         instance.exit_initialization(Phase::Step).expect("the default vehicle flies");
-        if interface == Interface::CoSimulation {
+        if choice & EXCHANGE == 0 {
             instance.whole_step(0.0, 10.0).expect("the default vehicle flies");
         }
         keep(&mut instance);
+        // The run that goes on must be one, else nothing of it is looked at.
+        let handle = instance.save(0).expect("a state can always be saved");
+        go_on(&mut instance, handle).expect("a state of its own goes on");
     }
     states
 }

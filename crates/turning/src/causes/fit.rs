@@ -199,10 +199,6 @@ impl Fit {
         self.by_dive.len() as f64 - 1.0
     }
 
-    pub(super) fn estimate(&self, term: Term, unit: &str) -> Option<Estimate> {
-        self.size(term).map(|[value, se]| Estimate::student(value, se, self.freedom(), unit))
-    }
-
     /// One term over another; none where the denominator may be zero.
     pub(super) fn ratio(&self, above: Term, below: Term, unit: &str) -> Option<Estimate> {
         let (a, b) = (self.at(above)?, self.at(below)?);

@@ -52,7 +52,7 @@ pub fn causes(observations: &[Observation]) -> Option<LateralDiagnosis> {
         stretches: rows.len(),
         causes: Vec::new(),
         rejected: Vec::new(),
-        sizes: [Some(full.sum(&[(Term::List, 1.0), (Term::Zero, 1.0)])), full.size(Term::Yaw)],
+        sizes: [Some(full.sum(&[(Term::List, 1.0), (Term::Zero, 1.0)])), terms.curvature(&rows)],
         rudder_per_roll: full.rudder_per_roll(),
         modelled: Vec::new(),
     };

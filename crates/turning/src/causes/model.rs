@@ -20,16 +20,30 @@ const UNSTEADY: f64 = 0.2;
 pub(super) struct Row {
     pub(super) stretch: Stretch,
     pub(super) speed_m_s: f64,
+    /// Drag over slope of the lift where [`Term::Attack`] is not fitted.
+    pub(super) drag_per_lift: f64,
 }
 
 impl Row {
     /// Speed along the path \[m/s\], and the net weight's component to the side over the drag for a unit of roll. The path is steeper than
-    /// the hull by the angle of attack, which is about a figure of the polar over the tangent of the pitch.
+    /// the hull by the angle of attack, whose product with the tangent of the path is drag over slope of the lift.
     fn along_path(&self, drag_per_lift: f64) -> (f64, f64) {
         let pitch = self.stretch.pitch_rad.abs();
-        let path = (pitch + drag_per_lift / pitch.tan()).clamp(pitch, 1.5);
+        let path = pitch + angle_of_attack(pitch, drag_per_lift);
         (self.speed_m_s * pitch.sin() / path.sin(), pitch.cos() / path.sin())
     }
+}
+
+/// The angle of attack of a glide at this pitch: `angle tan(pitch + angle) = drag_per_lift`, by Newton's steps from above. With the
+/// tangent of the pitch alone it would be half again too large at the flattest pitches.
+fn angle_of_attack(pitch_rad: f64, drag_per_lift: f64) -> f64 {
+    let drag_per_lift = drag_per_lift.max(0.0);
+    let mut angle = (drag_per_lift / pitch_rad.tan()).min(drag_per_lift.sqrt()).min(1.5 - pitch_rad).max(0.0);
+    for _ in 0..4 {
+        let tan = (pitch_rad + angle).tan();
+        angle -= (angle * tan - drag_per_lift) / (tan + angle * (1.0 + tan * tan));
+    }
+    angle
 }
 
 /// A figure of the model.
@@ -88,7 +102,7 @@ pub(super) fn parameter(term: Term) -> &'static str {
     }
 }
 
-/// Drag over slope of the lift and its standard deviation, of the built-in gliders.
+/// Drag over slope of the lift and its standard deviation, of the built-in gliders: 0.016 to 0.059.
 pub(super) const ATTACK: [f64; 2] = [0.03, 0.02];
 
 /// The stretches at the speed of their leg, each with its own. At the turn of a leg a glider is slow, and it is there that a heading
@@ -103,7 +117,11 @@ pub(super) fn rows(observations: &[Observation]) -> Vec<Row> {
     let of_leg: BTreeMap<(u32, bool), f64> =
         of_leg.into_iter().map(|(leg, mut speeds)| (leg, glidepolar_flightlog::median(&mut speeds))).collect();
     let is_steady = |s: &Stretch| (s.speed_m_s / of_leg[&(s.dive, s.descends)] - 1.0).abs() < UNSTEADY;
-    let row = |stretch: Stretch| Row { stretch, speed_m_s: stretch.speed_m_s.clamp(SLOWEST_M_S, FASTEST_M_S) };
+    let row = |stretch: Stretch| Row {
+        stretch,
+        speed_m_s: stretch.speed_m_s.clamp(SLOWEST_M_S, FASTEST_M_S),
+        drag_per_lift: ATTACK[0],
+    };
     found.into_iter().filter(is_steady).map(row).collect()
 }
 
@@ -132,7 +150,8 @@ pub(super) fn start(terms: &[Term]) -> DVector<f64> {
 pub(super) fn predicted(row: &Row, terms: &[Term], values: &DVector<f64>) -> [f64; 2] {
     let of = |wanted: Term| terms.iter().position(|term| *term == wanted).map_or(0.0, |at| values[at]);
     let stretch = row.stretch;
-    let (speed_m_s, cot) = row.along_path(of(Term::Attack));
+    let (speed_m_s, cot) =
+        row.along_path(if terms.contains(&Term::Attack) { of(Term::Attack) } else { row.drag_per_lift });
     let finite = |value: f64| if value.is_finite() { value } else { 0.0 };
     let (rudder, roll_mass) = (finite(stretch.rudder_rad), finite(stretch.roll_mass_rad));
     let (zero, gain) = (of(Term::Zero), of(Term::Gain));

@@ -10,7 +10,7 @@ use super::findings::{
 };
 use super::fit::Fit;
 use super::held_out::{HeldOut, delta_bic, halves};
-use super::model::{Row, Term, name, parameter, rolls};
+use super::model::{ATTACK, Row, Term, name, parameter, rolls};
 use crate::{HELD_RUDDER_RAD, LEAST_STRETCHES, Stretch, VARIES_RAD, sd};
 
 /// Standard error of the roll sensor's zero where turning does not show it \[rad\]: sensors are mounted within about a degree.
@@ -192,6 +192,28 @@ impl Terms {
         });
     }
 
+    /// Curvature without roll and rudder with its standard error \[rad/m\].
+    ///
+    /// It is per speed, and the speed follows from pitch and depth rate with the angle of attack. A log without a measured speed
+    /// seems to show that angle by the difference of the legs, but any small error that is opposite on the legs (pitch
+    /// sensor, vertical current) makes the same difference. So drag over lift is a considered parameter here: fixed at its
+    /// prior, whose error counts in full, besides the larger of the errors by clusters and by leaving out dives.
+    pub(super) fn curvature(&self, rows: &[Row]) -> Option<[f64; 2]> {
+        let terms: Vec<Term> = self.all().into_iter().filter(|term| *term != Term::Attack).collect();
+        let [mean, sd] = ATTACK;
+        let at = |drag_per_lift: f64| {
+            let rows: Vec<Row> = rows.iter().map(|row| Row { drag_per_lift, ..*row }).collect();
+            Fit::new(&rows, &terms, None)
+        };
+        let fit = at(mean)?;
+        let [value, by_clusters] = fit.size(Term::Yaw)?;
+        let by_dives = fit.jackknife(rows, |fit| fit.size(Term::Yaw));
+        // To both sides: the curvature is not linear in it.
+        let considered =
+            [mean - sd, mean + sd].map(|other| at(other).map_or(0.0, |fit| (fit.value(Term::Yaw) - value).abs()));
+        Some([value, by_clusters.max(by_dives).hypot(considered[0].max(considered[1]))])
+    }
+
     /// Both legs turn alike: rudder or drag on one side.
     pub(super) fn yaw(&self, rows: &[Row], full: &Fit, found: &mut LateralDiagnosis) {
         let names = ["rudder_offset", "yaw_asymmetry"];
@@ -203,7 +225,7 @@ impl Terms {
             };
             return reject(found, &names, None, false, remark);
         }
-        let Some(size) = full.size(Term::Yaw) else { return };
+        let Some(size) = found.sizes[1] else { return };
         let p_value = full.chance(size, RELEVANT_YAW_RAD_M);
         if p_value > MOST_CHANCE {
             let remark = "what turns both legs alike does not exceed the limit of relevance for certain";
@@ -227,12 +249,12 @@ impl Terms {
             let remark = "held-out dives are not predicted better with it by a standard error";
             return reject(found, &names, Some(p_value), true, remark);
         }
-        let curvature = full.estimate(Term::Yaw, "rad/m");
+        let curvature = Estimate::student(size[0], size[1], full.freedom(), "rad/m");
         let angle = full.ratio(Term::Yaw, Term::Rudder, "rad").filter(|_| self.has_rudder);
         let cause = if angle.is_some() { "rudder_offset" } else { "yaw_asymmetry" };
         let mut parameters: BTreeMap<String, Estimate> = BTreeMap::new();
         parameters.extend(angle.map(|angle| ("rudder_offset_rad".to_owned(), angle)));
-        parameters.extend(curvature.map(|curvature| ("yaw_asymmetry_rad_per_m".to_owned(), curvature)));
+        parameters.insert("yaw_asymmetry_rad_per_m".to_owned(), curvature);
         let speed = rows.iter().map(|row| row.speed_m_s).sum::<f64>() / rows.len() as f64;
         let has_channel = rows.iter().any(|row| row.stretch.rudder_rad.is_finite());
         found.causes.push(LateralCause {
