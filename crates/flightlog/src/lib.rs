@@ -47,6 +47,7 @@ mod seaglider;
 mod segment;
 mod settings;
 mod slocum;
+mod times;
 mod units;
 mod vertical_velocity;
 
