@@ -324,6 +324,31 @@ def test_what_is_no_log_is_called_what_it_is(glidepolar, tmp_path, name, content
         assert all(hint in done.stderr for hint in hints), done.stderr
 
 
+def test_a_pitch_in_radians_under_a_name_of_degrees_is_refused(glidepolar, tmp_path):
+    dive = Dive(rows=400)
+    columns = {name: (lambda row, name=name: dive[name][row]) for name in dive.values}
+    log_files.cells(tmp_path / "log.csv", {**columns, "pitch_deg": lambda row: dive["pitch_deg"][row] * log_files.RAD}, 400)
+    for command in ["identify", "diagnose", "track"]:
+        done = run(glidepolar, command, tmp_path / "log.csv", "--vehicle", "seaglider")
+        assert done.returncode == 2 and "--unit pitch_rad=rad" in done.stderr, done.stderr
+    log_files.cells(tmp_path / "right.csv", columns, 400)
+    for log, unit in [("log.csv", ["--unit", "pitch_rad=rad"]), ("right.csv", [])]:
+        done = run(glidepolar, "track", tmp_path / log, "--vehicle", "seaglider", *unit)
+        assert "no glider glides so" not in done.stderr, done.stderr
+
+
+@pytest.mark.parametrize("maker", ["seaexplorer", "slocum"])
+def test_a_track_takes_the_density_from_the_conductivity(glidepolar, tmp_path, maker):
+    dive = Dive(rows=400)
+    if maker == "slocum":
+        log_files.slocum(tmp_path / "a.dbd", dive)
+        paths = [tmp_path / "a.dbd"]
+    else:
+        paths = seaexplorer(tmp_path, dive)
+    done = run(glidepolar, "track", *paths, "--vehicle", "seaexplorer", "--json", "-", "-q")
+    assert "density" not in done.stderr, done.stderr
+
+
 def test_a_grid_of_profiles_is_no_time_series(glidepolar, tmp_path):
     with netCDF4.Dataset(tmp_path / "grid.nc", "w") as file:
         file.createDimension("time", 3)

@@ -91,12 +91,11 @@ impl CsvLog {
                 let read = number(cell).map(|value| column.value(value)).or_else(date);
                 let value = read.ok_or_else(|| {
                     let place = Place::line(&self.path, line).column(column.cell + 1);
-                    let error = not_a_number(place, &self.header[column.cell], cell);
-                    match column.channel {
-                        Channel::Time => error.help(
-                            "expected seconds, or a date as 2022-06-13T18:00:00Z or, the day first, 13/06/2022 18:00:00",
-                        ),
-                        _ => error,
+                    let name = &self.header[column.cell];
+                    if column.channel == Channel::Time {
+                        no_time(place, name, cell)
+                    } else {
+                        not_a_number(place, name, cell)
                     }
                 })?;
                 row.push((column.channel, value));
@@ -382,6 +381,12 @@ pub(super) fn number(cell: &[u8]) -> Option<f64> {
 pub(super) fn not_a_number(place: Place, column: &str, cell: &[u8]) -> InputError {
     let found = printable(&String::from_utf8_lossy(cell));
     InputError::new(place, format!("`{}` is `{found}`, expected a number or an empty cell", printable(column)))
+}
+
+fn no_time(place: Place, column: &str, cell: &[u8]) -> InputError {
+    let found = printable(&String::from_utf8_lossy(cell));
+    let problem = format!("`{}` is `{found}`, neither seconds nor a date that is known", printable(column));
+    InputError::new(place, problem).help("dates are 2022-06-13T18:00:00Z or, the day first, 13/06/2022 18:00:00")
 }
 
 pub(super) fn csv_error(path: &Path, error: &::csv::Error) -> InputError {
