@@ -121,7 +121,9 @@
       for (const layer of panel.layers.filter((layer) => layer.kind === "points" && layer.bars)) {
         layer.bars.forEach((ends, i) => {
           const x = layer.x[i];
-          if (x === null || ends[0] === null || ends[1] === null || x < min || x > max) return;
+          // Before the first drawing the range of x is not known yet: all of the data are shown then.
+          const is_shown = x !== null && (min == null || (x >= min && x <= max));
+          if (!is_shown || ends[0] === null || ends[1] === null) return;
           from = Math.min(from, ...ends);
           to = Math.max(to, ...ends);
         });
