@@ -115,6 +115,9 @@ const MUCH_MORE_LIKELY: f64 = 3.0;
 
 /// Whether the vertical velocities of a log are fitted much better by the other of two vehicles that differ in their lift slopes:
 /// drag, drag due to lift and trim fitted with each.
+///
+/// # Errors
+/// Where there is too little of the log to fit.
 pub fn is_fitted_better(
     [own, other]: [&Vehicle; 2],
     trim: Trim,
