@@ -10,8 +10,8 @@ use crate::diagnose::sea::consistency::{self, DensityError};
 use crate::diagnose::{Check, Checked};
 use crate::input::{InputError, Place};
 use crate::log::{
-    CHANNELS, Calibration, Channel, Columns, Condenser, FlightLog, LogFiles, MOST_OBSERVATIONS, Observation, Piece,
-    Preparation, PreparationSettings, Shorten, take_out_interpolated_speeds, take_out_lost_speeds,
+    CHANNELS, Calibration, Channel, Columns, Condenser, FlightLog, ForwardFilled, LogFiles, MOST_OBSERVATIONS,
+    Observation, Piece, Preparation, PreparationSettings, Shorten, take_out_interpolated_speeds, take_out_lost_speeds,
 };
 use crate::vehicle::Vehicle;
 
@@ -84,6 +84,7 @@ pub fn read_watched(
     if log.observations.is_empty() {
         return Err(nothing_left.into());
     }
+    check_pitch(&logs[0], &log.observations)?;
     log.notes.splice(0..0, files.notes().iter().cloned());
     log.left_out.splice(0..0, files.warnings().iter().cloned());
     log.calibration = files.calibration().cloned();
@@ -141,7 +142,7 @@ pub struct PreparedLog {
     /// What was found in the log and done about it.
     pub notes: Vec<String>,
     /// What was left out as a whole: files, the speeds of legs on which the sensor had lost the water, speeds that were
-    /// interpolated.
+    /// interpolated or repeated.
     pub left_out: Vec<String>,
     /// What the files say of the vehicle; Seaglider only.
     pub calibration: Option<Calibration>,
@@ -222,6 +223,30 @@ pub fn gravity_m_s2(latitude_deg: f64) -> f64 {
     9.780_327 * (1.0 + (5.279_041_4e-3 + (2.327_18e-5 + (1.262e-7 + 7e-10 * sin2) * sin2) * sin2) * sin2)
 }
 
+/// Pitch that no glider keeps within on nearly all of its way \[rad\]: 1.6 degrees, which radians labelled degrees do.
+const LEAST_PITCH_RAD: f64 = 0.028;
+
+/// Samples from which the pitch is judged.
+const FEWEST_PITCHES: usize = 50;
+
+/// Refuses a pitch that is too small for any glider.
+///
+/// # Errors
+/// Where 95 % of the samples pitch by less than 1.6 degrees.
+pub fn check_pitch(log: &Path, observations: &[Observation]) -> Result<(), InputError> {
+    let flat = observations.iter().filter(|o| o.pitch_rad.abs() < LEAST_PITCH_RAD).count();
+    if observations.len() < FEWEST_PITCHES || flat * 20 < observations.len() * 19 {
+        return Ok(());
+    }
+    let problem = format!(
+        "the pitch stays within {:.1} degrees on {flat} of {} samples on legs; no glider glides so",
+        LEAST_PITCH_RAD.to_degrees(),
+        observations.len()
+    );
+    Err(InputError::new(Place::file(log), problem)
+        .help("are its numbers radians, under a name that says degrees? state it by --unit pitch_rad=rad"))
+}
+
 /// A log of column names only.
 pub fn no_rows(log: &Path) -> InputError {
     InputError::new(Place::file(log), "no row of data below the names of the columns").help("is the file whole?")
@@ -230,6 +255,8 @@ pub fn no_rows(log: &Path) -> InputError {
 /// Pieces of a log on their way to samples, in bounded memory.
 pub struct Gathering {
     preparation: Preparation,
+    /// Speeds that were repeated until the next one.
+    repeated: ForwardFilled,
     condenser: Condenser,
     batch: Vec<Observation>,
     /// Samples that show turns and nothing else.
@@ -248,6 +275,7 @@ impl Gathering {
     pub fn new(settings: PreparationSettings, how: Shorten) -> Self {
         Gathering {
             preparation: Preparation::new(settings),
+            repeated: ForwardFilled::default(),
             condenser: Condenser::new(how, MOST_OBSERVATIONS),
             batch: Vec::new(),
             // None of them is steady: whole dives go where they are too many.
@@ -281,7 +309,7 @@ impl Gathering {
     }
 
     /// Takes the next piece of a time series.
-    pub fn push(&mut self, piece: FlightLog) {
+    pub fn push(&mut self, mut piece: FlightLog) {
         self.rows += piece.len();
         self.locate(&piece);
         for info in CHANNELS.iter().filter(|info| piece.has(info.channel)) {
@@ -289,6 +317,8 @@ impl Gathering {
                 self.recorded.push(info.channel);
             }
         }
+        // Before rows are left out: the first of a run is the one that was measured.
+        self.repeated.take_out(&mut piece);
         self.preparation.push(piece, &mut self.batch);
         self.condense();
     }
@@ -341,7 +371,8 @@ impl Gathering {
         let (mut observations, shortened) = self.condenser.finish();
         // Means over a stretch of a long log show no lines any more.
         let interpolated = shortened.is_none().then(|| take_out_interpolated_speeds(&mut observations)).flatten();
-        let lost: Vec<String> = interpolated.into_iter().chain(take_out_lost_speeds(&mut observations)).collect();
+        let never_measured = self.repeated.report().into_iter().chain(interpolated);
+        let lost: Vec<String> = never_measured.chain(take_out_lost_speeds(&mut observations)).collect();
         let w_filter =
             if self.has_tables { "the column w_m_s of the table".to_owned() } else { self.preparation.filter() };
         let w_filter = match &shortened {

@@ -36,7 +36,7 @@ pub(super) fn of_joint(
     page.warnings.extend(report.warnings.iter().cloned());
     page.findings.extend(answers(parameters, &points));
     page.findings.extend(findings(report));
-    let mut profiles = Section::new("What the data tell, and what they do not")
+    let mut profiles = Section::new("What the data identify, and what they do not")
         .figure(figures::lift_slope_profile(&found.profile))
         .text("A profile holds one parameter and fits all others again. It allows for the correlation of neighbouring samples by their number that says together what one independent sample would; the standard errors of the table leave out one dive at a time.");
     for (i, &row) in found.fit.free.iter().enumerate() {
@@ -168,8 +168,7 @@ fn findings(report: &IdentifyReport) -> Vec<String> {
     let mut findings = vec![format!(
         "Vertical velocity is met to {} mm/s rms{}.",
         mm(fit.w_rms_m_s),
-        fit.w_rms_holdout_m_s
-            .map_or(String::new(), |held| format!(", on dives that the fit did not see to {} mm/s", mm(held)))
+        fit.w_rms_holdout_m_s.map_or(String::new(), |held| format!(", on held-out dives to {} mm/s", mm(held)))
     )];
     if let (Some(rms), Some(bias)) = (fit.speed_rms_m_s, fit.speed_bias_m_s) {
         findings.push(format!(

@@ -112,6 +112,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         let calibrated =
             calibration.as_ref().map(|c| Calibrated { pump: &c.pump, dives: &c.dives, strokes: &c.strokes });
         let mut page = plan_page::page(&vehicle, planned.as_ref(), calibrated.as_ref());
+        page = plan.iter().flat_map(|plan| &plan.warnings).fold(page, |page, warning| page.warning(warning.clone()));
         page = page.input(vehicle_input(&arguments.vehicle)?);
         for file in arguments.moves.iter().chain(&arguments.dives) {
             page = page.input(InputFile::read(file)?);

@@ -13,8 +13,10 @@ use super::{CliError, Output, housekeeping, log_vehicle, print_notes, vehicle_in
 use crate::diagnose::sea::consistency::DensityError;
 use crate::dynamics::Parameters;
 use crate::input::{InputError, Place};
-use crate::log::{CHANNELS, Channel, DBAR_PA, FlightLog, LogFiles, Piece, Shorten, in_situ_density_kg_m3};
-use crate::reading::{Gathering, no_rows, settings};
+use crate::log::{
+    CHANNELS, Channel, DBAR_PA, FlightLog, LogFiles, Piece, Shorten, in_situ_density_kg_m3, practical_salinity,
+};
+use crate::reading::{Gathering, check_pitch, no_rows, settings};
 use crate::report::{InputFile, Report as Page};
 use crate::track::comparison::{self, Comparison, Stored};
 use crate::track::{DiveTrack, Drift, Fix, Sample, Track, TrackSettings, reckon};
@@ -230,6 +232,7 @@ fn read(a: &Arguments, vehicle: Vehicle) -> Result<Read, CliError> {
         said(gathering.progress(&files));
     }
     let mut prepared = gathering.finish()?;
+    check_pitch(&a.logs[0], &prepared.observations)?;
     let vehicle = prepared.located(vehicle)?;
     let (mut warnings, density_error) = prepared.checked(&vehicle)?;
     warnings.splice(0..0, files.warnings().iter().cloned());
@@ -279,7 +282,9 @@ fn samples(a: &Arguments, log: &FlightLog, density_error: Option<DensityError>) 
             depth if depth.is_finite() => depth,
             _ => pressure * DBAR_PA / (1025.0 * 9.81),
         };
-        let salinity = value(Channel::Salinity);
+        let (salinity, conductivity_S_m) = (value(Channel::Salinity), value(Channel::Conductivity));
+        let salinity =
+            if salinity.is_finite() { salinity } else { practical_salinity(conductivity_S_m, temperature_C, pressure) };
         let at_zero_pressure = density_error == Some(DensityError::AtZeroPressure);
         let density_kg_m3 = match value(Channel::Density) {
             density if density.is_finite() && !at_zero_pressure => match density_error {
@@ -312,7 +317,8 @@ fn samples(a: &Arguments, log: &FlightLog, density_error: Option<DensityError>) 
         });
     }
     if !samples.iter().any(|sample| sample.density_kg_m3.is_finite()) {
-        let error = InputError::new(Place::file(&a.logs[0]), "no density, nor temperature with salinity");
+        let error =
+            InputError::new(Place::file(&a.logs[0]), "no density, nor temperature with salinity or conductivity");
         return Err(error.help("give it with --density").into());
     }
     Ok(samples)

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::consider_parameters::{considered_of, propagate};
 use super::considered::{Considered, Propagated};
 use super::data::{Dive, by_dive};
-use super::external_values::{ExternalValue, Pin, considered, from_outside, other_than_built_up};
+use super::external_values::{ExternalValue, HeldLiftSlope, Pin, considered, from_outside, held_lift_slope};
 use super::holdout::{HeldOut, hold_out};
 use super::identifiability::{ProfilePoint, is_identified, profile};
 use super::inflections::{Inflections, UNSTEADY_ONLY, Unsteady, inflections};
@@ -148,9 +148,9 @@ pub fn identify(
         pinned.insert(short_name(PARAMETERS[row].name).to_owned(), pin);
     }
     if !has_speed && free.contains(&"a_per_rad") && !asked.contains(&"a_per_rad") {
-        let (value, se, source) = from_outside(vehicle, parameter_index("a_per_rad").expect("a row of the table"));
+        let HeldLiftSlope { value, se, source, warning } = held_lift_slope(vehicle, "--pin a=");
         baseline.a_per_rad = value;
-        warnings.extend(other_than_built_up(vehicle));
+        warnings.extend(warning);
         free.retain(|name| *name != "a_per_rad");
         let reason = "vertical velocity alone does not identify the lift slope: a larger b cancels the effect of a smaller angle \
                       of attack; a measured speed through the water would identify it"

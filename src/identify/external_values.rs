@@ -9,9 +9,14 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::considered::Considered;
+use super::data::by_dive;
+use super::evaluate::Scatter;
+use super::joint::{IdentifyError, Question, fit};
 use super::names::{long_name, short_name};
+use super::trim::Trim;
 use crate::assemble::{Figure, wing_lift_slope_per_rad};
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
+use crate::log::Observation;
 use crate::vehicle::Vehicle;
 
 /// A value that is known from outside the log, as a user gives it: `21` or `21+-3`.
@@ -67,14 +72,35 @@ pub fn built_up_lift_slope(vehicle: &Vehicle) -> Option<(Figure, &'static str)> 
     })
 }
 
+/// What is held of the lift slope where the log does not identify it, in an identification and in a diagnosis alike.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeldLiftSlope {
+    /// The vehicle's own slope, and where its error comes from. Where its legs were measured apart, each keeps its own beside
+    /// it.
+    pub value: f64,
+    /// Its standard error; none where nobody stated one.
+    pub se: Option<f64>,
+    /// Where both come from.
+    pub source: String,
+    /// What to say where the vehicle is a built-in Slocum and its slope is not that of a real one with its wings.
+    pub warning: Option<String>,
+}
+
+/// The lift slope that is held for this vehicle where vertical velocity is all that was measured: the vehicle's own. `option` is
+/// the one of the command that holds another.
+pub fn held_lift_slope(vehicle: &Vehicle, option: &str) -> HeldLiftSlope {
+    let (value, se, source) = from_outside(vehicle, parameter_index("a_per_rad").expect("a row of the table"));
+    HeldLiftSlope { value, se, source, warning: other_than_built_up(vehicle, option) }
+}
+
 /// What to say where the vehicle's lift slope is not that of a real Slocum with its wings; nothing where it is, within two of
 /// the build-up's standard errors.
-pub(super) fn other_than_built_up(vehicle: &Vehicle) -> Option<String> {
+fn other_than_built_up(vehicle: &Vehicle, option: &str) -> Option<String> {
     let (slope, source) = built_up_lift_slope(vehicle)?;
     let own = vehicle.glide_parameters().a_per_rad;
     ((own - slope.value).abs() > 2.0 * slope.se).then(|| {
         format!(
-            "the lift slope of `{}` is {own:.1} per rad, that of its paper; {source}: {:.1} +- {:.1} per rad. For the log of a real Slocum hold that one: --pin a={:.1}+-{:.1}",
+            "the lift slope of `{}` is {own:.1} per rad, that of its paper; {source}: {:.1} +- {:.1} per rad. For the log of a real Slocum hold that one: {option}{:.1}+-{:.1}",
             vehicle.name, slope.value, slope.se, slope.value, slope.se
         )
     })
@@ -84,8 +110,31 @@ pub(super) fn other_than_built_up(vehicle: &Vehicle) -> Option<String> {
 /// al. 2007), 8.1 (Merckelbach et al. 2010) and 29 (the same authors' later code).
 const SLOCUM_C_SCATTER_PER_RAD2: f64 = 12.0;
 
+/// By how much more likely the log must be with another slope than with the vehicle's own, as a logarithm: twenty times.
+const MUCH_MORE_LIKELY: f64 = 3.0;
+
+/// Whether the vertical velocities of a log are fitted much better by the other of two vehicles that differ in their lift slopes:
+/// drag, drag due to lift and trim fitted with each.
+///
+/// # Errors
+/// Where there is too little of the log to fit.
+pub fn is_fitted_better(
+    [own, other]: [&Vehicle; 2],
+    trim: Trim,
+    observations: &[Observation],
+) -> Result<bool, IdentifyError> {
+    let scatter = |vehicle: &Vehicle| -> Result<Scatter, IdentifyError> {
+        let baseline = trim.baseline(&vehicle.glide_parameters(), observations);
+        let question = Question::new(baseline, &["b", "c_per_rad2", "ballast_offset_kg"])?;
+        Ok(fit(&question, &mut by_dive(observations))?.tally.sink)
+    };
+    let (own, other) = (scatter(own)?, scatter(other)?);
+    let independent = own.n as f64 / own.correlated_samples().max(other.correlated_samples());
+    Ok(independent * (own.rms() / other.rms()).ln() > MUCH_MORE_LIKELY)
+}
+
 /// A built-in Slocum is not the user's own glider.
-fn is_any_slocum(vehicle: &Vehicle) -> bool {
+pub fn is_any_slocum(vehicle: &Vehicle) -> bool {
     vehicle.is_builtin && vehicle.name.to_lowercase().contains("slocum")
 }
 

@@ -6,6 +6,7 @@ import resource
 import subprocess
 
 import log_files
+import netCDF4
 import numpy as np
 import pytest
 from log_files import Dive
@@ -298,3 +299,86 @@ def test_housekeeping_stands_below_the_answer(glidepolar, tmp_path):
         before, _, after = page.rpartition("Reading of the log")
         assert "spikes" in after and "spikes" not in before
         assert "<summary>" in before[-60:], before[-200:]
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "hints"),
+    [
+        ("log.parquet", b"PAR1" + bytes(200), ["Parquet", "to_csv"]),
+        ("log.xlsx", b"PK\x03\x04" + bytes(200), ["Excel", "CSV"]),
+        ("log.mat", b"MATLAB 5.0 MAT-file" + b" " * 200 + b"\0\1IM", ["Matlab", "CSV"]),
+        ("log.csv", "time_s,pressure_dbar\n1,2\n".encode("utf-16"), ["UTF-16", "UTF-8"]),
+        ("log.nc", b"<!DOCTYPE html><html>404</html>", ["download"]),
+        ("log.csv", b'Error {\n    code=404;\n    message="Not Found";\n}\n', ["ERDDAP"]),
+        ("log.csv", b"My glider\ntime_s,pressure_dbar,pitch_deg,vbd_cc\n1,2,3,4\n", ["title", "#"]),
+        ("log.csv", b"time_s pressure_dbar pitch_deg vbd_cc\n1 2 3 4\n", ["blanks"]),
+        ("log.csv", b"time_s,pressure_dbar,pitch_deg,vbd_cc\n06/13/2022 18:00:00,2,3,4\n", ["log.csv:2:1", "the day first"]),
+    ],
+)
+def test_what_is_no_log_is_called_what_it_is(glidepolar, tmp_path, name, content, hints):
+    path = tmp_path / name
+    path.write_bytes(content)
+    for command in ["identify", "diagnose", "track"]:
+        done = run(glidepolar, command, path, "--vehicle", "seaglider")
+        assert done.returncode == 2 and name in done.stderr, done.stderr
+        assert all(hint in done.stderr for hint in hints), done.stderr
+
+
+def test_a_pitch_in_radians_under_a_name_of_degrees_is_refused(glidepolar, tmp_path):
+    dive = Dive(rows=400)
+    columns = {name: (lambda row, name=name: dive[name][row]) for name in dive.values}
+    log_files.cells(tmp_path / "log.csv", {**columns, "pitch_deg": lambda row: dive["pitch_deg"][row] * log_files.RAD}, 400)
+    for command in ["identify", "diagnose", "track"]:
+        done = run(glidepolar, command, tmp_path / "log.csv", "--vehicle", "seaglider")
+        assert done.returncode == 2 and "--unit pitch_rad=rad" in done.stderr, done.stderr
+    log_files.cells(tmp_path / "right.csv", columns, 400)
+    for log, unit in [("log.csv", ["--unit", "pitch_rad=rad"]), ("right.csv", [])]:
+        done = run(glidepolar, "track", tmp_path / log, "--vehicle", "seaglider", *unit)
+        assert "no glider glides so" not in done.stderr, done.stderr
+
+
+@pytest.mark.parametrize("maker", ["seaexplorer", "slocum"])
+def test_a_track_takes_the_density_from_the_conductivity(glidepolar, tmp_path, maker):
+    dive = Dive(rows=400)
+    if maker == "slocum":
+        log_files.slocum(tmp_path / "a.dbd", dive)
+        paths = [tmp_path / "a.dbd"]
+    else:
+        paths = seaexplorer(tmp_path, dive)
+    done = run(glidepolar, "track", *paths, "--vehicle", "seaexplorer", "--json", "-", "-q")
+    assert "density" not in done.stderr, done.stderr
+
+
+def test_a_grid_of_profiles_is_no_time_series(glidepolar, tmp_path):
+    with netCDF4.Dataset(tmp_path / "grid.nc", "w") as file:
+        file.createDimension("time", 3)
+        file.createDimension("depth", 40)
+        log_files.variable(file, "time", ("time",), [1e9, 1.001e9, 1.002e9], "seconds since 1970-01-01")
+        for name in ["pressure", "pitch", "vbd_cc"]:
+            log_files.variable(file, name, ("depth", "time"), np.ones((40, 3)))
+    done = run(glidepolar, "identify", tmp_path / "grid.nc", "--vehicle", "seaglider")
+    assert done.returncode == 2 and "grid over depth and time" in done.stderr, done.stderr
+
+
+def test_netcdf_packed_by_an_add_on_is_not_called_damaged(glidepolar, tmp_path):
+    with netCDF4.Dataset(tmp_path / "zstd.nc", "w") as file:
+        file.createDimension("N_MEASUREMENTS", 120)
+        for name, spec in log_files.OG1.items():
+            made = file.createVariable(name, "f8", ("N_MEASUREMENTS",), compression="zstd")
+            made.units = spec["unit"]
+            made[:] = spec["of"](Dive())
+    done = run(glidepolar, "identify", tmp_path / "zstd.nc", "--vehicle", "seaglider")
+    assert done.returncode == 2 and "Zstandard" in done.stderr and "damaged" not in done.stderr, done.stderr
+
+
+def test_an_instrument_without_a_clock_costs_itself_only(log_values, tmp_path):
+    log_files.seaglider(tmp_path / "p1710001.nc", Dive(), drop=["ctd_time"])
+    rows, said = values(log_values, tmp_path / "p1710001.nc")
+    assert rows == 120 and "`temperature` has 117 values and no clock" in said, said
+
+
+def test_dates_of_a_seaexplorer_in_another_order_are_named(glidepolar, tmp_path):
+    files = [tmp_path / "sea035.12.gli.sub.5", tmp_path / "sea035.12.pld1.raw.5"]
+    log_files.seaexplorer(*files, Dive(), clock="%m/%d/%Y %H:%M:%S")
+    done = run(glidepolar, "identify", *files, "--vehicle", "seaexplorer")
+    assert done.returncode == 2 and "06/13/2022" in done.stderr and "DD/MM/YYYY" in done.stderr, done.stderr

@@ -5,6 +5,7 @@ import io
 import subprocess
 
 import log_files
+import netCDF4
 import numpy as np
 import pytest
 from log_files import OG1, RAD, Dive, channel, date, time
@@ -225,6 +226,40 @@ def test_values_flagged_bad_are_missing(log_values, tmp_path):
     assert "30 of 120 values of `TEMP`" in said
 
 
+@pytest.mark.parametrize("dimensions", [("N_MEASUREMENTS",), ("N_MEASUREMENTS", "string1")])
+def test_flags_may_be_characters(log_values, tmp_path, dimensions):
+    bad = np.arange(DIVE.rows) % 4 == 0
+    log_files.time_series(tmp_path / "og1.nc", DIVE)
+    with netCDF4.Dataset(tmp_path / "og1.nc", "a") as file:
+        file.createDimension("string1", 1)
+        flags = np.where(bad, b"4", b"1").astype("S1")
+        file.createVariable("TEMP_QC", "S1", dimensions)[:] = flags.reshape(-1, *[1] * (len(dimensions) - 1))
+    log, said = read(log_values, tmp_path / "og1.nc")
+    assert (np.isnan(log["temperature_C"]) == bad).all() and "30 of 120 values of `TEMP`" in said
+
+
+@pytest.mark.parametrize("fill", [-999.0, -9999.0, 1e20, 9.969209968386869e36])
+@pytest.mark.parametrize("kind", ["og1", "seaglider", "csv"])
+def test_numbers_that_no_channel_has_are_missing_though_no_file_says_so(log_values, tmp_path, kind, fill):
+    holes, names = Dive(), ["vbd_cc", "roll_deg", "temperature_C"]
+    missing = np.arange(holes.rows) % 10 == 3
+    for name in names:
+        holes.values[name] = np.where(missing, fill, holes[name])
+    path = tmp_path / "log"
+    if kind == "og1":
+        log_files.time_series(path, holes)
+    elif kind == "seaglider":
+        log_files.seaglider(path, holes, one_clock=True)
+    else:
+        log_files.cells(path, {name: (lambda row, name=name: holes[name][row]) for name in holes.values}, holes.rows)
+    log, _ = read(log_values, path)
+    for name in names:
+        found = log[name.replace("_deg", "_rad")] / (RAD if "deg" in name else 1)
+        # On one clock nothing is brought to other times, and what is missing stays so.
+        assert np.allclose(found[~missing], DIVE[name][~missing]), name
+        assert (np.isnan(found) == missing).all() or np.abs(found - DIVE[name]).max() < 5, name
+
+
 def test_of_two_pressures_the_one_with_values_is_taken_and_depths_above_the_surface_are_turned_round(
     log_values, tmp_path
 ):
@@ -347,6 +382,7 @@ def test_units_below_the_names_or_in_brackets_are_read(log_values, tmp_path, sep
         {"separator": ";", "mark": ","},
         {"separator": "\t", "mark": ","},
         {"separator": ";", "above": "sep=;\n"},
+        {"separator": "|"},
         {"above": "\ufeff"},
         {"end": "\r\n"},
         {"above": "# a remark\n#another\n"},
@@ -355,6 +391,62 @@ def test_units_below_the_names_or_in_brackets_are_read(log_values, tmp_path, sep
 def test_tables_are_read_as_spreadsheets_write_them(log_values, tmp_path, how):
     log_files.cells(tmp_path / "log.csv", OWN, DIVE.rows, **how)
     assert_is_the_dive(read(log_values, tmp_path / "log.csv")[0])
+
+
+def test_a_degree_sign_in_the_letters_of_an_old_program_is_known(log_values, tmp_path):
+    named = {"time_s": "time_s", "pressure_dbar": "pressure (dbar)", "pitch_deg": "pitch (\u00b0)", "vbd_cc": "vbd (cm\u00b3)"}
+    path = tmp_path / "log.csv"
+    log_files.cells(path, {new: column(name) for name, new in named.items()}, DIVE.rows)
+    path.write_bytes(path.read_text(encoding="utf-8").encode("latin-1"))
+    log, _ = read(log_values, path)
+    assert np.allclose(log["pitch_rad"] / RAD, DIVE["pitch_deg"]) and np.allclose(log["vbd_cc"], DIVE["vbd_cc"])
+
+
+@pytest.mark.parametrize(
+    ("unit", "second", "epoch_s"),
+    [
+        ("excel", 86_400, -25_569 * 86_400),
+        ("matlab", 86_400, -719_529 * 86_400),
+        ("julian", 86_400, -2_440_587.5 * 86_400),
+        ("ms", 1e-3, 0),
+        ("ns", 1e-9, 0),
+    ],
+)
+def test_times_that_are_no_seconds_are_refused_until_their_unit_is_stated(log_values, tmp_path, unit, second, epoch_s):
+    path = tmp_path / "log.csv"
+    log_files.cells(path, {**OWN, "time_s": lambda row: (DIVE["time_s"][row] - epoch_s) / second}, DIVE.rows)
+    done = subprocess.run([log_values, path], capture_output=True, text=True, check=False)
+    assert done.returncode == 2 and "log.csv" in done.stderr and f"--unit time_s={unit}" in done.stderr, done.stderr
+    log, _ = read(log_values, "--unit", f"time_s={unit}", path)
+    # A Julian day has no more than 40 microseconds.
+    assert np.abs(log["time_s"] - DIVE["time_s"]).max() < 5e-5
+
+
+def test_the_tables_of_both_computers_of_a_slocum_are_one_log(log_values, tmp_path):
+    flight = {
+        "m_battpos": lambda row: "" if row % 7 else 0.5,
+        "m_ballast_pumped": column("vbd_cc"),
+        "m_gps_lat": lambda row: "",
+        "m_heading": column("heading_deg", RAD),
+        "m_pitch": column("pitch_deg", RAD),
+        "m_present_time": column("time_s"),
+        "m_roll": column("roll_deg", RAD),
+        "m_lat": lambda row: log_files.minutes(DIVE["lat_deg"][row]),
+        "m_lon": lambda row: log_files.minutes(DIVE["lon_deg"][row]),
+    }
+    science = {
+        "i": lambda row: str(row),
+        "sci_m_present_time": lambda row: DIVE["time_s"][row],
+        "sci_water_pressure": column("pressure_dbar", 0.1),
+        "sci_water_temp": column("temperature_C"),
+        "sci_water_cond": column("conductivity_S_m"),
+    }
+    names = [tmp_path / "unit_5-2025-056-0-27.sbd.csv", tmp_path / "unit_5-2025-056-0-27.tbd.csv"]
+    for name, columns in zip(names, [flight, science], strict=True):
+        log_files.cells(name, columns, DIVE.rows)
+    log, said = read(log_values, *names)
+    assert_is_the_dive(log, without=["salinity_psu"])
+    assert np.allclose(log["battpos_m"][np.isfinite(log["battpos_m"])], 0.5 * 0.0254) and "left out" not in said
 
 
 @pytest.mark.parametrize("word", ["", "NaN", "nan", "NA", "N/A", "null", "NULL", "None", "--"])
@@ -409,4 +501,17 @@ def test_tables_of_a_seaexplorer_are_read(log_values, tmp_path, names, how):
     log, said = read(log_values, *files)
     assert_is_the_dive(log, without=["salinity_psu"])
     assert np.allclose(log["roll_mass_rad"], 10 * RAD) and np.allclose(log["battpos_m"], 0.03)
+    assert "warning" not in said
+
+
+@pytest.mark.parametrize("separator", [";", ",", "\t"])
+def test_tables_of_a_seaexplorer_that_a_spreadsheet_saved_again_are_read(log_values, tmp_path, separator):
+    files = [tmp_path / "sea035.12.gli.sub.5", tmp_path / "sea035.12.pld1.raw.5"]
+    log_files.seaexplorer(*files, DIVE)
+    for path in files:
+        rows = [line.split(";") for line in path.read_text(encoding="utf-8").splitlines()]
+        lines = [separator.join(f'"{cell}"' for cell in row) for row in rows]
+        path.write_bytes(("\r\n".join(lines) + "\r\n").encode())
+    log, said = read(log_values, *files)
+    assert_is_the_dive(log, without=["salinity_psu"])
     assert "warning" not in said

@@ -53,6 +53,21 @@ fn log_of(folder: &Path, vehicle: &str, more: &str) -> Option<String> {
     Some(log)
 }
 
+/// A built-in Slocum's lift slope is that of its paper, which a real Slocum has not; its own log has it, leg by leg. Another one
+/// leaves a drag due to lift of -509 per rad2.
+#[test]
+fn a_built_in_slocum_on_its_own_log_keeps_the_lift_slope_of_each_leg() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(log) = log_of(folder.path(), "slocum-049", "") else { return };
+    let diagnosed = json(folder.path(), &["diagnose", &log, "--vehicle", "slocum-049"]).expect("a diagnosis");
+    let warnings = diagnosed["warnings"].to_string();
+    assert!(warnings.contains("held at 4.70 per rad, on each leg at its own"), "{warnings}");
+    assert!(!warnings.contains("c_per_rad2"), "{warnings}");
+    assert_eq!(diagnosed["causes"], serde_json::json!([]));
+    let identified = json(folder.path(), &["identify", &log, "--vehicle", "slocum-049"]).expect("a fit");
+    assert_eq!(number(&identified["pinned"]["a"]["value"]), 4.7);
+}
+
 #[test]
 fn the_intervals_hold_what_the_vehicle_of_a_simulated_log_is() {
     for vehicle in ["rogue", "slocum-graver", "slocum-049", "adelaide", "seaglider"] {

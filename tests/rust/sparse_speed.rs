@@ -52,6 +52,8 @@ fn lift_slope(vehicle: &Vehicle, found: &Identification) -> ([f64; 2], f64, bool
 #[derive(Clone, Copy)]
 enum Speeds {
     AsTheyCome,
+    /// Each value repeated until the next, in the log that is read.
+    ForwardFilled,
     /// Straight lines in the log that is read.
     Interpolated,
     /// Straight lines that the fit takes for measured.
@@ -68,11 +70,23 @@ fn straight_lines(times_s: &[f64], speeds: &mut [f64]) {
     }
 }
 
+/// Each speed repeated until the next.
+fn repeated(speeds: &mut [f64]) {
+    let mut last = f64::NAN;
+    for speed in speeds {
+        last = if speed.is_finite() { *speed } else { last };
+        *speed = last;
+    }
+}
+
 /// Whether the interval of a, fitted to a speed once a minute, has the truth in it, and its error.
 fn covers(seed: u64, how: Speeds) -> (bool, bool, f64) {
     let mut sea = sea(seed, MINUTE_S);
-    if let Speeds::Interpolated = how {
-        straight_lines(&sea.log.time_s, sea.log.speed_through_water_m_s.as_mut().expect("a speed"));
+    let speeds = sea.log.speed_through_water_m_s.as_mut().expect("a speed");
+    match how {
+        Speeds::Interpolated => straight_lines(&sea.log.time_s, speeds),
+        Speeds::ForwardFilled => repeated(speeds),
+        Speeds::AsTheyCome | Speeds::InterpolatedUnnoticed => {}
     }
     let (vehicle, mut observations) = read(&sea, &sea.log.to_csv());
     if let Speeds::InterpolatedUnnoticed = how {
@@ -88,7 +102,7 @@ fn covers(seed: u64, how: Speeds) -> (bool, bool, f64) {
 
 #[test]
 fn a_speed_once_a_minute_fits_the_lift_slope_with_an_interval_that_covers() {
-    for how in [Speeds::AsTheyCome, Speeds::Interpolated] {
+    for how in [Speeds::AsTheyCome, Speeds::ForwardFilled, Speeds::Interpolated] {
         let found: Vec<_> = (301..305).map(|seed| covers(seed, how)).collect();
         assert!(found.iter().all(|(_, fitted, _)| *fitted), "{found:?}");
         assert!(found.iter().filter(|(covers, ..)| *covers).count() >= 3, "{found:?}");
@@ -114,11 +128,33 @@ fn an_interpolated_speed_is_fitted_by_the_values_between_which_it_was_interpolat
     assert!(interpolated.2 <= sparse.2, "{sparse:?} {interpolated:?}");
 }
 
+/// A value that is repeated until the next one is one measurement: the same fit comes of it as without the repetitions.
+#[test]
+fn a_repeated_speed_is_fitted_as_the_values_that_were_measured() {
+    let fit = |is_repeated: bool| {
+        let mut sea = sea(306, MINUTE_S);
+        if is_repeated {
+            repeated(sea.log.speed_through_water_m_s.as_mut().expect("a speed"));
+        }
+        let (vehicle, observations) = read(&sea, &sea.log.to_csv());
+        let found = identify(&vehicle, &observations, &REQUEST).expect("a fit");
+        let report = found.report(&vehicle, String::new(), Vec::new());
+        let a = report.parameters["a"].clone().expect("a lift slope");
+        (a.value, a.se, report.rows["speed"].values)
+    };
+    // Two values that are alike and follow one another are one run.
+    let (repeated, sparse) = (fit(true), fit(false));
+    assert!((repeated.0 - sparse.0).abs() < 0.1 * sparse.1, "{sparse:?} {repeated:?}");
+    assert!((repeated.1 / sparse.1 - 1.0).abs() < 0.05, "{sparse:?} {repeated:?}");
+    assert!(repeated.2 <= sparse.2 && repeated.2 as f64 > 0.98 * sparse.2 as f64, "{sparse:?} {repeated:?}");
+}
+
 #[test]
 #[ignore = "some minutes"]
 fn coverage_over_forty_logs() {
     for (what, how) in [
         ("once a minute", Speeds::AsTheyCome),
+        ("repeated until the next", Speeds::ForwardFilled),
         ("interpolated", Speeds::Interpolated),
         ("interpolated, taken for measured", Speeds::InterpolatedUnnoticed),
     ] {

@@ -13,6 +13,7 @@ use super::channels::{CHANNELS, Channel, FlightLog};
 use super::columns::Columns;
 use super::dates::unix_s;
 use super::names;
+use super::times;
 use super::units::{self, Conversion};
 use glidepolar_input::{InputError, Place, nearest, printable};
 
@@ -24,6 +25,8 @@ pub struct CsvLog {
     record: ::csv::ByteRecord,
     /// Whether the record is a row of data that was read to see whether it holds units.
     has_row: bool,
+    /// Whether the times are known to be seconds.
+    is_checked: bool,
     /// Cells that hold something else than a number, with the place of the first.
     pub header: Vec<String>,
 }
@@ -48,8 +51,19 @@ impl CsvLog {
         if has_row && is_line_of_units(&record) {
             has_row = false;
         }
-        let found = find_columns(path, &header, &stated, columns)?;
-        Ok(CsvLog { path: path.to_owned(), reader, columns: found, record, has_row, header })
+        let found = find_columns(path, &header, &stated, columns).map_err(|error| {
+            // The names of a table are as many as its cells.
+            let below = record.len();
+            if below > header.len() + 1 {
+                let names = header.len();
+                error.help(format!(
+                    "the line of names has {names} cells, the next one {below}: is there a title above the names? put # before it"
+                ))
+            } else {
+                error
+            }
+        })?;
+        Ok(CsvLog { path: path.to_owned(), reader, columns: found, record, has_row, is_checked: false, header })
     }
 
     /// The next piece of at most `rows` samples; nothing at the end.
@@ -74,16 +88,32 @@ impl CsvLog {
             for column in &self.columns {
                 let cell = self.record.get(column.cell).unwrap_or(b"");
                 let date = || unix_s(std::str::from_utf8(cell).ok()?).filter(|_| column.channel == Channel::Time);
-                let read = number(cell).map(|value| column.conversion.convert(value)).or_else(date);
+                let read = number(cell).map(|value| column.value(value)).or_else(date);
                 let value = read.ok_or_else(|| {
                     let place = Place::line(&self.path, line).column(column.cell + 1);
-                    not_a_number(place, &self.header[column.cell], cell)
+                    let name = &self.header[column.cell];
+                    if column.channel == Channel::Time {
+                        no_time(place, name, cell)
+                    } else {
+                        not_a_number(place, name, cell)
+                    }
                 })?;
                 row.push((column.channel, value));
             }
             piece.push(&row);
         }
+        if !self.is_checked && times::is_enough(&piece) {
+            times::check(&self.path, &piece)?;
+            self.is_checked = true;
+        }
         Ok((!piece.is_empty()).then_some(piece))
+    }
+}
+
+impl Column {
+    /// What a number in this column is of its channel: NaN where it stands for a missing value.
+    pub(super) fn value(&self, number: f64) -> f64 {
+        if units::is_fill(self.channel, number) { f64::NAN } else { self.conversion.convert(number) }
     }
 }
 
@@ -107,31 +137,25 @@ fn skip_separator_line(file: &mut File) -> std::io::Result<()> {
     file.seek(SeekFrom::Start(at as u64)).map(|_| ())
 }
 
-/// What separates the names in the first line that is no comment: tabs before semicolons before commas, since a name may
-/// hold the latter.
+/// What separates the names in the first line that is no comment: tabs before semicolons before bars before commas, since a
+/// name may hold the latter.
 fn separator(path: &Path) -> Result<u8, InputError> {
     /// Longest beginning that is looked into.
     const LONGEST: u64 = 1 << 16;
     let mut start = Vec::new();
     let file = File::open(path).map_err(|error| InputError::io(path, &error))?;
     file.take(LONGEST).read_to_end(&mut start).map_err(|error| InputError::io(path, &error))?;
-    if start.starts_with(&[0xff, 0xfe]) || start.starts_with(&[0xfe, 0xff]) {
-        let error = InputError::new(Place::file(path), "is text in UTF-16, expected UTF-8");
-        return Err(error.help("save it as \"CSV UTF-8\""));
-    }
     let lines = start.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
     let is_names = |line: &&[u8]| !line.is_empty() && !line.starts_with(b"#") && !line.starts_with(b"sep=");
     let names = lines.into_iter().find(is_names).unwrap_or_default();
-    Ok([b'\t', b';'].into_iter().find(|separator| names.contains(separator)).unwrap_or(b','))
+    Ok([b'\t', b';', b'|'].into_iter().find(|separator| names.contains(separator)).unwrap_or(b','))
 }
 
 /// The names of the columns.
 pub(super) fn header(path: &Path, reader: &mut ::csv::Reader<File>) -> Result<Vec<String>, InputError> {
     let header = reader.byte_headers().map_err(|error| csv_error(path, &error))?;
-    let names: Vec<String> = header
-        .iter()
-        .map(|cell| String::from_utf8_lossy(cell).trim_start_matches('\u{feff}').trim_matches('"').to_owned())
-        .collect();
+    let names: Vec<String> =
+        header.iter().map(|cell| text(cell).trim_start_matches('\u{feff}').trim_matches('"').to_owned()).collect();
     if names.iter().all(|name| name.is_empty()) {
         return Err(InputError::new(Place::file(path), "the file is empty, expected a line of column names"));
     }
@@ -144,6 +168,11 @@ pub(super) fn header(path: &Path, reader: &mut ::csv::Reader<File>) -> Result<Ve
     Ok(names)
 }
 
+/// A cell as text: Latin-1, of which older programs write `°` and `³`, where it is no UTF-8.
+fn text(cell: &[u8]) -> String {
+    std::str::from_utf8(cell).map_or_else(|_| cell.iter().map(|byte| char::from(*byte)).collect(), str::to_owned)
+}
+
 /// The name of each column without its unit, and the unit where the table states one: behind the name in brackets, or in
 /// the line below the names.
 pub(super) fn stated_units(header: &[String], first: Option<&::csv::ByteRecord>) -> Vec<(String, Option<String>)> {
@@ -151,7 +180,7 @@ pub(super) fn stated_units(header: &[String], first: Option<&::csv::ByteRecord>)
     let of = |(i, name): (usize, &String)| match (names::with_unit(name), below) {
         (Some((stem, unit)), _) => (stem.to_owned(), Some(unit.to_owned())),
         (None, Some(units)) => {
-            let unit = units.get(i).map(|cell| String::from_utf8_lossy(cell).trim().to_owned());
+            let unit = units.get(i).map(|cell| text(cell).trim().to_owned());
             (name.clone(), unit.filter(|unit| !unit.is_empty()))
         }
         (None, None) => (name.clone(), None),
@@ -161,7 +190,7 @@ pub(super) fn stated_units(header: &[String], first: Option<&::csv::ByteRecord>)
 
 /// Whether a row holds units instead of values: no number and no date in it, and a unit of some channel.
 fn is_line_of_units(record: &::csv::ByteRecord) -> bool {
-    let texts: Vec<String> = record.iter().map(|cell| String::from_utf8_lossy(cell).trim().to_owned()).collect();
+    let texts: Vec<String> = record.iter().map(|cell| text(cell).trim().to_owned()).collect();
     let holds_value = |text: &String| number(text.as_bytes()).is_some_and(f64::is_finite) && text != "1";
     let is_unit = |text: &String| CHANNELS.iter().any(|info| units::conversion(info.channel, text).is_some());
     !texts.iter().any(|text| holds_value(text) || unix_s(text).is_some())
@@ -224,6 +253,9 @@ pub(super) fn find_columns(
         let error = InputError::new(Place::line(path, 1), format!("no {what}: expected a column {names}"));
         let alike = header.iter().find(|name| name.to_lowercase().starts_with(what.split(' ').next().unwrap_or(what)));
         match alike {
+            Some(name) if header.len() == 1 && name.split_whitespace().count() > 2 => {
+                error.help("are the columns separated by blanks? commas, semicolons, tabs and bars are read")
+            }
             // A name without a unit says too little.
             Some(name) => {
                 let channel = names.trim_start_matches('`').split('`').next().unwrap_or("");
@@ -349,6 +381,12 @@ pub(super) fn number(cell: &[u8]) -> Option<f64> {
 pub(super) fn not_a_number(place: Place, column: &str, cell: &[u8]) -> InputError {
     let found = printable(&String::from_utf8_lossy(cell));
     InputError::new(place, format!("`{}` is `{found}`, expected a number or an empty cell", printable(column)))
+}
+
+fn no_time(place: Place, column: &str, cell: &[u8]) -> InputError {
+    let found = printable(&String::from_utf8_lossy(cell));
+    let problem = format!("`{}` is `{found}`, neither seconds nor a date that is known", printable(column));
+    InputError::new(place, problem).help("dates are 2022-06-13T18:00:00Z or, the day first, 13/06/2022 18:00:00")
 }
 
 pub(super) fn csv_error(path: &Path, error: &::csv::Error) -> InputError {

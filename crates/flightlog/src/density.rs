@@ -47,7 +47,7 @@ pub(super) fn densities_kg_m3(
 }
 
 /// Practical salinity from conductivity \[S/m\], in-situ temperature \[degC\] and pressure \[dbar\].
-pub(super) fn practical_salinity(conductivity_S_m: f64, temperature_C: f64, pressure_dbar: f64) -> f64 {
+pub fn practical_salinity(conductivity_S_m: f64, temperature_C: f64, pressure_dbar: f64) -> f64 {
     sp_from_c(conductivity_S_m * 10.0, temperature_C, pressure_dbar.max(0.0)).unwrap_or(f64::NAN)
 }
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::channels::FlightLog;
 use super::columns::Columns;
 use super::csv::{Column, find_columns, stated_units};
+use super::times;
 use glidepolar_input::memory::Table;
 use glidepolar_input::{InputError, Place, printable};
 
@@ -46,9 +47,12 @@ impl InMemory {
                     let error = InputError::new(place, format!("`{name}` is infinite, expected a number or NaN"));
                     return Err(error.help("lines count the rows of the table, from 1"));
                 }
-                values.push(column.conversion.convert(value));
+                values.push(column.value(value));
             }
             piece.set(column.channel, values);
+        }
+        if self.row == 0 {
+            times::check(self.table.path(), &piece)?;
         }
         self.row = end;
         Ok(Some(piece))

@@ -9,7 +9,7 @@
 //! - [`Calibration`], [`GpsFix`]: what the files say of the vehicle, and where it was at the surface.
 //! - [`Preparation`]: cleaning, density, vertical velocity, legs; what it did to the data stands in its [`Notes`].
 //! - [`take_out_lost_speeds`]: legs on which the speed sensor had lost the water;
-//!   [`take_out_interpolated_speeds`]: what was never measured.
+//!   [`take_out_interpolated_speeds`], [`ForwardFilled`]: what was never measured.
 //! - [`Condenser`]: a log of any length in bounded memory.
 //! - [`Observation`]: one sample of one leg, ready for a fit.
 //!
@@ -29,6 +29,7 @@ mod density;
 mod dinkum_ascii;
 mod files;
 mod fix;
+mod forward_filled_speed;
 mod glide_table;
 mod gzip;
 mod in_memory;
@@ -47,6 +48,7 @@ mod seaglider;
 mod segment;
 mod settings;
 mod slocum;
+mod times;
 mod units;
 mod vertical_velocity;
 
@@ -56,9 +58,10 @@ pub use channels::{CHANNELS, Channel, ChannelInfo, FlightLog};
 pub use clean::Notes;
 pub use columns::Columns;
 pub use condense::{Condenser, MOST_OBSERVATIONS, Shorten};
-pub use density::{absolute_salinity_g_kg, conservative_temperature_C, in_situ_density_kg_m3};
+pub use density::{absolute_salinity_g_kg, conservative_temperature_C, in_situ_density_kg_m3, practical_salinity};
 pub use files::{LogFiles, Piece};
 pub use fix::GpsFix;
+pub use forward_filled_speed::ForwardFilled;
 pub use glide_table::read_glide_table;
 pub use glidepolar_inference::order::median;
 pub use interpolated_speed::take_out_interpolated_speeds;

@@ -3,7 +3,7 @@
 //!
 //! Knows names; no file and no unit.
 
-use super::channels::Channel;
+use super::channels::{CHANNELS, Channel, ChannelInfo};
 
 /// Names of each channel, the best first.
 pub(super) const NAMES: &[(Channel, &[&str])] = &[
@@ -198,6 +198,13 @@ const STANDARD: &[(Channel, &[&str])] = &[
 /// The names of a channel, the best first.
 pub(super) fn known(channel: Channel) -> &'static [&'static str] {
     NAMES.iter().find(|(named, _)| *named == channel).map_or(&[], |(_, names)| names)
+}
+
+/// Whether a column of this name holds some channel.
+pub(super) fn is_known(name: &str) -> bool {
+    let is_named = |known: &str| known.eq_ignore_ascii_case(name);
+    let of_contract = |info: &ChannelInfo| is_named(info.name) || info.aliases.iter().any(|(alias, _)| is_named(alias));
+    NAMES.iter().any(|(_, names)| names.iter().any(|known| is_named(known))) || CHANNELS.iter().any(of_contract)
 }
 
 /// The CF standard names of a channel.

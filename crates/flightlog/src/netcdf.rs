@@ -113,13 +113,40 @@ pub(super) fn first(path: &Path, file: &NcFile, names: &[&str]) -> Result<Option
 
 /// A variable as numbers, packed values unpacked, fill values as NaN.
 pub(super) fn values(path: &Path, file: &NcFile, name: &str) -> Result<Vec<f64>, InputError> {
-    let array = file
-        .read_variable_unpacked_masked(name)
-        .map_err(|error| damaged(path, &format!("variable `{name}` is not readable: {error}")))?;
+    let array = file.read_variable_unpacked_masked(name).map_err(|error| unreadable(path, name, &error.to_string()))?;
     // Magnitudes that no instrument gives are default fill values that nobody declared; nanoseconds since 1970 are 1e18.
     let unit = units(file, name);
     let most = if unit.starts_with("nanosec") || unit.starts_with("microsec") { 5e18 } else { 1e15 };
     Ok(array.iter().map(|&value| if value.abs() < most { value } else { f64::NAN }).collect())
+}
+
+/// What to say of a variable that is not readable: HDF5 has ways to pack that are add-ons of its library.
+fn unreadable(path: &Path, name: &str, why: &str) -> InputError {
+    const FILTERS: [(&str, &str); 5] =
+        [("307", "bzip2"), ("32001", "Blosc"), ("32004", "LZ4"), ("32013", "ZFP"), ("32015", "Zstandard")];
+    let is_filter = why.contains("unsupported filter");
+    let filter = FILTERS.iter().find(|(id, _)| why.ends_with(&format!("filter id {id}"))).map(|(_, name)| *name);
+    if is_filter {
+        let by = filter.map_or_else(|| printable(why), |filter| format!("by {filter}"));
+        let problem = format!("variable `{}` is packed {by}, which is not read here", printable(name));
+        return InputError::new(Place::file(path), problem)
+            .help("pack it by deflate, which all programs read: nccopy -F '*,none' IN.nc PLAIN.nc, then nccopy -d 4 PLAIN.nc OUT.nc");
+    }
+    damaged(path, &format!("variable `{name}` is not readable: {why}"))
+}
+
+/// Flags of a variable, as numbers or as characters; nothing where they are neither.
+pub(super) fn flags(path: &Path, file: &NcFile, name: &str) -> Option<Vec<f64>> {
+    if let Ok(flags) = values(path, file, name) {
+        return Some(flags);
+    }
+    let digit = |byte: u8| if byte.is_ascii_digit() { f64::from(byte - b'0') } else { f64::NAN };
+    if let Ok(texts) = file.read_variable_as_strings(name)
+        && texts.len() > 1
+    {
+        return Some(texts.iter().map(|text| text.trim().bytes().next().map_or(f64::NAN, digit)).collect());
+    }
+    Some(file.read_variable_raw_bytes(name).ok()?.into_iter().map(digit).collect())
 }
 
 /// An attribute of a variable as text, lower case.

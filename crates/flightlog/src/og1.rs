@@ -14,7 +14,9 @@ use super::channels::{CHANNELS, Channel, FlightLog};
 use super::columns::Columns;
 use super::fix::{GpsFix, degrees};
 use super::names;
+use super::netcdf;
 use super::netcdf::{attribute_of, attribute_text, first, has, missing, of_length, open, units, values};
+use super::times;
 use super::units::{self, Conversion, is_angle};
 use glidepolar_input::{InputError, Place, printable};
 
@@ -47,7 +49,8 @@ pub(super) fn read(path: &Path, columns: &Columns, warnings: &mut Vec<String>) -
         };
         let conversion = columns.unit(channel).map_or_else(|| stated(path, &file, channel, &name), Ok)?;
         let mut column: Vec<f64> =
-            values(path, &file, &name)?.into_iter().map(|value| conversion.convert(value)).collect();
+            values(path, &file, &name)?.into_iter().map(|value| value_of(channel, conversion, value)).collect();
+        one_dimension(path, &file, &name)?;
         flagged(path, &file, &name, &mut column, warnings);
         let rows = *rows.get_or_insert(column.len());
         if is_angle(channel) && columns.unit(channel).is_none() && conversion != Conversion::NONE {
@@ -88,12 +91,30 @@ pub(super) fn read(path: &Path, columns: &Columns, warnings: &mut Vec<String>) -
     }
     need(Channel::Pitch, "pitch")?;
     need(Channel::Ballast, "ballast volume")?;
+    times::check(path, &log)?;
     radians_labelled_degrees(path, &labelled_degrees, &mut log, warnings);
     if columns.unit(Channel::Conductivity).is_none() {
         conductivity_in_s_m(path, &mut log, warnings);
     }
     degrees_and_minutes(&mut log);
     Ok(log)
+}
+
+/// A number as it stands in the file, in the unit kept here; NaN where it stands for a missing value.
+fn value_of(channel: Channel, conversion: Conversion, value: f64) -> f64 {
+    if units::is_fill(channel, value) { f64::NAN } else { conversion.convert(value) }
+}
+
+/// Refuses a grid of profiles: what happens along the way of the glider is not in it.
+fn one_dimension(path: &Path, file: &NcFile, name: &str) -> Result<(), InputError> {
+    let Ok(variable) = file.variable(name) else { return Ok(()) };
+    let long: Vec<String> =
+        variable.dimensions().iter().filter(|dimension| dimension.size > 1).map(|d| printable(&d.name)).collect();
+    if long.len() < 2 {
+        return Ok(());
+    }
+    let problem = format!("variable `{}` is a grid over {}, not a time series", printable(name), long.join(" and "));
+    Err(InputError::new(Place::file(path), problem).help("give the time series from which the grid was made"))
 }
 
 /// The variables of a file by their names.
@@ -151,8 +172,7 @@ fn flagged(path: &Path, file: &NcFile, name: &str, column: &mut [f64], warnings:
     let Some(flags) = [format!("{name}_QC"), format!("{name}_qc")].into_iter().find(|flags| has(file, flags)) else {
         return;
     };
-    // Flags that are characters, or cannot be read, say nothing here.
-    let Ok(flags) = values(path, file, &flags) else { return };
+    let Some(flags) = netcdf::flags(path, file, &flags) else { return };
     if flags.len() != column.len() {
         return;
     }

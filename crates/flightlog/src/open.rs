@@ -81,6 +81,15 @@ pub(super) fn refuse_foreign(path: &Path) -> Result<(), InputError> {
     if read == 0 {
         return Err(InputError::new(Place::file(path), "the file is empty, expected a flight log"));
     }
+    for (begin, what, help) in FOREIGN {
+        if magic.starts_with(begin) {
+            return Err(InputError::new(Place::file(path), format!("is {what}")).help(*help));
+        }
+    }
+    if magic.starts_with(b"<") {
+        let error = InputError::new(Place::file(path), "is a page of the web (HTML or XML), not a table");
+        return Err(error.help("did the download fail? the page says why"));
+    }
     // Text has tabs and ends of lines, and no other control character.
     if magic[..read].iter().any(|byte| matches!(byte, 0..=8 | 14..=26)) {
         let error = InputError::new(Place::file(path), "is neither text nor any kind of flight log by its first bytes");
@@ -88,6 +97,36 @@ pub(super) fn refuse_foreign(path: &Path) -> Result<(), InputError> {
     }
     Ok(())
 }
+
+/// First bytes of files that hold tables of numbers and are not read here: what they are, and what to do.
+const FOREIGN: &[(&[u8], &str, &str)] = &[
+    (b"PAR1", "a Parquet file, which is not read", "save it as CSV: pandas.read_parquet(FILE).to_csv(\"log.csv\")"),
+    (
+        b"ARROW1",
+        "an Arrow (Feather) file, which is not read",
+        "save it as CSV: pandas.read_feather(FILE).to_csv(\"log.csv\")",
+    ),
+    (
+        b"PK\x03\x04",
+        "a zip archive or an Excel workbook, which is not read",
+        "unpack the archive, or save the sheet as \"CSV UTF-8\"",
+    ),
+    (b"\xd0\xcf\x11\xe0", "an Excel workbook, which is not read", "save the sheet as \"CSV UTF-8\""),
+    (b"MATLAB 5.0", "a Matlab file, which is not read", "write its columns as CSV: writetable(T, \"log.csv\")"),
+    (
+        b"\x93NUMPY",
+        "a NumPy file, which is not read",
+        "write its columns as CSV with the names in the first line: numpy.savetxt(..., header=...)",
+    ),
+    (b"BZh", "a bzip2 archive", "unpack it first"),
+    (b"\xfd7zXZ", "an xz archive", "unpack it first"),
+    (b"\x28\xb5\x2f\xfd", "a Zstandard archive", "unpack it first"),
+    (b"7z\xbc\xaf", "a 7-Zip archive", "unpack it first"),
+    (b"\xff\xfe", "text in UTF-16, expected UTF-8", "save it as \"CSV UTF-8\""),
+    (b"\xfe\xff", "text in UTF-16, expected UTF-8", "save it as \"CSV UTF-8\""),
+    (b"Error {", "the answer of an ERDDAP server that found nothing, not a table", "the text of the file says why"),
+    (b"{", "JSON, which is not read", "ask for CSV: ERDDAP writes it for .csv in the place of .json"),
+];
 
 #[cfg(test)]
 mod tests {
@@ -103,6 +142,18 @@ mod tests {
         };
         let said = file("damaged.nc", b"\x00\x13\x7fCDX and more").expect_err("no log");
         assert!(said.contains("damaged.nc") && said.contains("neither text"), "{said}");
+        for (begin, name) in [
+            (&b"PAR1\x15\x04"[..], "Parquet"),
+            (b"PK\x03\x04\x14\0", "Excel"),
+            (b"MATLAB 5.0 MAT-file", "Matlab"),
+            (b"\x93NUMPY\x01\0", "NumPy"),
+            (b"\xff\xfet\0i\0", "UTF-16"),
+            (b"Error {\n    code=404;", "ERDDAP"),
+            (b"<!DOCTYPE html>", "download"),
+        ] {
+            let said = file("a.log", begin).expect_err("no log");
+            assert!(said.contains(name) && said.contains("a.log"), "{said}");
+        }
         assert_eq!(file("log.csv", "time_s\tdepth_m;Grad °C\r\n1,2\n".as_bytes()), Ok(()));
     }
 }

@@ -97,9 +97,20 @@ pub(super) fn is_one(path: &Path) -> Result<bool, InputError> {
     let mut start = Vec::new();
     // What does not unpack is reported where it is read.
     let _ = content(path)?.take(4096).read_to_end(&mut start);
-    let text = String::from_utf8_lossy(&start);
+    Ok(dialect(&start).is_some())
+}
+
+/// How cells are separated and whether they may be in quotation marks: a table that a spreadsheet has saved again has other
+/// ways than the glider. Nothing where the text does not begin as a table of a SeaExplorer.
+fn dialect(start: &[u8]) -> Option<(u8, bool)> {
+    let text = String::from_utf8_lossy(start);
     let first = text.lines().next().unwrap_or("").trim_start_matches('\u{feff}');
-    Ok(first.starts_with("PLD_REALTIMECLOCK;") || (first.starts_with("Timestamp;") && first.contains("NavState")))
+    let is_quoted = first.starts_with('"');
+    let plain = first.replace('"', "");
+    let name = ["PLD_REALTIMECLOCK", "Timestamp"].into_iter().find(|name| plain.starts_with(name))?;
+    let separator = *plain.as_bytes().get(name.len())?;
+    let is_whole = name == "PLD_REALTIMECLOCK" || plain.contains("NavState");
+    (is_whole && [b';', b',', b'\t'].contains(&separator)).then_some((separator, is_quoted))
 }
 
 fn content(path: &Path) -> Result<Box<dyn Read>, InputError> {
@@ -216,17 +227,30 @@ struct Table {
     reader: ::csv::Reader<Box<dyn Read>>,
     columns: Vec<String>,
     record: ::csv::ByteRecord,
+    /// Rows whose first cell is no time, and the first such cell.
+    timeless: usize,
+    first_timeless: String,
 }
 
 impl Table {
     fn open(path: &Path) -> Result<Self, InputError> {
+        let mut start = Vec::new();
+        let _ = content(path)?.take(4096).read_to_end(&mut start);
+        let (separator, is_quoted) = dialect(&start).unwrap_or((b';', false));
         let mut builder = ::csv::ReaderBuilder::new();
-        builder.delimiter(b';').flexible(true).quoting(false).trim(::csv::Trim::All);
+        builder.delimiter(separator).flexible(true).quoting(is_quoted).trim(::csv::Trim::All);
         let mut reader = builder.from_reader(content(path)?);
         let header = reader.byte_headers().map_err(|error| unreadable(path, &error))?;
         let columns = header.iter().map(|cell| String::from_utf8_lossy(cell).trim_start_matches('\u{feff}').to_owned());
         let columns = columns.collect();
-        Ok(Table { path: path.to_owned(), reader, columns, record: ::csv::ByteRecord::new() })
+        Ok(Table {
+            path: path.to_owned(),
+            reader,
+            columns,
+            record: ::csv::ByteRecord::new(),
+            timeless: 0,
+            first_timeless: String::new(),
+        })
     }
 
     /// The next row with a time; nothing at the end.
@@ -237,9 +261,15 @@ impl Table {
                 Ok(false) => return Ok(None),
                 Err(error) => return Err(unreadable(&self.path, &error)),
             }
-            let time = self.record.get(0).and_then(|cell| unix_s(std::str::from_utf8(cell).ok()?));
-            if let Some(time) = time {
+            let cell = String::from_utf8_lossy(self.record.get(0).unwrap_or(b"")).into_owned();
+            if let Some(time) = unix_s(&cell) {
                 return Ok(Some((time, &self.record)));
+            }
+            if !cell.trim().is_empty() {
+                if self.timeless == 0 {
+                    self.first_timeless = printable(cell.trim());
+                }
+                self.timeless += 1;
             }
         }
     }
@@ -286,6 +316,20 @@ impl Table {
                     wrong += 1;
                 }
                 values.push(value.filter(|value| *value != MISSING).unwrap_or(f64::NAN));
+            }
+        }
+        if self.timeless > 0 {
+            let problem = format!(
+                "{} rows begin with no time and were left out, the first with `{}`",
+                self.timeless, self.first_timeless
+            );
+            let help = "a SeaExplorer writes DD/MM/YYYY HH:MM:SS";
+            // Headers of files that were put one behind the other are no loss.
+            if whole.times.is_empty() {
+                return Err(InputError::new(Place::file(&self.path), problem).help(help));
+            }
+            if !self.columns.contains(&self.first_timeless) {
+                warnings.push(format!("{name}: {problem}; {help}"));
             }
         }
         if wrong > 0 {

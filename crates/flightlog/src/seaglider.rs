@@ -62,10 +62,16 @@ pub(super) fn read(path: &Path, columns: &Columns) -> Result<Dive, InputError> {
     log.set(Channel::Pressure, pressure.at(&rows));
     for (channel, names, unit) in CHANNELS_OF_FILES {
         let is_chosen = columns.chosen(*channel).filter(|name| *name != ad2cp::NAME);
+        let is_needed = matches!(channel, Channel::Pitch | Channel::Ballast);
         let found = match is_chosen {
             Some(name) if !has(&file, name) => return Err(no_variable(path, *channel, name)),
             Some(name) => clocks.instrument(&[name])?,
-            None => clocks.instrument(names)?,
+            None if is_needed => clocks.instrument(names)?,
+            // An instrument whose clock was lost costs its own record only.
+            None => clocks.instrument(names).unwrap_or_else(|error| {
+                notes.push(format!("left out: {}", error.problem));
+                None
+            }),
         };
         // What quality control took from the salinity does not come back by the conductivity.
         if *channel == Channel::Conductivity && is_chosen.is_none() && log.has(Channel::Salinity) {
@@ -74,7 +80,7 @@ pub(super) fn read(path: &Path, columns: &Columns) -> Result<Dive, InputError> {
         let Some(found) = found else { continue };
         let conversion =
             columns.unit(*channel).map_or_else(|| stated(path, &file, *channel, &found.name, *unit), Ok)?;
-        let found = found.converted(conversion);
+        let found = found.without_fill(*channel).converted(conversion);
         log.set(*channel, at_rows(*channel, &rows, &found.times, &found.values));
     }
     for (channel, what) in [(Channel::Pitch, "pitch"), (Channel::Ballast, "ballast volume")] {
@@ -133,6 +139,12 @@ struct Instrument {
 impl Instrument {
     fn converted(mut self, conversion: Conversion) -> Self {
         self.values.iter_mut().for_each(|value| *value = conversion.convert(*value));
+        self
+    }
+
+    /// Numbers that stand for a missing value as NaN.
+    fn without_fill(mut self, channel: Channel) -> Self {
+        self.values.iter_mut().filter(|value| units::is_fill(channel, **value)).for_each(|value| *value = f64::NAN);
         self
     }
 
@@ -204,12 +216,30 @@ impl<'a> Clocks<'a> {
             let times = match of_dimension.or_else(|| self.known.iter().find(|(_, times)| times.len() == values.len()))
             {
                 Some((_, times)) => times.clone(),
-                None => return of_length(self.path, name, values, self.known[0].1.len()).map(|_| None),
+                None => return Err(self.without_clock(name, values.len())),
             };
             let values = of_length(self.path, name, values, times.len())?;
             return Ok(Some(Instrument { name: (*name).to_owned(), times, values }));
         }
         Ok(None)
+    }
+}
+
+impl Clocks<'_> {
+    /// What to say of a variable that none of the clocks belongs to.
+    fn without_clock(&self, name: &str, values: usize) -> InputError {
+        let clocks: Vec<String> = self
+            .known
+            .iter()
+            .map(|(dimension, times)| format!("`{}` has {}", printable(dimension), times.len()))
+            .collect();
+        let problem = format!(
+            "variable `{}` has {values} values and no clock: of the dimensions with times {}",
+            printable(name),
+            clocks.join(", ")
+        );
+        InputError::new(Place::file(self.path), problem)
+            .help("expected a variable with its times, as `time` or `ctd_time`")
     }
 }
 

@@ -72,10 +72,16 @@ pub(super) struct Headline {
 
 /// Whether a file is one of a Slocum's, compressed or not.
 pub(super) fn is_one(path: &Path) -> Result<bool, InputError> {
+    let start = start(path)?;
+    Ok(glidepolar_dbd::is_one(&start) || dinkum_ascii::is_half_a_table(&start))
+}
+
+/// The first bytes of a file, a line of names among them.
+fn start(path: &Path) -> Result<Vec<u8>, InputError> {
     let mut start = Vec::new();
     let file = std::fs::File::open(path).map_err(|error| InputError::io(path, &error))?;
-    file.take(64).read_to_end(&mut start).map_err(|error| InputError::io(path, &error))?;
-    Ok(glidepolar_dbd::is_one(&start))
+    file.take(1 << 16).read_to_end(&mut start).map_err(|error| InputError::io(path, &error))?;
+    Ok(start)
 }
 
 /// The cycles of a file, whatever its kind.
@@ -86,10 +92,8 @@ enum Cycles {
 
 impl Cycles {
     fn open(path: &Path, columns: &Columns) -> Result<Self, InputError> {
-        let mut start = Vec::new();
-        let file = std::fs::File::open(path).map_err(|error| InputError::io(path, &error))?;
-        file.take(64).read_to_end(&mut start).map_err(|error| InputError::io(path, &error))?;
-        if dinkum_ascii::is_one(&start) {
+        let start = start(path)?;
+        if dinkum_ascii::is_one(&start) || dinkum_ascii::is_half_a_table(&start) {
             return Ok(Cycles::Text(Box::new(Table::open(path)?)));
         }
         let reader = Reader::open(path, &caches(columns)).map_err(|error| input(&error))?;
@@ -141,7 +145,13 @@ pub(super) fn headline(path: &Path, columns: &Columns) -> Result<Headline, Input
     let file = Cycles::open(path, columns)?;
     let sensors = file.sensors();
     let has = |name: &str| sensors.iter().any(|sensor| sensor.0 == name);
-    let kind = file.get("filename_extension").to_lowercase();
+    // `unit-2025-056-0-27.sbd.csv`: the kind is in the name.
+    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    let (stem, of_name) = match stem.rsplit_once('.') {
+        Some((rest, kind)) if kind.len() == 3 && kind.to_lowercase().ends_with("bd") => (rest.to_owned(), kind),
+        _ => (stem.clone(), ""),
+    };
+    let kind = Some(file.get("filename_extension")).filter(|kind| !kind.is_empty()).unwrap_or(of_name).to_lowercase();
     let (rank, is_science) = match kind.as_bytes().first() {
         Some(b'd') => (2, false),
         Some(b'm') => (1, false),
@@ -158,14 +168,13 @@ pub(super) fn headline(path: &Path, columns: &Columns) -> Result<Headline, Input
             (header.glider().to_owned(), header.segment().to_owned(), header.opened_s().unwrap_or(f64::NAN))
         }
         Cycles::Text(_) => {
-            let segment = named("segment_filename_0").or_else(|| named("filename")).unwrap_or_default();
+            let segment = named("segment_filename_0").or_else(|| named("filename")).unwrap_or_else(|| stem.clone());
             // `amadeus-2014-204-05-000`: the glider, then four numbers.
             let glider = segment.rsplitn(5, '-').nth(4).unwrap_or("").to_owned();
             (glider, segment, f64::NAN)
         }
     };
-    let by_name = || path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    let segment = if segment.is_empty() { by_name() } else { segment };
+    let segment = if segment.is_empty() { stem } else { segment };
     // A text does not state in a form of its own when it was begun: its first cycle does.
     let start_s = if start_s.is_nan() { first_time(path, columns)? } else { start_s };
     Ok(Headline { glider, segment, start_s, rank, is_science })
@@ -353,7 +362,8 @@ impl Segment {
         let Some((file, (_, unit))) = self.files.iter().find_map(|file| Some((file, sensor(file)?))) else {
             return Ok(Conversion::NONE);
         };
-        if ["nodim", "enum", "bool"].contains(&unit.as_str()) {
+        // A table of CSV states no units.
+        if unit.is_empty() || ["nodim", "enum", "bool"].contains(&unit.as_str()) {
             return Ok(Conversion::NONE);
         }
         units::conversion(channel, &unit).ok_or_else(|| {

@@ -3,6 +3,7 @@
 mod bad_input;
 mod classic;
 mod condensing;
+mod forward_filled_speeds;
 mod interpolated_speeds;
 mod lost_speeds;
 mod preparing;

@@ -37,6 +37,10 @@ const TIMES: &[Unit] = &[
     (&["min", "mins", "minute", "minutes"], 60.0, 0.0),
     (&["h", "hr", "hrs", "hour", "hours"], 3600.0, 0.0),
     (&["d", "day", "days"], 86_400.0, 0.0),
+    // Days as programs count them: of Excel from 30 December 1899, of Matlab from the day before year 0, Julian days from noon.
+    (&["excel"], 86_400.0, -25_569.0 * 86_400.0),
+    (&["matlab", "datenum"], 86_400.0, -719_529.0 * 86_400.0),
+    (&["julian", "jd"], 86_400.0, -2_440_587.5 * 86_400.0),
 ];
 const PRESSURES: &[Unit] = &[
     (&["dbar", "dbars", "decibar", "decibars", "db"], 1.0, 0.0),
@@ -240,6 +244,26 @@ fn units(channel: Channel) -> &'static [Unit] {
     }
 }
 
+/// Numbers that stand for a missing value in files that do not declare one, in whatever unit: no channel has them.
+const FILLS: [f64; 7] = [-999.0, -999.9, -9999.0, -9999.9, -99_999.0, -999_999.0, -9_999_999.0];
+
+/// As well, in what is no time, depth, count or conductivity.
+const LARGE_FILLS: [f64; 4] = [9999.0, 9999.9, 99_999.0, 999_999.0];
+
+/// Larger than any value of a channel \[any unit\]: 1e20, and the fill values of NetCDF.
+const LARGEST: f64 = 1e15;
+
+/// Whether a number as it stands in a file means that there is no value.
+pub(super) fn is_fill(channel: Channel, value: f64) -> bool {
+    let may_be_large = matches!(
+        channel,
+        Channel::Time | Channel::Pressure | Channel::Depth | Channel::Conductivity | Channel::Charge | Channel::Dive
+    );
+    FILLS.contains(&value)
+        || (!may_be_large && LARGE_FILLS.contains(&value))
+        || (channel != Channel::Time && value.abs() >= LARGEST)
+}
+
 /// Whether the channel is an angle of the vehicle.
 pub(super) fn is_angle(channel: Channel) -> bool {
     matches!(channel, Channel::Pitch | Channel::Roll | Channel::RollMass | Channel::Heading | Channel::Rudder)
@@ -308,7 +332,27 @@ mod tests {
         near(Channel::Temperature, "Kelvin", 283.15, 10.0);
         near(Channel::BatteryPosition, "in", 1.0, 0.0254);
         near(Channel::Speed, "cm/s", 25.0, 0.25);
+        // 1 January 2000, 12:00.
+        near(Channel::Time, "excel", 36_526.5, 946_728_000.0);
+        near(Channel::Time, "matlab", 730_486.5, 946_728_000.0);
+        near(Channel::Time, "julian", 2_451_545.0, 946_728_000.0);
         assert_eq!(conversion(Channel::Pitch, "fortnights"), None);
+    }
+
+    #[test]
+    fn a_fill_value_is_no_value() {
+        for fill in [-9999.0, -999.0, 9999.0, 1e20, 9.969_209_968_386_869e36] {
+            assert!(is_fill(Channel::Ballast, fill) && is_fill(Channel::Heading, fill), "{fill}");
+        }
+        for (channel, value) in [
+            (Channel::Pressure, 9999.0),
+            (Channel::Time, 9999.0),
+            (Channel::Time, 1.7e18),
+            (Channel::Ballast, -99.0),
+            (Channel::Pitch, -24.0),
+        ] {
+            assert!(!is_fill(channel, value), "{value}");
+        }
     }
 
     #[test]

@@ -113,6 +113,27 @@
     return context.measureText(text).width;
   }
 
+  /* Bars of points count for the range as their points do; what has one value only has room about it. */
+  function around(panel) {
+    return (u, low, high) => {
+      const { min, max } = u.scales.x;
+      let [from, to] = [low ?? Infinity, high ?? -Infinity];
+      for (const layer of panel.layers.filter((layer) => layer.kind === "points" && layer.bars)) {
+        layer.bars.forEach((ends, i) => {
+          const x = layer.x[i];
+          // Before the first drawing the range of x is not known yet: all of the data are shown then.
+          const is_shown = x !== null && (min == null || (x >= min && x <= max));
+          if (!is_shown || ends[0] === null || ends[1] === null) return;
+          from = Math.min(from, ...ends);
+          to = Math.max(to, ...ends);
+        });
+      }
+      if (!(from <= to)) return [0, 1];
+      if (from === to) return [from - (Math.abs(from) * 0.1 || 1), to + (Math.abs(to) * 0.1 || 1)];
+      return uPlot.rangeNum(from, to, 0.1, true);
+    };
+  }
+
   function draw(place, figure, number) {
     const key = named(figure.x);
     const made = [];
@@ -123,7 +144,7 @@
       const grid = { stroke: style("--rule"), width: 1 };
       const axis = (label, more) => ({ label, stroke: style("--ink"), grid, ticks: grid, font, labelFont: font, ...more });
       const called = names(columns, named(panel.y));
-      const y = panel.y.range ? { range: () => panel.y.range } : {};
+      const y = { range: panel.y.range ? () => panel.y.range : around(panel) };
       // All of the data stand in the figure's own range, as in the drawing; a stretch that was dragged over in its own.
       const [first, last] = [data[0][0], data[0][data[0].length - 1]];
       const whole = (_, from, to) => (from <= first && to >= last ? figure.x.range : [from, to]);

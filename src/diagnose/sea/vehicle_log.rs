@@ -4,7 +4,7 @@
 use super::{DiagnosisSettings, Lift, SeaDiagnosis, SeaError, diagnose_log};
 use crate::diagnose::{Point, Problem, Relevance};
 use crate::dynamics::parameter_index;
-use crate::identify::external_values::built_up_lift_slope;
+use crate::identify::external_values::{built_up_lift_slope, held_lift_slope, is_any_slocum, is_fitted_better};
 use crate::identify::{ExternalValue, Trim};
 use crate::input::InputError;
 use crate::log::Observation;
@@ -43,7 +43,8 @@ pub enum VehicleLogError {
 
 /// Diagnoses a log against a vehicle; returns the vehicle with the lift slope that was used as well.
 ///
-/// Without measured speed nothing identifies the lift slope: a built-in Slocum is fixed where `identify` fixes it.
+/// Without measured speed nothing identifies the lift slope: that of a built-in Slocum is held where an identification holds
+/// it, unless the log contradicts that value.
 ///
 /// # Errors
 /// Where the log contradicts itself beyond correction, too little of it can be used, or the lift slope is out of bounds.
@@ -55,28 +56,52 @@ pub fn diagnose_vehicle(
     let mut vehicle = vehicle.clone();
     let has_speed = observations.iter().any(|o| o.speed_m_s.is_finite());
     let mut warnings = Vec::new();
+    let trim = request.trim.unwrap_or_else(|| Trim::for_vehicle(&vehicle));
     let lift = match request.lift_slope {
         Some(LiftSlope::OfVehicle) => Lift::Held,
         Some(LiftSlope::External(known)) => {
             set_lift_slope(&mut vehicle, known.value)?;
             known.se.map_or(Lift::Held, |se_per_rad| Lift::Known { se_per_rad })
         }
-        None => match built_up_lift_slope(&vehicle).filter(|_| !has_speed) {
-            Some((slope, source)) => {
-                set_lift_slope(&mut vehicle, slope.value)?;
-                warnings
-                    .push(format!("no measured speed: the lift slope is held at {:.1} per rad: {source}", slope.value));
-                Lift::Held
-            }
-            None => Lift::Fitted,
-        },
+        None if !has_speed && is_any_slocum(&vehicle) => {
+            warnings.extend(hold_the_slope_of_a_slocum(&mut vehicle, trim, observations)?);
+            Lift::Held
+        }
+        None => Lift::Fitted,
     };
-    let trim = request.trim.unwrap_or_else(|| Trim::for_vehicle(&vehicle));
     let settings = DiagnosisSettings { lift, relevance: request.relevance.clone(), ..DiagnosisSettings::default() };
     let mut found = diagnose_log(&vehicle.glide_parameters(), trim, observations, settings)?;
     found.outcome.diagnosis.warnings.extend(warnings);
     found.turns = super::turns::add(&mut found.outcome.diagnosis, &vehicle, observations);
     Ok((vehicle, found))
+}
+
+/// Holds the lift slope of a built-in Slocum, which is no prior of the user's own glider: the vehicle's own, that of each leg, as
+/// an identification does. Where the log contradicts it, the build-up's: what a wrong slope leaves would be blamed on something
+/// else. Returns what to say of it.
+fn hold_the_slope_of_a_slocum(
+    vehicle: &mut Vehicle,
+    trim: Trim,
+    observations: &[Observation],
+) -> Result<Vec<String>, InputError> {
+    let held = held_lift_slope(vehicle, "--pin-lift=");
+    let of_legs = vehicle.get("hydro.ascent.a_per_rad").map_or("", |_| ", on each leg at its own");
+    let own =
+        format!("no measured speed: the lift slope is held at {:.2} per rad{of_legs}: {}", held.value, held.source);
+    let Some((slope, source)) = built_up_lift_slope(vehicle).filter(|_| held.warning.is_some()) else {
+        return Ok(vec![own]);
+    };
+    let mut winged = vehicle.clone();
+    set_lift_slope(&mut winged, slope.value)?;
+    // Too little for a fit is said by the diagnosis itself.
+    if !is_fitted_better([vehicle, &winged], trim, observations).unwrap_or(false) {
+        return Ok(std::iter::once(own).chain(held.warning).collect());
+    }
+    *vehicle = winged;
+    Ok(vec![format!(
+        "no measured speed: the log is fitted better by a lift slope of {:.1} per rad than by the vehicle's own of {:.2}, and that one is held: {source}",
+        slope.value, held.value
+    )])
 }
 
 /// The vehicle with the polar that was fitted and the mechanisms that were named.
