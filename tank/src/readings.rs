@@ -49,6 +49,8 @@ pub struct Steady {
     pub speed_squared: f64,
     /// Mean acceleration along the tank \[m/s2\].
     pub acceleration_m_s2: f64,
+    /// Its variance by the noise of the recorded speed \[m2/s4\].
+    pub acceleration_variance: f64,
     /// Mean yaw angle \[deg\].
     pub yaw_deg: f64,
     /// How the window was found.
@@ -139,11 +141,15 @@ fn steady(history: &History, found: Found) -> Steady {
     let duration_s = time[n - 1] - time[0];
     let end = ((END_S / history.interval_s()) as usize).clamp(1, (n / 4).max(1));
     let gained = mean(&speeds[n - end..]) - mean(&speeds[..end]);
+    let between_s = duration_s - end as f64 * history.interval_s();
+    // Variance of one sample of the speed, by the differences of successive ones.
+    let noise = 0.5 * speeds.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>() / (n - 1).max(1) as f64;
     Steady {
         readings: Mean3::new(window.of3(history.channels()), history.interval_s()),
         speed_m_s: mean(speeds),
         speed_squared: speeds.iter().map(|u| u * u).sum::<f64>() / n as f64,
-        acceleration_m_s2: gained / (duration_s - end as f64 * history.interval_s()),
+        acceleration_m_s2: gained / between_s,
+        acceleration_variance: 2.0 * noise / end as f64 / between_s.powi(2),
         yaw_deg: mean(window.slice(history.yaw_deg())),
         found,
         duration_s,

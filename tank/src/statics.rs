@@ -38,7 +38,11 @@ impl Common<'_> {
             _ => Vector3::zeros(),
         };
         let inertia = hull.map_or_else(Vector3::zeros, |hull| motion.inertia(hull));
-        let covariance = interaction * (steady.readings.covariance + zero.own_covariance) * interaction.transpose();
+        let mut covariance = interaction * (steady.readings.covariance + zero.own_covariance) * interaction.transpose();
+        // The noise of the recorded speed is in the change of speed, and by the mass of the model in the force.
+        let per_acceleration =
+            hull.map_or_else(Vector3::zeros, |hull| Motion::straight(speed, yaw_rad, 1.0).inertia(hull));
+        covariance += per_acceleration * per_acceleration.transpose() * steady.acceleration_variance;
         Some(SteadyRun {
             run,
             steady,

@@ -31,6 +31,8 @@ pub struct Tare {
 #[derive(Debug, Clone)]
 struct Channel {
     terms: Vec<Term>,
+    /// How many of them the tare runs show.
+    shown: usize,
     fit: Regression,
     /// What a change of force in each run does to the terms.
     response: DMatrix<f64>,
@@ -66,6 +68,10 @@ pub struct TareRun {
     pub zero_influence: Influence,
 }
 
+/// Standard deviation of the exponent of the speed in a strut's axial force over the dynamic pressure: nothing where the drag is one
+/// of form, -0.25 where it is friction of a turbulent chord (the ITTC-57 line at a Reynolds number of 3e5). Even between the two,
+/// the root of the mean square is 0.25/sqrt 3.
+const FRICTION_EXPONENT: f64 = 0.144;
 /// Angles and speeds closer than this are one.
 const SAME_DEG: f64 = 0.3;
 const SAME_SPEED: f64 = 0.05;
@@ -76,14 +82,14 @@ impl Tare {
         let programme = Programme::new(runs);
         let reference_speed_m_s = crate::series::median(&runs.iter().map(|run| run.speed_m_s).collect::<Vec<_>>());
         let channel = |index: usize| {
-            let terms = programme.terms(index);
-            let fit = fit(index, &terms, runs, reference_speed_m_s, zero_dof)?;
-            let mut response = fit.gain.clone();
+            let (terms, prior) = programme.terms(index);
+            let fit = fit(index, &terms, prior, runs, reference_speed_m_s, zero_dof)?;
+            let mut response = fit.gain.columns(0, runs.len()).into_owned();
             for (mut column, run) in response.column_iter_mut().zip(runs) {
                 column /= run.dynamic_pressure_Pa;
             }
             let root = influence::root(&fit.covariance);
-            Some(Channel { terms, fit, response, root })
+            Some(Channel { shown: terms.len() - usize::from(prior), terms, fit, response, root })
         };
         let channels = [channel(0)?, channel(1)?, channel(2)?];
         let yaw_deg = || runs.iter().map(|run| run.yaw_rad.to_degrees());
@@ -98,7 +104,7 @@ impl Tare {
             ),
             _ => {}
         }
-        if channels.iter().any(|channel| channel.terms.len() == runs.len()) {
+        if channels.iter().any(|channel| channel.shown == runs.len()) {
             warnings.push(
                 "there are no more tare runs than terms of the strut's force: how far tare runs scatter is not known, and intervals take them to scatter within themselves alone; repeat a tare run",
             );
@@ -172,8 +178,9 @@ impl Programme {
         }
     }
 
-    /// The terms of one channel: what a strut must have, and more of them where two runs more than terms judge the scatter.
-    fn terms(&self, channel: usize) -> Vec<Term> {
+    /// The terms of one channel: what a strut must have, and more of them where two runs more than terms judge the scatter. The
+    /// last one, where so stated, has a prior.
+    fn terms(&self, channel: usize) -> (Vec<Term>, bool) {
         let constant: Term = |_| 1.0;
         let sine: Term = |x| x.sine;
         let mut terms = match (channel, self.angles) {
@@ -183,28 +190,31 @@ impl Programme {
             (_, 1) => vec![sine],
             _ => vec![constant, sine],
         };
-        let more: &[(bool, Term)] = if channel == 0 {
-            &[(self.angles >= 3, sine), (self.speeds >= 2, |x| x.log_speed)]
-        } else {
-            &[(self.angles >= 5, |x| x.sine.powi(3))]
-        };
-        for &(is_supported, term) in more {
-            if is_supported && self.runs >= terms.len() + 3 {
-                terms.push(term);
-            }
+        let odd: (bool, Term) =
+            if channel == 0 { (self.angles >= 3, sine) } else { (self.angles >= 5, |x| x.sine.powi(3)) };
+        let is_shown = |is_supported: bool, terms: &[Term]| is_supported && self.runs >= terms.len() + 3;
+        if is_shown(odd.0, &terms) {
+            terms.push(odd.1);
         }
-        terms
+        let has_prior = channel == 0 && !is_shown(self.speeds >= 2, &terms);
+        if channel == 0 {
+            terms.push(|x| x.log_speed);
+        }
+        (terms, has_prior)
     }
 }
 
+/// Fits one channel; where the last term has a prior, a row below those of the runs states it.
 fn fit(
     channel: usize,
     terms: &[Term],
+    has_prior: bool,
     runs: &[TareRun],
     reference_speed_m_s: f64,
     zero_dof: f64,
 ) -> Option<Regression> {
     let n = runs.len();
+    let rows = n + usize::from(has_prior);
     let argument =
         |run: &TareRun| Argument { sine: run.yaw_rad.sin(), log_speed: (run.speed_m_s / reference_speed_m_s).ln() };
     let per_pressure = |value: f64, run: &TareRun| value / run.dynamic_pressure_Pa;
@@ -212,17 +222,25 @@ fn fit(
     for (mut row, run) in zeros.row_iter_mut().zip(runs) {
         row /= run.dynamic_pressure_Pa;
     }
+    let observed: Vec<f64> = runs.iter().map(|run| per_pressure(run.force[channel], run)).collect();
+    let mut variance = run_variance::share(
+        &runs.iter().map(|run| run.variance[channel] / run.dynamic_pressure_Pa.powi(2)).collect::<Vec<_>>(),
+        &runs.iter().map(|run| run.nominal_speed_m_s).collect::<Vec<_>>(),
+    );
+    let usual = crate::series::median(&observed);
+    variance.extend(has_prior.then(|| (FRICTION_EXPONENT * usual).powi(2).max(f64::MIN_POSITIVE)));
+    let last = terms.len() - 1;
     let problem = Problem {
-        design: DMatrix::from_fn(n, terms.len(), |i, j| terms[j](argument(&runs[i]))),
-        observed: DVector::from_iterator(n, runs.iter().map(|run| per_pressure(run.force[channel], run))),
-        variance: DVector::from_vec(run_variance::share(
-            &runs.iter().map(|run| run.variance[channel] / run.dynamic_pressure_Pa.powi(2)).collect::<Vec<_>>(),
-            &runs.iter().map(|run| run.nominal_speed_m_s).collect::<Vec<_>>(),
-        )),
-        shared: vec![Shared { influence: zeros, dof: zero_dof }],
+        design: DMatrix::from_fn(rows, terms.len(), |i, j| match runs.get(i) {
+            Some(run) => terms[j](argument(run)),
+            None => f64::from(u8::from(j == last)),
+        }),
+        observed: DVector::from_fn(rows, |i, _| observed.get(i).copied().unwrap_or(0.0)),
+        variance: DVector::from_vec(variance),
+        shared: vec![Shared { influence: zeros.resize_vertically(rows, 0.0), dof: zero_dof }],
     };
     let given = Scatter::Given { dof: run_variance::OWN_DOF as usize * n };
-    problem.solve(if n > terms.len() { Scatter::BetweenRuns } else { given })
+    problem.solve(if rows > terms.len() { Scatter::BetweenRuns } else { given })
 }
 
 #[cfg(test)]
@@ -281,5 +299,31 @@ mod tests {
         assert_eq!(aside.warnings.len(), 1);
         assert!(aside.warnings[0].contains("at one angle alone"));
         assert!(tared_at(&[-8.0, 0.0, 8.0]).warnings.is_empty());
+    }
+
+    /// Three runs straight ahead at three speeds show no term of friction; the strut's error at other speeds is what friction allows.
+    #[test]
+    fn friction_that_the_tare_runs_cannot_show_is_in_the_error() {
+        let axial = |speed_m_s: f64| 2.0 * speed_m_s.powf(-0.15);
+        let run = |speed_m_s: &f64| {
+            let pressure = 500.0 * speed_m_s.powi(2);
+            TareRun {
+                yaw_rad: 0.0,
+                speed_m_s: *speed_m_s,
+                nominal_speed_m_s: *speed_m_s,
+                dynamic_pressure_Pa: pressure,
+                force: Vector3::new(1e-3 * pressure * axial(*speed_m_s), 0.0, 0.0),
+                variance: Vector3::repeat(1e-6),
+                zero_influence: Influence::none(3),
+            }
+        };
+        for speeds in [&[0.7, 1.4, 2.1][..], &[1.4], &[1.4, 1.4, 1.4]] {
+            let tare = Tare::fit(&speeds.iter().map(run).collect::<Vec<_>>(), 10.0).expect("a tare");
+            let motion = Motion::straight(0.7, 0.0, 0.0);
+            let gradient = tare.gradient(0, &motion, 1000.0);
+            let error = (tare.force(&motion, 1000.0)[0] / 245.0 / 1e-3 / axial(0.7) - 1.0).abs();
+            let se = tare.root(0).tr_mul(&gradient).norm() / 0.245 / axial(0.7);
+            assert!(error < 2.0 * se && se < 0.15, "{speeds:?}: {error} and {se}");
+        }
     }
 }
