@@ -13,7 +13,7 @@ use crate::workspace::{Kind, Workspace, run as run_command};
 
 /// Runs the demonstration, leaves its page and says where.
 pub fn run(workspace: &Workspace, kind: Kind) -> Result<()> {
-    let python = python::ensure(workspace)?;
+    let python = python::ensure_begun(workspace)?;
     // In one build for one platform: what programs and library share is built once.
     let programs = wheel::programs(workspace, kind)?;
     let scope = if kind == Kind::Tests { fmu::Scope::Host } else { fmu::Scope::HostWithPrograms };
