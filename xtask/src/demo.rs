@@ -2,7 +2,7 @@
 //! environment: a hidden fault in a log, its cause, the extended vehicle, and its FMU on a held-out dive.
 //!
 //! The FMU is the released one in any case. The programs can be those of the tests, which are there already: a release build
-//! of both is six minutes on two cores, and what it would show beyond the tests' build is its linking alone.
+//! of both is minutes on two cores, and what it would show beyond the tests' build is its linking alone.
 
 use anyhow::Result;
 
