@@ -16,6 +16,11 @@ import pytest
 MEASURED = Path(os.environ.get("GLIDEPOLAR_DATA", Path(__file__).parents[3] / "shared/data"))
 
 
+def together(group: str) -> pytest.MarkDecorator:
+    """Tests that share what is dear to make: in one process of those that run the tests, so that it is made once."""
+    return pytest.mark.xdist_group(group)
+
+
 def path_from(variable: str) -> Path:
     value = os.environ.get(variable)
     if value is None:

@@ -3,10 +3,15 @@
 import corners
 import numpy as np
 import pytest
-from conftest import path_from
+from conftest import path_from, together
 from fmpy import extract, read_model_description, simulate_fmu
 
-ARCHIVES = ["GLIDEPOLAR_FMU3", "GLIDEPOLAR_FMU2", "GLIDEPOLAR_SPACE_FMU3", "GLIDEPOLAR_SPACE_FMU2"]
+ARCHIVES = {
+    "plane-fmi3": "GLIDEPOLAR_FMU3",
+    "plane-fmi2": "GLIDEPOLAR_FMU2",
+    "space-fmi3": "GLIDEPOLAR_SPACE_FMU3",
+    "space-fmi2": "GLIDEPOLAR_SPACE_FMU2",
+}
 # Method, tolerance and output interval, s. FMPy gives CVODE 500 internal steps to an output, whatever the tolerance.
 SELECTION = [
     ("CVODE", 1e-4, 1.0),
@@ -23,10 +28,10 @@ SELECTION = [
 ]
 
 
-@pytest.fixture(params=ARCHIVES, ids=["plane-fmi3", "plane-fmi2", "space-fmi3", "space-fmi2"], scope="module")
+@pytest.fixture(params=[pytest.param(name, marks=together(f"corners-{name}")) for name in ARCHIVES], scope="module")
 def folder(request, tmp_path_factory):
     """The unpacked archive."""
-    return extract(str(path_from(request.param)), unzipdir=str(tmp_path_factory.mktemp("archive")))
+    return extract(str(path_from(ARCHIVES[request.param])), unzipdir=str(tmp_path_factory.mktemp("archive")))
 
 
 @pytest.fixture(scope="module")

@@ -8,6 +8,7 @@ import subprocess
 
 import numpy as np
 import pytest
+from conftest import together
 from instance import Instance
 
 STEP = 0.5
@@ -155,6 +156,9 @@ def command_line(glidepolar, folder):
     assert done.returncode == 0, done.stderr
     with open(folder / "out" / "legs.csv") as file:
         return list(csv.DictReader(file))
+
+
+pytestmark = together("coupled-system")
 
 
 @pytest.fixture(scope="module")

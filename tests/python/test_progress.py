@@ -6,7 +6,10 @@ import sys
 
 import log_files
 import pytest
+from conftest import together
 from log_files import Dive
+
+pytestmark = together("progress")
 
 
 @pytest.fixture(scope="module")

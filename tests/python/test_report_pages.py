@@ -11,7 +11,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from conftest import counters, path_from
+from conftest import counters, path_from, together
 
 CHROMIUM = next(filter(None, map(shutil.which, ["chromium", "chromium-browser", "google-chrome", "chrome"])), None)
 WIDTHS = {"desktop": 1100, "phone": 390}
@@ -95,7 +95,7 @@ def tables(tmp_path_factory) -> dict[str, Path]:
     return found
 
 
-@pytest.fixture(scope="session", params=REPORTS)
+@pytest.fixture(scope="session", params=[pytest.param(name, marks=together(f"report-{name}")) for name in REPORTS])
 def page(request, tables, tmp_path_factory) -> Path:
     """Each report in turn."""
     program, *arguments = REPORTS[request.param]

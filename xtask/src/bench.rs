@@ -11,7 +11,7 @@ use crate::{fetch_data, fmu, python};
 
 /// The profile of the manifest, whatever this machine's cargo is set up with: measured is what is shipped.
 const RELEASE: [(&str, &str); 3] = [
-    ("CARGO_PROFILE_RELEASE_LTO", "thin"),
+    ("CARGO_PROFILE_RELEASE_LTO", "false"),
     ("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "1"),
     ("CARGO_PROFILE_RELEASE_INCREMENTAL", "false"),
 ];

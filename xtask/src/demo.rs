@@ -2,7 +2,7 @@
 //! environment: a hidden fault in a log, its cause, the extended vehicle, and its FMU on a held-out dive.
 //!
 //! The FMU is the released one in any case. The programs can be those of the tests, which are there already: a release build
-//! of both is six minutes on two cores, and what it would show beyond the tests' build is its linking alone.
+//! of both is minutes on two cores, and what it would show beyond the tests' build is its linking alone.
 
 use anyhow::Result;
 
@@ -13,7 +13,7 @@ use crate::workspace::{Kind, Workspace, run as run_command};
 
 /// Runs the demonstration, leaves its page and says where.
 pub fn run(workspace: &Workspace, kind: Kind) -> Result<()> {
-    let python = python::ensure(workspace)?;
+    let python = python::ensure_begun(workspace)?;
     // In one build for one platform: what programs and library share is built once.
     let programs = wheel::programs(workspace, kind)?;
     let scope = if kind == Kind::Tests { fmu::Scope::Host } else { fmu::Scope::HostWithPrograms };

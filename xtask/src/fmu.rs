@@ -123,7 +123,7 @@ fn portable_cargo(workspace: &Workspace, host: &Platform) -> Option<Command> {
     let warn = |reason: String| {
         eprintln!("WARNING: {reason}.\n         The FMU is built against this machine's C library instead.");
     };
-    let python: Python = python::ensure(workspace).map_err(|error| warn(format!("{error:#}"))).ok()?;
+    let python: Python = python::ensure_begun(workspace).map_err(|error| warn(format!("{error:#}"))).ok()?;
     let zigbuild = python.tool("cargo-zigbuild");
     if !zigbuild.is_file() {
         warn(format!("cargo-zigbuild is not among the packages in {}", workspace.shown(&zigbuild)));

@@ -131,7 +131,7 @@ fn run(chore: Chore) -> Result<()> {
         Chore::Integrators => integrators::run(&workspace),
         Chore::Wheel { quick } => wheel::run(&workspace, kind(quick)).map(drop),
         Chore::Man => wheel::man(&workspace),
-        Chore::Test { only } => test::run(&workspace, only),
+        Chore::Test { only } => test::run(&workspace.with_environment(&test::ENVIRONMENT), only),
         Chore::Demo { quick } => demo::run(&workspace, kind(quick)),
         Chore::Figures { check } => figures::run(&workspace, check),
         Chore::Bench(choice) => bench::run(workspace, &choice),

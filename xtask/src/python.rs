@@ -20,6 +20,13 @@ struct Wanted {
 const TESTS: Wanted = Wanted { folder: "python", requirements: "tests/python/requirements.txt" };
 const PEERS: Wanted = Wanted { folder: "bench-python", requirements: "benches/peers/requirements.txt" };
 
+/// What simulates an FMU and links one, with what these bring along: a third of the work of installing all.
+const FIRST: &[&str] = if cfg!(target_os = "linux") { &["fmpy", "cargo-zigbuild", "ziglang"] } else { &["fmpy"] };
+
+/// Stamps of an environment that has the packages of `FIRST`, and of one that has all.
+const BEGUN: &str = "glidepolar-stamp-begun";
+const COMPLETE: &str = "glidepolar-stamp";
+
 /// The oldest Python for which all pinned packages exist.
 const OLDEST: (u32, u32) = (3, 11);
 
@@ -43,42 +50,55 @@ impl Python {
 
 /// Returns the environment, made anew if it is missing or was made from something else than what is wanted now.
 pub fn ensure(workspace: &Workspace) -> Result<Python> {
-    make(workspace, &TESTS)
+    make(workspace, &TESTS, None)
+}
+
+/// The same environment as far as packing and simulating an FMU need it. What else belongs to it may be there or not.
+pub fn ensure_begun(workspace: &Workspace) -> Result<Python> {
+    make(workspace, &TESTS, Some(FIRST))
 }
 
 /// The same for the environment of the bench.
 pub fn ensure_peers(workspace: &Workspace) -> Result<Python> {
-    make(workspace, &PEERS)
+    make(workspace, &PEERS, None)
 }
 
-fn make(workspace: &Workspace, wanted: &Wanted) -> Result<Python> {
+fn make(workspace: &Workspace, wanted: &Wanted, first: Option<&[&str]>) -> Result<Python> {
     let folder = workspace.target(wanted.folder);
     let requirements = workspace.path(wanted.requirements);
     let wanted = fs::read(&requirements).with_context(|| format!("cannot read {}", wanted.requirements))?;
     let base = find_interpreter(workspace)?;
     let wanted = stamp(&wanted, &base.version, &folder);
-    let stamp_file = folder.join("glidepolar-stamp");
 
     fs::create_dir_all(workspace.target(""))?;
     let lock = File::create(workspace.target("python.lock"))?;
     lock.lock().context("cannot wait for another xtask that makes the Python environment")?;
     let python = Python { folder };
-    if fs::read_to_string(&stamp_file).is_ok_and(|found| found == wanted) && python.interpreter().is_file() {
+    let has_stamp = |name: &str| {
+        fs::read_to_string(python.folder.join(name)).is_ok_and(|found| found == wanted)
+            && python.interpreter().is_file()
+    };
+    let has_begun = has_stamp(BEGUN);
+    if has_stamp(COMPLETE) || (first.is_some() && has_begun) {
         return Ok(python);
     }
 
     eprintln!("making the Python environment in {} (Python {})", workspace.shown(&python.folder), base.version);
-    if python.folder.exists() {
-        fs::remove_dir_all(&python.folder)?;
+    if !has_begun {
+        if python.folder.exists() {
+            fs::remove_dir_all(&python.folder)?;
+        }
+        check_venv_modules(workspace, &base)?;
+        run(workspace.command(&base.program).args(["-m", "venv"]).arg(&python.folder))?;
     }
-    check_venv_modules(workspace, &base)?;
-    run(workspace.command(&base.program).args(["-m", "venv"]).arg(&python.folder))?;
-    install(workspace, &python, &requirements)?;
-    write_whole(&stamp_file, |file| std::io::Write::write_all(file, wanted.as_bytes()))?;
+    install(workspace, &python, &requirements, first)?;
+    let name = if first.is_some() { BEGUN } else { COMPLETE };
+    write_whole(&python.folder.join(name), |file| std::io::Write::write_all(file, wanted.as_bytes()))?;
     Ok(python)
 }
 
-fn install(workspace: &Workspace, python: &Python, requirements: &Path) -> Result<()> {
+/// Installs all that is required, or the packages `first` with what they bring along, in the versions that are required.
+fn install(workspace: &Workspace, python: &Python, requirements: &Path, first: Option<&[&str]>) -> Result<()> {
     let pip = || {
         let mut command = workspace.command(python.interpreter());
         command.args(["-m", "pip", "--disable-pip-version-check", "--no-input", "install", "--quiet", "--no-compile"]);
@@ -88,8 +108,12 @@ fn install(workspace: &Workspace, python: &Python, requirements: &Path) -> Resul
     let text = fs::read_to_string(requirements)?;
     let pinned_pip =
         text.lines().find(|line| line.starts_with("pip==")).context("the list of packages does not pin pip")?;
+    let mut packages = pip();
+    packages.arg("--only-binary=:all:");
+    packages.arg(if first.is_some() { "--constraint" } else { "--requirement" }).arg(requirements);
+    packages.args(first.unwrap_or_default());
     run(pip().arg(pinned_pip))
-        .and_then(|()| run(pip().arg("--only-binary=:all:").arg("--requirement").arg(requirements)))
+        .and_then(|()| run(&mut packages))
         .context("the packages could not be installed; is the package index reachable (`python3 -m pip download pip`)?")
 }
 

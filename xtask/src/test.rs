@@ -18,6 +18,9 @@ use crate::python::{self, Python};
 use crate::wheel;
 use crate::workspace::{Kind, Workspace, capture, run as run_command};
 
+/// Everything is built once: what would make a second build of the same crate faster is time and space for nothing.
+pub const ENVIRONMENT: [(&str, &str); 1] = [("CARGO_INCREMENTAL", "0")];
+
 /// A part of the tests that can be run alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Part {

@@ -47,8 +47,9 @@ impl ActsOn {
     pub const ALL: [ActsOn; 3] = [ActsOn::Drag, ActsOn::Lift, ActsOn::NetMass];
 
     /// Its code among the parameters.
+    #[inline]
     pub fn code(self) -> f64 {
-        1.0 + Self::ALL.iter().position(|other| *other == self).unwrap_or(0) as f64
+        1.0 + f64::from(self as u8)
     }
 }
 
@@ -68,8 +69,9 @@ impl Against {
     pub const ALL: [Against; 3] = [Against::Pressure, Against::Time, Against::Temperature];
 
     /// Its code among the parameters.
+    #[inline]
     pub fn code(self) -> f64 {
-        Self::ALL.iter().position(|other| *other == self).unwrap_or(0) as f64
+        f64::from(self as u8)
     }
 
     /// Its value in this water, in the unit of the table.
@@ -129,9 +131,10 @@ impl<T: Number> Parameters<T> {
     /// What the empirical table adds in this water.
     pub fn empirical(&self, water: &Surroundings<T>) -> Added<T> {
         let nothing = Added::nothing();
-        let acts = ActsOn::ALL.into_iter().find(|acts| acts.code() == self.empirical_acts_on.value().round());
-        let against = Against::ALL.into_iter().find(|against| against.code() == self.empirical_against.value().round());
-        let (Some(acts), Some(against)) = (acts, against) else { return nothing };
+        let acts_on = self.empirical_acts_on.value().round();
+        let Some(acts) = ActsOn::ALL.into_iter().find(|acts| acts.code() == acts_on) else { return nothing };
+        let against = self.empirical_against.value().round();
+        let Some(against) = Against::ALL.into_iter().find(|other| other.code() == against) else { return nothing };
         let at =
             [self.empirical_at_1, self.empirical_at_2, self.empirical_at_3, self.empirical_at_4, self.empirical_at_5];
         let values = [
@@ -177,6 +180,12 @@ mod tests {
         // A point that stands where the one before it does is passed over.
         let twice = shares([0.0, 0.0, 2.0, 2.0, 4.0], 1.0);
         assert!((twice.iter().sum::<f64>() - 1.0).abs() < 1e-12 && twice[2] == 0.5, "{twice:?}");
+    }
+
+    #[test]
+    fn codes_count_on_in_the_order_of_the_lists() {
+        assert_eq!(ActsOn::ALL.map(ActsOn::code), [1.0, 2.0, 3.0]);
+        assert_eq!(Against::ALL.map(Against::code), [0.0, 1.0, 2.0]);
     }
 
     #[test]

@@ -77,6 +77,7 @@ impl<const F: usize> Decomposition<F> {
 /// Rows that are taken at once.
 const PIECE: usize = 2;
 
+#[inline]
 fn subtract(from: &mut [f64], column: &[f64], times: f64) {
     for (values, multipliers) in from.as_chunks_mut::<PIECE>().0.iter_mut().zip(column.as_chunks::<PIECE>().0) {
         for (value, multiplier) in values.iter_mut().zip(multipliers) {
