@@ -12,6 +12,8 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
+
 use super::bins::{Bin, mean};
 use super::inertia::{gap_s, inertia_between_gaps};
 use super::model::{Inertia, Prediction, predict};
@@ -67,6 +69,9 @@ impl Inside {
         })
     }
 }
+
+/// Bins that one thread takes at a time.
+const ABREAST: usize = 64;
 
 /// How far before a stretch of steady glide its speed is followed \[s\]: what it was behind then has decayed to a thousandth
 /// with the 10 to 30 s in which a glider's speed follows.
@@ -192,13 +197,12 @@ impl Parts {
 
     fn inside_with(&self, of_parts: &[Inertia], parameters: &Parameters<f64>, bins: &[Bin]) -> Vec<Inside> {
         let glider = SteadyGlider::new(*parameters);
-        let mut guess = None;
-        let mut fly = |observed: &Observation, inertia: &Inertia| {
-            let found = predict(&glider, observed, inertia, guess)?;
-            guess = Some(found.guess);
-            Some([found.sink_m_s, found.speed_m_s])
-        };
-        let mut of_bin = |bin: &Bin, parts: &Range<usize>, at_speeds: &Range<usize>| {
+        let of_bin = |guess: &mut Option<[f64; 2]>, bin: &Bin, parts: &Range<usize>, at_speeds: &Range<usize>| {
+            let mut fly = |observed: &Observation, inertia: &Inertia| {
+                let found = predict(&glider, observed, inertia, *guess)?;
+                *guess = Some(found.guess);
+                Some([found.sink_m_s, found.speed_m_s])
+            };
             let n = parts.len() as f64;
             let of_bin = &of_parts[parts.clone()];
             let of = |value: fn(&Inertia) -> f64| of_bin.iter().map(value).sum::<f64>() / n;
@@ -223,8 +227,19 @@ impl Parts {
             }
             Some(Inside { inertia, sink_m_s: beside[0], speed_m_s: beside[1] })
         };
-        let of_bins = bins.iter().zip(&self.of_bin).zip(&self.at_speeds_of_bin);
-        of_bins.map(|((bin, parts), at)| of_bin(bin, parts, at).unwrap_or(Inside::NOTHING)).collect()
+        // Each solution begins with that of the bin before, in groups of a fixed size: what is found depends on no number of threads.
+        let groups = bins
+            .par_chunks(ABREAST)
+            .zip(self.of_bin.par_chunks(ABREAST))
+            .zip(self.at_speeds_of_bin.par_chunks(ABREAST));
+        let of_group = |((bins, parts), at_speeds): ((&[Bin], &[Range<usize>]), &[Range<usize>])| {
+            let mut guess = None;
+            let of_bins = bins.iter().zip(parts).zip(at_speeds);
+            let of_bins =
+                of_bins.map(|((bin, parts), at)| of_bin(&mut guess, bin, parts, at).unwrap_or(Inside::NOTHING));
+            of_bins.collect::<Vec<Inside>>()
+        };
+        groups.flat_map_iter(of_group).collect()
     }
 }
 

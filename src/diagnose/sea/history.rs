@@ -440,6 +440,28 @@ mod tests {
         }
     }
 
+    /// So is that of each coefficient of an unknown shear.
+    #[test]
+    fn every_column_of_the_shear_is_the_change_of_what_is_read_with_its_coefficient() {
+        let parameters = Vehicle::load("slocum-graver").expect("a vehicle").glide_parameters();
+        let problem =
+            SeaProblem::new(&log(&parameters), &parameters, DiagnosisSettings::default()).expect("enough bins");
+        let start = problem.start();
+        let before = problem.evidence(&start);
+        let is_shear = |place: &usize| problem.baseline()[*place].0.starts_with("shear");
+        let places: Vec<usize> = (0..problem.baseline().len()).filter(is_shear).collect();
+        // One heading, due north: the coefficients of the east change nothing and are left out.
+        assert!(places.len() >= 4 && problem.baseline()[places[0]].0 == "shear_north_0", "{:?}", problem.baseline());
+        for place in places {
+            let mut point = start.clone();
+            point.baseline[place] += 0.2;
+            let change = &before.residual - problem.evidence(&point).residual;
+            let column = before.baseline.column(place) * 0.2;
+            let (most, off) = (column.amax(), (&change - &column).amax());
+            assert!(most > 1e-5 && off < 0.03 * most, "{}: {off} of {most} m/s", problem.baseline()[place].0);
+        }
+    }
+
     #[test]
     fn a_lag_is_the_closed_form_of_a_ramp_and_a_step() {
         let time: Vec<f64> = (0..2000).map(|i| 3.0 * f64::from(i)).collect();

@@ -12,6 +12,7 @@ mod candidates;
 pub mod consistency;
 mod covariates;
 mod empirical;
+mod flown;
 mod history;
 mod jumps;
 mod log_diagnosis;
@@ -23,7 +24,7 @@ mod vehicle_log;
 
 use crate::dynamics::empirical::ActsOn;
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
-use crate::identify::{Bin, Inside, Parts, bins, surroundings};
+use crate::identify::{Bin, Parts, bins};
 use crate::log::Observation;
 
 use super::engine;
@@ -33,10 +34,12 @@ use super::holdout;
 use super::outcome::Outcome;
 use super::relevance::Relevance;
 use crate::identify::unknown_shear::DIFFERENCE_M_S;
+use flown::Flown;
 use jumps::Jump;
 pub use log_diagnosis::{SeaDiagnosis, diagnose_log};
 use model::{Directions, Vehicle};
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 use shear::UnknownShear;
 pub use vehicle_log::{LiftSlope, Request, VehicleLogError, diagnose_vehicle, extended};
 
@@ -172,6 +175,8 @@ pub struct SeaProblem {
     /// For each candidate how its size changes what is read.
     shapes: Vec<Shape>,
     directions: Directions,
+    /// The direction of a pitch offset, along which the force of a shear acts.
+    pitch_direction: usize,
     /// What the mechanisms of the past go by.
     past: history::Columns,
     /// The shear of a current that the log does not have.
@@ -251,8 +256,11 @@ impl SeaProblem {
         baseline.extend(shear.names());
         baseline.push(INERTIA_SHARE);
 
+        let mut directions = Directions::new(&baseline_index);
+        let pitch_direction = directions.index_of(parameter_index("pitch_offset_rad").expect("a row of the table"));
         let mut problem = SeaProblem {
-            directions: Directions::new(&baseline_index),
+            directions,
+            pitch_direction,
             parts: Parts::new(&bins, &usable, observations),
             bins,
             with_speed,
@@ -498,50 +506,6 @@ fn put_version(parameters: &mut Parameters<f64>, candidate: &Candidate) {
     }
 }
 
-/// A bin with what the past does to it, and the factor of the vertical velocity that is read.
-fn with_past(
-    parameters: &Parameters<f64>,
-    bin: &Bin,
-    inside: &Inside,
-    past: Option<&history::Effect>,
-) -> (Bin, Inside, f64) {
-    let (mut bin, mut inside) = (*bin, *inside);
-    let Some(past) = past else { return (bin, inside, 1.0) };
-    bin.mean.pitch_rad += past.pitch_rad;
-    inside.inertia.net_mass_kg += past.net_mass_kg;
-    if past.along_N != 0.0 {
-        // A horizontal force and the weight together are a weight that leans.
-        let net_kg = parameters.net_mass_kg(bin.mean.ballast_m3, &surroundings(parameters, &bin.mean))
-            + inside.inertia.net_mass_kg;
-        let lean = past.along_N / (net_kg * parameters.gravity_m_s2);
-        inside.inertia.net_mass_kg += net_kg * (1.0f64.hypot(lean) - 1.0);
-        inside.inertia.pitch_rad -= lean.atan();
-    }
-    (bin, inside, 1.0 + past.reading)
-}
-
-/// Force along the heading over which its slopes are taken \[N\]: a hundredth of a usual drag.
-const FORCE_STEP_N: f64 = 3e-3;
-
-/// What a force along the heading changes in the vertical velocity and the speed of a bin \[m/s per N\].
-fn by_force_along(
-    parameters: &Parameters<f64>,
-    vehicle: &Vehicle,
-    bin: &Bin,
-    inside: &Inside,
-    effect: Option<&history::Effect>,
-) -> [f64; 2] {
-    let fly = |step_N: f64| {
-        let effect = effect.copied().unwrap_or_default();
-        let pushed = history::Effect { along_N: effect.along_N + step_N, ..effect };
-        let (bin, inside, reading) = with_past(parameters, bin, inside, Some(&pushed));
-        let [sink, speed] = vehicle.fly_plainly(&bin, &inside);
-        [reading * sink, speed]
-    };
-    let (more, less) = (fly(FORCE_STEP_N), fly(-FORCE_STEP_N));
-    [0, 1].map(|quantity| (more[quantity] - less[quantity]) / (2.0 * FORCE_STEP_N))
-}
-
 /// Puts the leg's mean rate of the pressure in place of each sample's. The rate that is read is the vertical velocity that is to
 /// be explained: a lag of the pressure, by which the density follows it, would explain the noise of its own row.
 fn take_rate_of_leg(usable: &mut [Observation]) {
@@ -656,36 +620,22 @@ impl Problem for SeaProblem {
         let mut by_inertia = DVector::zeros(n);
         // What a force along the heading changes in each row [m/s per N].
         let mut by_force = DVector::zeros(n);
-        let mut modelled_sink_m_s = Vec::with_capacity(n_w);
-        for (row, (bin, inside)) in self.bins.iter().zip(&inside).enumerate() {
-            let effect = past.as_ref().map(|effects| &effects[row]);
-            let (bin_then, inside_then, reading) = with_past(&parameters, bin, inside, effect);
-            let (mut sink, mut speed) = vehicle.fly(&bin_then, &inside_then);
-            sink.scale(reading);
-            let mut inertia = [0.0; 2];
-            if let (Some(share), Some(at_rest)) = (share, &at_rest) {
-                let (bin_then, inside_then, _) = with_past(&parameters, bin, &at_rest[row], effect);
-                let [sink_at_rest, speed_at_rest] = vehicle.fly_plainly(&bin_then, &inside_then);
-                inertia = [sink.value - reading * sink_at_rest, speed.value - speed_at_rest];
-                sink.value += (share - 1.0) * inertia[0];
-                speed.value += (share - 1.0) * inertia[1];
-            }
-            by_inertia[row] = inertia[0];
-            let along = if self.shear.len() > 0 {
-                by_force_along(&parameters, &vehicle, bin, inside, effect)
-            } else {
-                [0.0; 2]
-            };
-            by_force[row] = along[0];
-            modelled_sink_m_s.push(sink.value);
-            residual[row] = bin.mean.sink_m_s - sink.value;
-            slopes.row_mut(row).copy_from_slice(&sink.slopes);
+        let flown = |row: usize| {
+            let without_inertia = share.zip(at_rest.as_ref().map(|at_rest| &at_rest[row]));
+            let effect = past.as_ref().map(|effects| effects[row]).unwrap_or_default();
+            Flown::new(&vehicle, self.pitch_direction, &self.bins[row], &inside[row], without_inertia, &effect)
+        };
+        let flown: Vec<Flown> = (0..n_w).into_par_iter().map(flown).collect();
+        for (row, (bin, flown)) in self.bins.iter().zip(&flown).enumerate() {
+            residual[row] = bin.mean.sink_m_s - flown.sink.value;
+            slopes.row_mut(row).copy_from_slice(&flown.sink.slopes);
+            (by_inertia[row], by_force[row]) = (flown.by_inertia[0], flown.by_force[0]);
             if self.with_speed.get(speed_row - n_w) == Some(&row) {
-                residual[speed_row] = bin.mean.speed_m_s - parameters.speed_scale * speed.value;
-                slopes.row_mut(speed_row).copy_from_slice(&speed.slopes);
-                slopes.row_mut(speed_row).scale_mut(parameters.speed_scale);
-                by_inertia[speed_row] = parameters.speed_scale * inertia[1];
-                by_force[speed_row] = parameters.speed_scale * along[1];
+                let scale = parameters.speed_scale;
+                residual[speed_row] = bin.mean.speed_m_s - scale * flown.speed.value;
+                slopes.row_mut(speed_row).copy_from_slice(&flown.speed.slopes);
+                slopes.row_mut(speed_row).scale_mut(scale);
+                (by_inertia[speed_row], by_force[speed_row]) = (scale * flown.by_inertia[1], scale * flown.by_force[1]);
                 speed_row += 1;
             }
         }
@@ -715,7 +665,7 @@ impl Problem for SeaProblem {
                     DMatrix::from_fn(n, 1, |row, _| column[bin_of(row)] * slopes[(row, *direction)])
                 }
                 Slopes::Past { column, carrier: None } => {
-                    DMatrix::from_fn(n, 1, |row, _| if row < n_w { column[row] * modelled_sink_m_s[row] } else { 0.0 })
+                    DMatrix::from_fn(n, 1, |row, _| if row < n_w { column[row] * flown[row].sink.value } else { 0.0 })
                 }
             })
             .collect();

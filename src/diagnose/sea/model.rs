@@ -45,6 +45,8 @@ pub struct Sloped {
 
 /// The vehicle at one point of a fit, before and after the jump of its drag.
 pub struct Vehicle {
+    /// Its parameters there.
+    pub parameters: Parameters<f64>,
     passes: Vec<Pass>,
     /// Without slopes, before and after the jump.
     plain: [SteadyGlider<f64>; 2],
@@ -63,7 +65,13 @@ impl Vehicle {
         let passes = directions.rows.chunks(DIRECTIONS_OF_A_PASS).map(|rows| Pass::new(parameters, rows)).collect();
         let at = |step_time_s: f64| SteadyGlider::new(Parameters { step_time_s, ..*parameters });
         let plain = [at(f64::INFINITY), at(f64::NEG_INFINITY)];
-        Vehicle { passes, plain, n_directions: directions.len(), jump_s: parameters.step_time_s }
+        Vehicle {
+            parameters: *parameters,
+            passes,
+            plain,
+            n_directions: directions.len(),
+            jump_s: parameters.step_time_s,
+        }
     }
 
     /// Vertical velocity and speed alone, 0 where no glide balances.

@@ -1,0 +1,85 @@
+//! What the model reads in one bin: the steady glide with the past, the inertia and the unknown shear in it, and its slopes.
+//!
+//! Knows the glide and what acts on it; no fit.
+
+use super::history;
+use super::model::{Sloped, Vehicle};
+use crate::dynamics::Parameters;
+use crate::identify::{Bin, Inside, surroundings};
+
+/// The readings of one bin, with their slopes along every direction.
+pub struct Flown {
+    /// Vertical velocity that is read \[m/s\].
+    pub sink: Sloped,
+    /// Speed \[m/s\], before its scale.
+    pub speed: Sloped,
+    /// What the whole of the inertia changes in the two \[m/s\].
+    pub by_inertia: [f64; 2],
+    /// What a force along the heading changes in the two \[m/s per N\].
+    pub by_force: [f64; 2],
+}
+
+impl Flown {
+    /// The readings of a bin. `without_inertia` is the share of the inertia that takes part, and the bin without any; none where the
+    /// inertia is in as it is. `pitch` is the direction of a pitch offset.
+    pub fn new(
+        vehicle: &Vehicle,
+        pitch: usize,
+        bin: &Bin,
+        inside: &Inside,
+        without_inertia: Option<(f64, &Inside)>,
+        effect: &history::Effect,
+    ) -> Flown {
+        let (parameters, reading) = (&vehicle.parameters, 1.0 + effect.reading);
+        let (bin_then, inside_then) = with_effect(parameters, bin, inside, effect);
+        let (mut sink, mut speed) = vehicle.fly(&bin_then, &inside_then);
+        sink.scale(reading);
+        let by_force = by_force(parameters, &bin_then, &inside_then, [&sink, &speed], pitch, reading);
+        let mut by_inertia = [0.0; 2];
+        if let Some((share, at_rest)) = without_inertia {
+            let (bin_then, inside_then) = with_effect(parameters, bin, at_rest, effect);
+            let [sink_at_rest, speed_at_rest] = vehicle.fly_plainly(&bin_then, &inside_then);
+            by_inertia = [sink.value - reading * sink_at_rest, speed.value - speed_at_rest];
+            sink.value += (share - 1.0) * by_inertia[0];
+            speed.value += (share - 1.0) * by_inertia[1];
+        }
+        Flown { sink, speed, by_inertia, by_force }
+    }
+}
+
+/// A bin with what acts on it beside the steady glide.
+fn with_effect(parameters: &Parameters<f64>, bin: &Bin, inside: &Inside, effect: &history::Effect) -> (Bin, Inside) {
+    let (mut bin, mut inside) = (*bin, *inside);
+    bin.mean.pitch_rad += effect.pitch_rad;
+    inside.inertia.net_mass_kg += effect.net_mass_kg;
+    if effect.along_N != 0.0 {
+        // A horizontal force and the weight together are a weight that leans.
+        let net_kg = net_mass_kg(parameters, &bin, &inside);
+        let lean = effect.along_N / (net_kg * parameters.gravity_m_s2);
+        inside.inertia.net_mass_kg += net_kg * (1.0f64.hypot(lean) - 1.0);
+        inside.inertia.pitch_rad -= lean.atan();
+    }
+    (bin, inside)
+}
+
+fn net_mass_kg(parameters: &Parameters<f64>, bin: &Bin, inside: &Inside) -> f64 {
+    parameters.net_mass_kg(bin.mean.ballast_m3, &surroundings(parameters, &bin.mean)) + inside.inertia.net_mass_kg
+}
+
+/// What a force along the heading changes in vertical velocity and speed \[m/s per N\].
+///
+/// The weight leans by the force over the weight. A pitch offset turns the hull against the weight by as much, and turns the path with
+/// it, which here stays where it is: `U sin(alpha - pitch)` less that turn is the slope along the offset plus `U cos`.
+fn by_force(
+    parameters: &Parameters<f64>,
+    bin: &Bin,
+    inside: &Inside,
+    [sink, speed]: [&Sloped; 2],
+    pitch: usize,
+    reading: f64,
+) -> [f64; 2] {
+    let weight_N = net_mass_kg(parameters, bin, inside) * parameters.gravity_m_s2;
+    let horizontal_m_s = (speed.value.powi(2) - sink.value.powi(2)).max(0.0).sqrt();
+    let turned = [sink.slopes[pitch] + reading * horizontal_m_s / parameters.pressure_scale, speed.slopes[pitch]];
+    turned.map(|slope| if weight_N == 0.0 { 0.0 } else { -slope / weight_N })
+}
