@@ -234,17 +234,18 @@ const FEWEST_PITCHES: usize = 50;
 /// # Errors
 /// Where 95 % of the samples pitch by less than 1.6 degrees.
 pub fn check_pitch(log: &Path, observations: &[Observation]) -> Result<(), InputError> {
-    let flat = observations.iter().filter(|o| o.pitch_rad.abs() < LEAST_PITCH_RAD).count();
-    if observations.len() < FEWEST_PITCHES || flat * 20 < observations.len() * 19 {
+    let under_way = consistency::under_way(observations);
+    let flat = under_way.iter().filter(|o| o.pitch_rad.abs() < LEAST_PITCH_RAD).count();
+    if under_way.len() < FEWEST_PITCHES || flat * 20 < under_way.len() * 19 {
         return Ok(());
     }
     let problem = format!(
-        "the pitch stays within {:.1} degrees on {flat} of {} samples on legs; no glider glides so",
+        "the log contradicts itself: unit of pitch: it stays within {:.1} degrees on {flat} of {} samples under way; no glider glides so",
         LEAST_PITCH_RAD.to_degrees(),
-        observations.len()
+        under_way.len()
     );
     Err(InputError::new(Place::file(log), problem)
-        .help("are its numbers radians, under a name that says degrees? state it by --unit pitch_rad=rad"))
+        .help("are its numbers radians, under a name that says degrees? --unit pitch_rad=rad states what they are"))
 }
 
 /// A log of column names only.

@@ -129,7 +129,7 @@ pub fn corrected(observations: &[Observation], error: DensityError, carried_bias
 
 /// The samples between a tenth and nine tenths of the way down, in whatever unit the pressure is: there a glider is under way. At
 /// the surface it lies still, in shallow water for longer than it dives.
-fn under_way(observations: &[Observation]) -> Vec<Observation> {
+pub fn under_way(observations: &[Observation]) -> Vec<Observation> {
     let Some(deepest) = quantile(observations.iter().map(|o| o.pressure_dbar.abs()), DEEPEST) else {
         return observations.to_vec();
     };
