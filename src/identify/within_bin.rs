@@ -228,18 +228,14 @@ impl Parts {
             Some(Inside { inertia, sink_m_s: beside[0], speed_m_s: beside[1] })
         };
         // Each solution begins with that of the bin before, in groups of a fixed size: what is found depends on no number of threads.
-        let groups = bins
-            .par_chunks(ABREAST)
-            .zip(self.of_bin.par_chunks(ABREAST))
-            .zip(self.at_speeds_of_bin.par_chunks(ABREAST));
-        let of_group = |((bins, parts), at_speeds): ((&[Bin], &[Range<usize>]), &[Range<usize>])| {
+        let of_group = |first: usize| {
             let mut guess = None;
-            let of_bins = bins.iter().zip(parts).zip(at_speeds);
-            let of_bins =
-                of_bins.map(|((bin, parts), at)| of_bin(&mut guess, bin, parts, at).unwrap_or(Inside::NOTHING));
-            of_bins.collect::<Vec<Inside>>()
+            let places = first..(first + ABREAST).min(bins.len());
+            let inside = places.map(|i| of_bin(&mut guess, &bins[i], &self.of_bin[i], &self.at_speeds_of_bin[i]));
+            inside.map(|inside| inside.unwrap_or(Inside::NOTHING)).collect::<Vec<Inside>>()
         };
-        groups.flat_map_iter(of_group).collect()
+        let firsts: Vec<usize> = (0..bins.len()).step_by(ABREAST).collect();
+        firsts.into_par_iter().flat_map_iter(of_group).collect()
     }
 }
 

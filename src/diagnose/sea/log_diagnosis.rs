@@ -6,7 +6,7 @@ use super::{DiagnosisSettings, SeaError, SeaProblem};
 use crate::diagnose::engine;
 use crate::diagnose::findings::{Cause, Check, Checked, Verdict};
 use crate::diagnose::holdout;
-use crate::diagnose::{Evidence, Outcome, Problem, gains};
+use crate::diagnose::{Evidence, Outcome, Point, Problem, fitted_again, gains};
 use crate::dynamics::{Parameters, parameter_index};
 use crate::estimate::Estimate;
 use crate::identify::Trim;
@@ -81,15 +81,19 @@ pub fn diagnose_log(
     if problem.has_speed() {
         name_what_scales_hide(&mut outcome);
     }
+    let mut point = outcome.after.point.clone();
     if trim == Trim::Neutral {
         tell_trim(&mut outcome, &baseline);
+        if let Some((estimate, with_trim)) = trim_beside(&problem, &outcome) {
+            (outcome.diagnosis.trim, point) = (Some(estimate), with_trim);
+        }
     }
     outcome.diagnosis.rejected.extend(unweighed(&checks, &outcome, &problem));
     outcome.diagnosis.consistency = checks;
     if problem.is_quasi_steady() {
         outcome.diagnosis.warnings.push(QUASI_STEADY.to_owned());
     }
-    outcome.diagnosis.warnings.extend(problem.warnings(&outcome.before.point, &outcome.after.point));
+    outcome.diagnosis.warnings.extend(problem.warnings(&outcome.before.point, &point));
     let problem = empirical::extend(problem, &mut outcome);
     let evidence = problem.evidence(&outcome.after.point);
     Ok(SeaDiagnosis { outcome, evidence, problem, baseline, turns: Vec::new() })
@@ -186,6 +190,24 @@ fn tell_trim(outcome: &mut Outcome, baseline: &Parameters<f64>) {
         };
     }
     diagnosis.trim = Some(offset);
+}
+
+/// The ballast offset beside what was found, where nothing named it, with the point of that fit: a trim has a size and an interval,
+/// however small.
+fn trim_beside(problem: &SeaProblem, outcome: &Outcome) -> Option<(Estimate, Point)> {
+    let ballast = problem.candidates().iter().position(|candidate| candidate.name == "ballast_offset")?;
+    if outcome.fitted.contains(&ballast) {
+        return None;
+    }
+    let with: Vec<usize> = outcome.fitted.iter().copied().chain([ballast]).collect();
+    // From the vehicle's own polar and water at rest: the fit without a trim may have bent both to imitate one.
+    let start = Point { candidates: outcome.after.point.candidates.clone(), ..problem.start() };
+    let stage = fitted_again(problem, &start, &with, outcome.after.held_out.clone());
+    let others = outcome.fitted.iter().map(|member| problem.candidates()[*member].neutral.len());
+    let column = problem.baseline().len() + others.sum::<usize>();
+    let se = stage.covariance[(column, column)].max(0.0).sqrt();
+    let found = Estimate::normal(stage.point.candidates[ballast][0], se, "kg");
+    Some((stage.with_scatter(&found, column), stage.point))
 }
 
 /// Density of sea water near the surface, where the volume of a glider is wanted \[kg/m3\].
