@@ -5,7 +5,7 @@
 
 use super::change_point;
 use super::evidence::Problem;
-use super::findings::Alternative;
+use super::findings::{Alternative, Cause};
 use super::fitted::Fitted;
 use super::iteration::Iteration;
 use super::subset_search::MARGIN;
@@ -22,8 +22,12 @@ pub(super) fn alternatives(
     problem: &impl Problem,
     extended: &Fitted,
     iteration: &Iteration<'_>,
+    causes: &[Cause],
 ) -> Vec<Vec<Alternative>> {
-    // A single mechanism has its stand-ins, and any two explain more than one.
+    // What could stand in the place of a single mechanism has a size of its own; any two explain more than one.
+    if let (&[_], [cause]) = (extended.included.as_slice(), causes) {
+        return in_place_of(problem, iteration, &cause.indistinguishable_from);
+    }
     if extended.included.len() < 2 {
         return Vec::new();
     }
@@ -45,6 +49,16 @@ pub(super) fn alternatives(
         }
     }
     reported.iter().map(|members| sizes(problem, iteration, members)).collect()
+}
+
+/// The members of a group, each alone, in its best version.
+fn in_place_of(problem: &impl Problem, iteration: &Iteration<'_>, group: &[String]) -> Vec<Vec<Alternative>> {
+    let search = iteration.search();
+    let best = |name: &String| {
+        let versions = (0..problem.candidates().len()).filter(|i| problem.candidates()[*i].name == name.as_str());
+        versions.min_by(|a, b| search.criterion(&[*a]).total_cmp(&search.criterion(&[*b])))
+    };
+    group.iter().filter_map(best).take(MOST_SETS).map(|member| sizes(problem, iteration, &[member])).collect()
 }
 
 fn has_family(iteration: &Iteration<'_>, members: &[usize], member: usize) -> bool {

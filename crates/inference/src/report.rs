@@ -66,7 +66,7 @@ pub(super) fn report(
         consistency: Vec::new(),
         warnings: Vec::new(),
         wrong,
-        alternatives: alternatives(problem, extended, &iteration),
+        alternatives: alternatives(problem, extended, &iteration, &causes),
         trim: None,
         empirical: None,
         left: left(problem, extended, &iteration),
