@@ -12,6 +12,8 @@
 //!
 //! Knows one leg at a time; what is steady, and what a fit does with it, others decide.
 
+use rayon::prelude::*;
+
 use super::model::{Inertia, predict, surroundings, true_pitch_rad};
 use crate::dynamics::Parameters;
 use crate::glide::SteadyGlider;
@@ -25,6 +27,9 @@ const GAP_S: f64 = 60.0;
 /// least \[s\]: single samples have the noise of the pitch in them.
 const BEGINNING_S: f64 = 30.0;
 
+/// Samples that one thread takes at a time.
+const ABREAST: usize = 256;
+
 /// The inertia of each sample at these parameters; none where no glide exists or the sample is alone.
 pub fn inertia<'o>(
     parameters: &Parameters<f64>,
@@ -32,7 +37,16 @@ pub fn inertia<'o>(
 ) -> Vec<Inertia> {
     let observations: Vec<&Observation> = observations.into_iter().collect();
     let gap_s = gap_s(observations.iter().copied());
-    inertia_between_gaps(parameters, gap_s, observations)
+    courses(parameters, gap_s, observations).into_iter().map(|course| course.inertia).collect()
+}
+
+/// A sample among those of its leg.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Course {
+    /// The inertia there; none where no glide exists or the sample is alone.
+    pub(super) inertia: Inertia,
+    /// Vertical velocity and speed if forces balanced \[m/s\], where a glide exists.
+    pub(super) steady_m_s: Option<[f64; 2]>,
 }
 
 /// A step between these observations beyond which another glide begins \[s\].
@@ -40,12 +54,12 @@ pub(super) fn gap_s<'o>(observations: impl Iterator<Item = &'o Observation> + Cl
     GAP_S.max(1.5 * median_step_s(observations))
 }
 
-/// The same where a step longer than this is a gap \[s\].
-pub(super) fn inertia_between_gaps<'o>(
+/// Each sample's inertia and steady glide, where a step longer than this is a gap \[s\].
+pub(super) fn courses<'o>(
     parameters: &Parameters<f64>,
     gap_s: f64,
     observations: impl IntoIterator<Item = &'o Observation>,
-) -> Vec<Inertia> {
+) -> Vec<Course> {
     let observations: Vec<&Observation> = observations.into_iter().collect();
     let steady = steady(parameters, &observations);
     // From one sample to another the rates of change of the steady glide, and the time between.
@@ -57,7 +71,7 @@ pub(super) fn inertia_between_gaps<'o>(
         goes_on.then(|| ([0, 1].map(|q| (to.flown_m_s[q] - from.flown_m_s[q]) / step_s), step_s))
     };
     let mut late_m_s = [0.0; 2];
-    let mut found = vec![Inertia::NONE; observations.len()];
+    let mut found = vec![Course { inertia: Inertia::NONE, steady_m_s: None }; observations.len()];
     for (i, found) in found.iter_mut().enumerate() {
         let Some(here) = &steady[i] else { continue };
         late_m_s = match rates(i.wrapping_sub(1), i) {
@@ -71,7 +85,8 @@ pub(super) fn inertia_between_gaps<'o>(
                 here.behind(beginning.map(|(steady, o)| (o.time_s - observations[i].time_s, steady.flown_m_s)))
             }
         };
-        *found = here.inertia(observations[i].pitch_rad, late_m_s);
+        let inertia = here.inertia(observations[i].pitch_rad, late_m_s);
+        *found = Course { inertia, steady_m_s: Some(here.flown_m_s) };
     }
     found
 }
@@ -92,17 +107,21 @@ struct Steady {
 fn steady(parameters: &Parameters<f64>, observations: &[&Observation]) -> Vec<Option<Steady>> {
     let glider = SteadyGlider::new(*parameters);
     let mass_kg = parameters.mass_kg() + parameters.added_mass_1_kg;
-    let mut guess = None;
-    let of_one = |observed: &&Observation| {
-        let found = predict(&glider, observed, &Inertia::NONE, guess)?;
-        guess = Some(found.guess);
+    let of_one = |guess: &mut Option<[f64; 2]>, observed: &Observation| {
+        let found = predict(&glider, observed, &Inertia::NONE, *guess)?;
+        *guess = Some(found.guess);
         let net_kg = parameters.net_mass_kg(observed.ballast_m3, &surroundings(parameters, observed));
         let steep_rad = (true_pitch_rad(parameters, observed.pitch_rad) - found.angle_of_attack_rad).abs();
         let drag_N = net_kg.abs() * parameters.gravity_m_s2 * steep_rad.sin();
         let slow_s = mass_kg * found.speed_m_s / (2.0 * drag_N);
         (slow_s > 0.0).then_some(Steady { flown_m_s: [found.sink_m_s, found.speed_m_s], steep_rad, net_kg, slow_s })
     };
-    observations.iter().map(of_one).collect()
+    // Each solution begins with that of the sample before, in groups of a fixed size: what is found depends on no number of threads.
+    let of_group = |group: &[&Observation]| {
+        let mut guess = None;
+        group.iter().map(|observed| of_one(&mut guess, observed)).collect::<Vec<Option<Steady>>>()
+    };
+    observations.par_chunks(ABREAST).flat_map_iter(of_group).collect()
 }
 
 /// Where inertia is no small correction any more the glide is not steady, and the sample tells little. A trial of a fit may

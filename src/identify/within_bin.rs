@@ -15,7 +15,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::bins::{Bin, mean};
-use super::inertia::{gap_s, inertia_between_gaps};
+use super::inertia::{Course, courses, gap_s};
 use super::model::{Inertia, Prediction, predict};
 use crate::Number;
 use crate::dynamics::Parameters;
@@ -48,11 +48,13 @@ pub struct Inside {
     pub sink_m_s: f64,
     /// The same of the speed, at the times of the samples that have a measured one \[m/s\].
     pub speed_m_s: f64,
+    /// Where the solution at the mean may start.
+    pub guess: Option<[f64; 2]>,
 }
 
 impl Inside {
     /// Of a bin in which nothing happens.
-    pub const NOTHING: Inside = Inside { inertia: Inertia::NONE, sink_m_s: 0.0, speed_m_s: 0.0 };
+    pub const NOTHING: Inside = Inside { inertia: Inertia::NONE, sink_m_s: 0.0, speed_m_s: 0.0, guess: None };
 
     /// What the instruments should have read on average over the bin; nothing where the glider cannot glide at all.
     pub fn predict<T: Number>(
@@ -61,7 +63,7 @@ impl Inside {
         bin: &Bin,
         guess: Option<[f64; 2]>,
     ) -> Option<Prediction<T>> {
-        let at_mean = predict(glider, &bin.mean, &self.inertia, guess)?;
+        let at_mean = predict(glider, &bin.mean, &self.inertia, guess.or(self.guess))?;
         Some(Prediction {
             sink_m_s: at_mean.sink_m_s + self.sink_m_s,
             speed_m_s: at_mean.speed_m_s + self.speed_m_s,
@@ -184,37 +186,57 @@ impl Parts {
 
     /// What happens inside each bin at these parameters; `bins` are those of [`new`](Self::new).
     pub fn inside(&self, parameters: &Parameters<f64>, bins: &[Bin]) -> Vec<Inside> {
-        match self.quasi_steady {
-            true => self.inside_without_inertia(parameters, bins),
-            false => self.inside_with(&inertia_between_gaps(parameters, self.gap_s, &self.means), parameters, bins),
-        }
+        let courses = courses(parameters, self.gap_s, &self.means);
+        if self.quasi_steady { self.steady(&courses, parameters, bins) } else { self.late(&courses, parameters, bins) }
     }
 
-    /// The same with forces that balance at every moment.
-    pub fn inside_without_inertia(&self, parameters: &Parameters<f64>, bins: &[Bin]) -> Vec<Inside> {
-        self.inside_with(&vec![Inertia::NONE; self.means.len()], parameters, bins)
+    /// What happens inside each bin with inertia, and with forces that balance at every moment.
+    pub fn inside_and_at_rest(&self, parameters: &Parameters<f64>, bins: &[Bin]) -> (Vec<Inside>, Vec<Inside>) {
+        let courses = courses(parameters, self.gap_s, &self.means);
+        (self.late(&courses, parameters, bins), self.steady(&courses, parameters, bins))
     }
 
-    fn inside_with(&self, of_parts: &[Inertia], parameters: &Parameters<f64>, bins: &[Bin]) -> Vec<Inside> {
+    fn late(&self, courses: &[Course], parameters: &Parameters<f64>, bins: &[Bin]) -> Vec<Inside> {
+        let glider = SteadyGlider::new(*parameters);
+        let fly = |part: usize, guess: &mut Option<[f64; 2]>| {
+            let found = predict(&glider, &self.means[part], &courses[part].inertia, *guess)?;
+            *guess = Some(found.guess);
+            Some([found.sink_m_s, found.speed_m_s])
+        };
+        self.inside_with(|part| courses[part].inertia, fly, parameters, bins)
+    }
+
+    fn steady(&self, courses: &[Course], parameters: &Parameters<f64>, bins: &[Bin]) -> Vec<Inside> {
+        self.inside_with(|_| Inertia::NONE, |part, _| courses[part].steady_m_s, parameters, bins)
+    }
+
+    /// The bins, from the inertia of each part and its vertical velocity and speed.
+    fn inside_with(
+        &self,
+        inertia: impl Fn(usize) -> Inertia + Sync,
+        velocities: impl Fn(usize, &mut Option<[f64; 2]>) -> Option<[f64; 2]> + Sync,
+        parameters: &Parameters<f64>,
+        bins: &[Bin],
+    ) -> Vec<Inside> {
         let glider = SteadyGlider::new(*parameters);
         let of_bin = |guess: &mut Option<[f64; 2]>, bin: &Bin, parts: &Range<usize>, at_speeds: &Range<usize>| {
-            let mut fly = |observed: &Observation, inertia: &Inertia| {
+            let fly = |guess: &mut Option<[f64; 2]>, observed: &Observation, inertia: &Inertia| {
                 let found = predict(&glider, observed, inertia, *guess)?;
                 *guess = Some(found.guess);
                 Some([found.sink_m_s, found.speed_m_s])
             };
             let n = parts.len() as f64;
-            let of_bin = &of_parts[parts.clone()];
-            let of = |value: fn(&Inertia) -> f64| of_bin.iter().map(value).sum::<f64>() / n;
-            let inertia = Inertia {
+            let of = |value: fn(Inertia) -> f64| parts.clone().map(|part| value(inertia(part))).sum::<f64>() / n;
+            let of_mean = Inertia {
                 net_mass_kg: of(|i| i.net_mass_kg),
                 pitch_rad: of(|i| i.pitch_rad),
                 sink_rate_m_s2: of(|i| i.sink_rate_m_s2),
             };
-            let at_mean = fly(&bin.mean, &inertia)?;
+            let at_mean = fly(guess, &bin.mean, &of_mean)?;
+            let guess_at_mean = *guess;
             let mut beside = [0.0; 2];
-            for (part, inertia) in self.means[parts.clone()].iter().zip(of_bin) {
-                let flown = fly(part, inertia)?;
+            for part in parts.clone() {
+                let flown = velocities(part, guess)?;
                 (0..2).for_each(|i| beside[i] += (flown[i] - at_mean[i]) / n);
             }
             let at_speeds = &self.at_speeds[at_speeds.clone()];
@@ -222,10 +244,10 @@ impl Parts {
                 let speeds: f64 = at_speeds.iter().map(|at| at.speeds).sum();
                 beside[1] = 0.0;
                 for at in at_speeds {
-                    beside[1] += (fly(&at.mean, &of_parts[at.part])?[1] - at_mean[1]) * at.speeds / speeds;
+                    beside[1] += (fly(guess, &at.mean, &inertia(at.part))?[1] - at_mean[1]) * at.speeds / speeds;
                 }
             }
-            Some(Inside { inertia, sink_m_s: beside[0], speed_m_s: beside[1] })
+            Some(Inside { inertia: of_mean, sink_m_s: beside[0], speed_m_s: beside[1], guess: guess_at_mean })
         };
         // Each solution begins with that of the bin before, in groups of a fixed size: what is found depends on no number of threads.
         let of_group = |first: usize| {

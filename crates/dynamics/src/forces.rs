@@ -70,6 +70,16 @@ impl<T: Number> Parameters<T> {
     ///
     /// `dynamic_pressure_Pa` matters with a drag exponent only, `sink_m_s` where the legs differ.
     pub fn coefficients(&self, angle_of_attack_rad: T, dynamic_pressure_Pa: T, flow: &Flow<T>) -> Coefficients<T> {
+        self.coefficients_at(angle_of_attack_rad, self.reynolds_factor(dynamic_pressure_Pa), flow)
+    }
+
+    /// The same where the factor on the drag by the Reynolds number is known.
+    pub(crate) fn coefficients_at(
+        &self,
+        angle_of_attack_rad: T,
+        reynolds_factor: T,
+        flow: &Flow<T>,
+    ) -> Coefficients<T> {
         let alpha = angle_of_attack_rad;
         let ascent = ascent_fraction(flow.sink_m_s);
         let on_leg = |ratio: T| (ratio - 1.0) * ascent + 1.0;
@@ -78,7 +88,7 @@ impl<T: Number> Parameters<T> {
             + self.a_per_rad * on_leg(self.ascent_a_ratio) * on_leg(self.climb_dive_lift_ratio) * alpha
             + self.nonlinear_lift_per_rad2 * alpha * alpha.abs())
             * (flow.empirical.lift + 1.0);
-        let b = self.b * on_leg(self.ascent_b_ratio) * self.reynolds_factor(dynamic_pressure_Pa);
+        let b = self.b * on_leg(self.ascent_b_ratio) * reynolds_factor;
         let c = self.c_per_rad2 * on_leg(self.ascent_c_ratio);
         let drag = (b + c * alpha * alpha) * on_leg(self.climb_dive_drag_ratio) * self.drag_factor(flow);
         let moment = self.CM0 + self.d_per_rad * on_leg(self.ascent_d_ratio) * alpha;
@@ -149,9 +159,9 @@ impl<T: Number> Parameters<T> {
         growth * step * roll * rudder * (flow.empirical.drag + 1.0)
     }
 
-    /// `(q/q0)^s`, and exactly 1 for s = 0.
-    fn reynolds_factor(&self, dynamic_pressure_Pa: T) -> T {
-        if !T::HAS_DERIVATIVES && self.drag_exponent.value() == 0.0 {
+    /// `(q/q0)^s`, and exactly 1 for s = 0, where it has a slope along s alone.
+    pub(crate) fn reynolds_factor(&self, dynamic_pressure_Pa: T) -> T {
+        if self.drag_exponent.is_constant_zero() {
             return T::constant(1.0);
         }
         let reference = self.reference_density_kg_m3 * (0.5 * DRAG_REFERENCE_SPEED_M_S * DRAG_REFERENCE_SPEED_M_S);

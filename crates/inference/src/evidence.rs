@@ -184,6 +184,16 @@ pub trait Problem {
         false
     }
 
+    /// The same problem for a first search about a point, quicker: what changes little with the parameters stays as it is there.
+    /// None where there is no such problem. What is found is fitted again in full.
+    fn for_first_search(&self, about: &Point) -> Option<Self>
+    where
+        Self: Sized,
+    {
+        let _ = about;
+        None
+    }
+
     /// Whether the covariates span regimes in each of which a mechanism must have one size.
     fn has_regimes(&self) -> bool {
         false

@@ -105,6 +105,8 @@ impl Fitted {
         if !problem.bends() {
             return None;
         }
+        let quicker = problem.for_first_search(&self.point);
+        let first = quicker.as_ref().unwrap_or(problem);
         let plain = plain_noises(&self.evidence);
         let is_gross = (0..self.noises.len()).any(|quantity| {
             let rows = self.evidence.quantities[quantity].rows.clone();
@@ -114,12 +116,12 @@ impl Fitted {
         let candidates = problem.candidates();
         let mut trials: Vec<(f64, Fitted)> = Vec::new();
         for (i, _) in candidates.iter().enumerate().filter(|(_, candidate)| is_gross && candidate.version.is_none()) {
-            let evidence = believing(problem, problem.evidence(&self.point), &self.point, &[i]);
+            let evidence = believing(first, first.evidence(&self.point), &self.point, &[i]);
             let mut trial = Fitted { point: self.point.clone(), included: vec![i], evidence, noises: plain.clone() };
             // At first all of the misfit counts as noise, beside which beliefs about sizes weigh too much: once more with
             // what is left, until no more goes.
             for _ in 0..MAX_NOISE_ROUNDS {
-                if trial.descend(problem) < 1e-2 {
+                if trial.descend(first) < 1e-2 {
                     break;
                 }
                 trial.noises = plain_noises(&trial.evidence);

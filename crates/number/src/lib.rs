@@ -21,6 +21,9 @@ pub trait Number: DualNum<Primitive = f64> + Copy {
     /// The value without its derivatives.
     fn value(self) -> f64;
 
+    /// Whether it is zero and stays zero along every derivative.
+    fn is_constant_zero(&self) -> bool;
+
     /// A function's value where the type carries no derivatives. A type that counts operations counts it here.
     fn function_value(value: f64, _function: Function) -> Self {
         Self::constant(value)
@@ -57,16 +60,28 @@ impl Number for f64 {
     fn value(self) -> f64 {
         self
     }
+
+    fn is_constant_zero(&self) -> bool {
+        *self == 0.0
+    }
 }
 
 impl Number for Dual64 {
     fn value(self) -> f64 {
         self.re
     }
+
+    fn is_constant_zero(&self) -> bool {
+        self.re == 0.0 && self.eps == 0.0
+    }
 }
 
 impl<const N: usize> Number for DualSVec64<N> {
     fn value(self) -> f64 {
         self.re
+    }
+
+    fn is_constant_zero(&self) -> bool {
+        self.re == 0.0 && self.eps.0.is_none_or(|eps| eps.iter().all(|slope| *slope == 0.0))
     }
 }

@@ -24,7 +24,7 @@ mod vehicle_log;
 
 use crate::dynamics::empirical::ActsOn;
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
-use crate::identify::{Bin, Parts, bins};
+use crate::identify::{Bin, Inside, Parts, bins};
 use crate::log::Observation;
 
 use super::engine;
@@ -164,6 +164,8 @@ pub struct SeaProblem {
     bins: Vec<Bin>,
     /// The same in parts.
     parts: Parts,
+    /// What happens inside each bin, where that is not flown anew at every point.
+    within: Option<Within>,
     /// Rows of the speed, as indices into the bins.
     with_speed: Vec<usize>,
     parameters: Parameters<f64>,
@@ -184,6 +186,9 @@ pub struct SeaProblem {
     /// What other channels of the log show.
     channels: candidates::Channels,
 }
+
+/// What happens inside each bin: with inertia as it is, and where the share of the inertia is fitted without any.
+type Within = (Vec<Inside>, Option<Vec<Inside>>);
 
 /// How the size of a candidate changes what is read.
 #[derive(Debug, Clone)]
@@ -263,6 +268,7 @@ impl SeaProblem {
             pitch_direction,
             parts: Parts::new(&bins, &usable, observations),
             bins,
+            within: None,
             with_speed,
             parameters: *parameters,
             lift: settings.lift,
@@ -482,6 +488,18 @@ impl SeaProblem {
         Some(effects)
     }
 
+    /// What happens inside each bin at a point.
+    fn within_at(&self, point: &Point) -> Within {
+        let parameters = self.parameters_at(point);
+        match self.inertia_share(point) {
+            Some(_) => {
+                let (inside, at_rest) = self.parts.inside_and_at_rest(&parameters, &self.bins);
+                (inside, Some(at_rest))
+            }
+            None => (self.parts.inside(&parameters, &self.bins), None),
+        }
+    }
+
     /// The parameters at a point of the fit.
     pub fn parameters_at(&self, point: &Point) -> Parameters<f64> {
         let mut parameters = self.parameters;
@@ -553,6 +571,11 @@ impl Problem for SeaProblem {
         true
     }
 
+    /// Thermoclines and inertia inside the bins are nine tenths of a flight, and change what a bin reads by little.
+    fn for_first_search(&self, about: &Point) -> Option<Self> {
+        Some(SeaProblem { within: Some(self.within_at(about)), ..self.clone() })
+    }
+
     fn has_regimes(&self) -> bool {
         true
     }
@@ -606,7 +629,9 @@ impl Problem for SeaProblem {
         let parameters = self.parameters_at(point);
         let (n_w, n_u) = (self.bins.len(), self.with_speed.len());
         let n = n_w + n_u;
-        let inside = self.parts.inside(&parameters, &self.bins);
+        let share = self.inertia_share(point);
+        let flown = self.within.is_none().then(|| self.within_at(point));
+        let (inside, at_rest) = flown.as_ref().or(self.within.as_ref()).expect("one of the two");
         let row_bins: Vec<&Bin> = self.bins.iter().chain(self.with_speed.iter().map(|i| &self.bins[*i])).collect();
 
         let mut residual = DVector::zeros(n);
@@ -614,8 +639,6 @@ impl Problem for SeaProblem {
         let mut speed_row = n_w;
         let vehicle = Vehicle::new(&parameters, &self.directions);
         let past = self.effects(point, &parameters);
-        let share = self.inertia_share(point);
-        let at_rest = share.map(|_| self.parts.inside_without_inertia(&parameters, &self.bins));
         // What the whole of the inertia changes in each row.
         let mut by_inertia = DVector::zeros(n);
         // What a force along the heading changes in each row [m/s per N].

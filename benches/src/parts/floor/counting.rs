@@ -280,6 +280,10 @@ impl Number for Counted {
         self.0
     }
 
+    fn is_constant_zero(&self) -> bool {
+        self.0 == 0.0
+    }
+
     fn function_value(value: f64, function: Function) -> Self {
         did(match function {
             Function::SineCosine => Kind::SineCosine,

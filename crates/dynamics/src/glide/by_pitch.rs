@@ -109,7 +109,7 @@ impl<T: Number> SteadyGlider<T> {
         let [mut alpha, mut log_q] = solution.unknowns.map(T::constant);
         if T::HAS_DERIVATIVES {
             let asked = Asked { parameters, water: *water, attitude, deflection };
-            let residual = balance(&asked, [alpha, log_q]);
+            let residual = balance(&asked, alpha, &Push::new(parameters, log_q));
             let [step_alpha, step_log_q] = solve_2(solution.jacobian, residual);
             alpha -= step_alpha;
             log_q -= step_log_q;
@@ -160,10 +160,11 @@ fn solve(asked: &Asked<'_, f64>, with_slopes: &Parameters<Dual64>, guess: [f64; 
     let mut unknowns = guess;
     let mut last = f64::INFINITY;
     for _ in 0..MAX_STEPS {
-        // One slope at a time: two short passes are quicker than one with both.
+        // One slope at a time: two short passes are quicker than one with both. What the speed alone decides is the same in both.
         let [alpha, log_q] = unknowns;
-        let by_alpha = balance(&lifted, [Dual64::from(alpha).derivative(), log_q.into()]);
-        let by_log_q = balance(&lifted, [alpha.into(), Dual64::from(log_q).derivative()]);
+        let push = Push::new(with_slopes, Dual64::from(log_q).derivative());
+        let by_alpha = balance(&lifted, Dual64::from(alpha).derivative(), &push.held());
+        let by_log_q = balance(&lifted, alpha.into(), &push);
         let jacobian = [[by_alpha[0].eps, by_log_q[0].eps], [by_alpha[1].eps, by_log_q[1].eps]];
         let [step_alpha, step_log_q] = solve_2(jacobian, by_alpha.map(|r| r.re));
         let size = step_alpha.abs().max(step_log_q.abs());
@@ -200,9 +201,31 @@ fn first_guess(asked: &Asked<'_, f64>) -> Option<[f64; 2]> {
     (q > 0.0 && q.is_finite()).then(|| [alpha, functions::ln(q)])
 }
 
-fn balance<T: Number>(asked: &Asked<'_, T>, [alpha, log_q]: [T; 2]) -> [T; 2] {
+/// What the speed alone decides.
+struct Push<T> {
+    dynamic_pressure_Pa: T,
+    /// The factor on the drag by the Reynolds number.
+    reynolds_factor: T,
+}
+
+impl<T: Number> Push<T> {
+    fn new(parameters: &Parameters<T>, log_q: T) -> Self {
+        let dynamic_pressure_Pa = functions::exp(log_q);
+        Push { dynamic_pressure_Pa, reynolds_factor: parameters.reynolds_factor(dynamic_pressure_Pa) }
+    }
+
+    /// The same without its slopes.
+    fn held(&self) -> Self {
+        Push {
+            dynamic_pressure_Pa: T::constant(self.dynamic_pressure_Pa.value()),
+            reynolds_factor: T::constant(self.reynolds_factor.value()),
+        }
+    }
+}
+
+fn balance<T: Number>(asked: &Asked<'_, T>, alpha: T, push: &Push<T>) -> [T; 2] {
     let Asked { parameters, water, attitude, deflection } = asked;
-    let q = functions::exp(log_q);
+    let q = push.dynamic_pressure_Pa;
     let xi = attitude.pitch_rad - alpha;
     let weight = attitude.net_mass_kg * parameters.gravity_m_s2;
     // Which leg it is follows from the weight, not from an iterate's path; the coefficients read no speed but its sign.
@@ -218,7 +241,7 @@ fn balance<T: Number>(asked: &Asked<'_, T>, [alpha, log_q]: [T; 2]) -> [T; 2] {
         rudder_rad: deflection.rudder_rad,
         empirical: parameters.empirical(water),
     };
-    let coefficients = parameters.coefficients(alpha, q, &flow);
+    let coefficients = parameters.coefficients_at(alpha, push.reynolds_factor, &flow);
     let (sin, cos) = functions::sin_cos(xi);
     [
         coefficients.drag * cos + coefficients.lift * sin,
