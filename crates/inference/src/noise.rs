@@ -18,6 +18,7 @@
 //! Knows rows of one quantity in the order of time; neither tank nor sea.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::order::median;
 
@@ -222,14 +223,17 @@ pub fn estimate(series: Series<'_>, lasting: Lasting, residual: &DVector<f64>, e
         // The second process is slow, and a small part of what the first one left.
         let (shares, times): (&[f64], &[f64]) =
             if process == 0 { (&SHARES, &TIMES_IN_STEPS) } else { (&SLOW_SHARES, &TIMES_IN_STEPS[2..]) };
-        for &share in shares {
-            for &time in times {
-                let mut shape = best;
-                shape.shares[process] = share * free;
-                shape.log_times[process] = time.ln();
-                if let Some((l, s)) = try_one(&shape).filter(|(l, _)| *l > found.0) {
-                    found = (l, s, shape);
-                }
+        let shape_of = |share: f64, time: f64| {
+            let mut shape = best;
+            (shape.shares[process], shape.log_times[process]) = (share * free, time.ln());
+            shape
+        };
+        let shapes: Vec<Shape> =
+            shares.iter().flat_map(|share| times.iter().map(|time| shape_of(*share, *time))).collect();
+        let tried: Vec<Option<(f64, f64)>> = shapes.par_iter().map(try_one).collect();
+        for (shape, (l, s)) in shapes.iter().zip(tried).filter_map(|(shape, tried)| Some((shape, tried?))) {
+            if l > found.0 {
+                found = (l, s, *shape);
             }
         }
         refine(&mut found, process + 1, &try_one);

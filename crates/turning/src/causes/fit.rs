@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use glidepolar_inference::estimate::Estimate;
 use glidepolar_inference::regression::{Problem, Scatter};
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::findings::{MOST_CHANCE, ROLL};
@@ -183,12 +184,12 @@ impl Fit {
     }
 
     /// Standard error of a size by leaving out one dive at a time.
-    pub(super) fn jackknife(&self, rows: &[Row], of: impl Fn(&Fit) -> Option<[f64; 2]>) -> f64 {
+    pub(super) fn jackknife(&self, rows: &[Row], of: impl Fn(&Fit) -> Option<[f64; 2]> + Sync) -> f64 {
         let without = |dive: u32| {
             let kept: Vec<Row> = rows.iter().filter(|row| row.stretch.dive != dive).copied().collect();
             Fit::new(&kept, &self.terms, None).as_ref().and_then(&of).map(|[value, _]| value)
         };
-        let parts: Vec<f64> = dives(rows).into_iter().filter_map(without).collect();
+        let parts: Vec<f64> = dives(rows).into_par_iter().filter_map(without).collect();
         let n = parts.len() as f64;
         let mean = parts.iter().sum::<f64>() / n;
         let se = ((n - 1.0) / n * parts.iter().map(|part| (part - mean).powi(2)).sum::<f64>()).sqrt();
