@@ -167,8 +167,11 @@ impl Fitted {
                 let search = iteration.search();
                 let worth = search.criterion(&others) - search.criterion(&self.included);
                 let share = misfit.change.abs() / size.abs();
-                misfit.excess > LEAST_EXCESS.max(problem.part_unexplained() * worth) && share > LEAST_CHANGE
-                    || misfit.excess > LEAST_EXCESS && share > problem.large_change()
+                // A column that the rest of the model nearly takes up may change by much and leave next to nothing: what counts is the
+                // share of the effect that one size leaves, which is the square of the change where nothing takes it up.
+                let is_beyond = |part: f64| misfit.excess > LEAST_EXCESS.max(part * worth);
+                is_beyond(problem.part_unexplained()) && share > LEAST_CHANGE
+                    || is_beyond(problem.large_change().powi(2)) && share > problem.large_change()
             };
             let Some(worst) = found.into_iter().find(differs) else {
                 break;

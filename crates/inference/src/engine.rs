@@ -180,13 +180,20 @@ impl Fitted {
         baseline: &Fitted,
         dropped: &mut Vec<(usize, Why)>,
     ) -> Option<(Fitted, Option<String>)> {
-        let is_refused = |member: &usize| {
-            dropped.iter().any(|(gone, why)| {
-                gone == member && matches!(why, Why::SizeVaries | Why::SizeImpossible | Why::SpoilsQuantity)
-            })
-        };
-        let refused: Vec<usize> = (0..self.included.len()).filter(|place| is_refused(&self.included[*place])).collect();
-        let others = refused.into_iter().flat_map(|place| in_place_of(problem, baseline, self, place));
+        let is_gone_for =
+            |member: &usize, whys: &[Why]| dropped.iter().any(|(gone, why)| gone == member && whys.contains(why));
+        // What chance or no gain on held-out data took out has no place to be filled.
+        let mut asked = self.clone();
+        while let Some(place) =
+            asked.included.iter().position(|member| is_gone_for(member, &[Why::ByChance, Why::PredictsNoBetter]))
+        {
+            asked = asked.without(problem, baseline, place);
+        }
+        let is_refused =
+            |member: &usize| is_gone_for(member, &[Why::SizeVaries, Why::SizeImpossible, Why::SpoilsQuantity]);
+        let refused: Vec<usize> =
+            (0..asked.included.len()).filter(|place| is_refused(&asked.included[*place])).collect();
+        let others = refused.into_iter().flat_map(|place| in_place_of(problem, baseline, &asked, place));
         others.into_iter().find_map(|mut other| {
             let asked = other.included.len();
             let refuted = other.eliminate_backward(problem, baseline, dropped);
