@@ -1,6 +1,8 @@
 //! A fit of the baseline with some mechanisms, and its noise: steps of Gauss and Newton, a first mechanism found in full,
 //! what is left of data that were held out. Names nothing.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::clusters::clusters;
@@ -264,7 +266,7 @@ impl Fitted {
         let design = all.columns(0, k);
         // Parameters have units of their own: unscaled, the singular values of their products may not converge.
         let by_model = inverse_symmetric(&design.tr_mul(&design));
-        let (mut prior, mut by_cluster) = (Gram::new(k), std::collections::BTreeMap::new());
+        let (mut prior, mut by_cluster) = (Gram::new(k), BTreeMap::new());
         let cluster = clusters(&self.evidence.block, &self.evidence.time_s, longest_correlation_s(&self.noises));
         for row in 0..all.nrows() {
             let gram = match cluster.get(row) {
@@ -299,17 +301,10 @@ impl Fitted {
         let first = self.evidence.baseline.ncols()
             + self.included[..place].iter().map(|other| candidates[*other].prior_sd.len()).sum::<usize>();
         let (value, neutral) = (self.point.candidates[member][0], candidates[member].neutral[0]);
-        let mut begins: std::collections::BTreeMap<usize, f64> = std::collections::BTreeMap::new();
-        for (block, time_s) in self.evidence.block.iter().zip(&self.evidence.time_s) {
-            let begin = begins.entry(*block).or_insert(*time_s);
-            *begin = begin.min(*time_s);
-        }
-        let mut times: Vec<f64> = begins.values().copied().collect();
-        times.sort_by(f64::total_cmp);
-        let Some(&middle) = times.get(times.len() / 2) else { return Vec::new() };
+        let first_half = self.first_half();
         let columns = self.columns();
         let of = |half: &'static str| {
-            let keep = |row: usize| (begins[&self.evidence.block[row]] < middle) == (half == "first");
+            let keep = |row: usize| first_half[row] == (half == "first");
             let (step, covariance) = holdout::on_part(&self.evidence, &self.noises, &columns, keep)?;
             let (value_here, se) = (value + step[first], covariance[(first, first)].max(0.0).sqrt());
             let departs = (value_here - neutral) * (value - neutral).signum();
@@ -318,6 +313,19 @@ impl Fitted {
             Some(HalfSize { half, value: value_here, se, found: felt && departs > FOUND_AT * se })
         };
         ["first", "second"].into_iter().filter_map(of).collect()
+    }
+
+    /// Which rows are of the first half of the data: whole blocks, by the time at which they begin.
+    pub(super) fn first_half(&self) -> Vec<bool> {
+        let mut begins: BTreeMap<usize, f64> = BTreeMap::new();
+        for (block, time_s) in self.evidence.block.iter().zip(&self.evidence.time_s) {
+            let begin = begins.entry(*block).or_insert(*time_s);
+            *begin = begin.min(*time_s);
+        }
+        let mut times: Vec<f64> = begins.values().copied().collect();
+        times.sort_by(f64::total_cmp);
+        let middle = times.get(times.len() / 2).copied().unwrap_or(f64::INFINITY);
+        self.evidence.block.iter().map(|block| begins[block] < middle).collect()
     }
 
     /// The size above which a misfit of each quantity is worth acting on.

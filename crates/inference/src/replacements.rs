@@ -1,6 +1,7 @@
 //! Mechanisms that could stand in the place of a named one: each is fitted in full in its place, and belongs to the group
 //! where it predicts data that were held out no worse by one standard error, or no worse by anything that counts: with much
-//! data the model's own small errors decide between laws that are nearly one.
+//! data the model's own small errors decide between laws that are nearly one. So does a law that one half of the data prefers: what
+//! parts the two is then something else.
 
 use nalgebra::DVector;
 
@@ -20,9 +21,12 @@ const MOST_REFITTED: usize = 8;
 /// The same where a named mechanism explains much, as a share of what it explains.
 const REFITTED_SHARE: f64 = 0.05;
 
-/// Share of the squared error that the named one removes which a rival may leave: a tenth of the effect itself, what the model
-/// leaves out.
-const NEARLY_EQUAL: f64 = 0.01;
+/// Share of the squared error that the named one removes which a rival may leave: a fifth of the effect itself, as a size may change
+/// from regime to regime and still be one.
+const NEARLY_EQUAL: f64 = 0.04;
+
+/// The same of a rival that predicts one half of the data better: what may stay unexplained beside a name.
+const EQUAL_ON_A_HALF: f64 = 0.1;
 
 /// Standard errors by which a rival may predict worse and still count as equal.
 const EQUAL: f64 = 1.0;
@@ -112,19 +116,23 @@ fn refitted(
     found
 }
 
-/// Whether what a rival leaves beyond what the named one leaves is a small part of what that removes, and too little to act on
-/// in every quantity. In this order: without the named one, with it, with the rival.
+/// Whether what a rival leaves beyond what the named one leaves is a small part of what that removes: too little to act on in every
+/// quantity, or less than nothing on one half of the data. In this order: without the named one, with it, with the rival.
 fn is_nearly_equal(extended: &Fitted, limits: &[f64], [without, named, rival]: [&DVector<f64>; 3]) -> bool {
-    let (mut removed, mut left) = (0.0, 0.0);
+    let first_half = extended.first_half();
+    let (mut removed, mut worse_on, mut is_relevant) = (0.0, [0.0; 2], false);
     for (i, quantity) in extended.evidence.quantities.iter().enumerate() {
-        let square = |values: &DVector<f64>| holdout::rms(values, quantity.rows.clone()).powi(2);
-        let worse = square(rival) - square(named);
-        if worse > limits[i].powi(2) {
-            return false;
+        let variance = expected_rms(&extended.evidence, &extended.noises, i).powi(2);
+        let mut worse_here = 0.0;
+        for row in quantity.rows.clone() {
+            let worse = rival[row].powi(2) - named[row].powi(2);
+            worse_here += worse;
+            worse_on[usize::from(first_half[row])] += worse / variance;
+            removed += (without[row].powi(2) - named[row].powi(2)) / variance;
         }
-        let rows = quantity.rows.len() as f64 / expected_rms(&extended.evidence, &extended.noises, i).powi(2);
-        removed += rows * (square(without) - square(named));
-        left += rows * worse;
+        is_relevant |= worse_here > quantity.rows.len() as f64 * limits[i].powi(2);
     }
-    left < NEARLY_EQUAL * removed
+    let left = worse_on[0] + worse_on[1];
+    let is_preferred_by_a_half = worse_on.iter().any(|worse| *worse < 0.0);
+    !is_relevant && left < NEARLY_EQUAL * removed || is_preferred_by_a_half && left < EQUAL_ON_A_HALF * removed
 }

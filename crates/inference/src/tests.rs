@@ -48,6 +48,7 @@ impl Toy {
             prior_sd: vec![100.0],
             bounds: Vec::new(),
             least: f64::NEG_INFINITY,
+            most: f64::INFINITY,
             shown: None,
             version: None,
         };
