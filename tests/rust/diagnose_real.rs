@@ -210,3 +210,66 @@ fn comet_with_its_raw_pitch_is_warned_of() {
     let [low, high] = [0, 1].map(|end| interval[end].as_f64().expect("a number"));
     assert!(low < 0.0653 && 0.0674 < high, "{low} to {high}");
 }
+
+/// The two halves of a table, by dives where it has them and by time otherwise.
+fn halves(table: &str) -> Option<[tempfile::NamedTempFile; 2]> {
+    let text = std::fs::read_to_string(measured_data()?.join(table)).expect("the table");
+    let (head, rows) = text.split_once('\n').expect("a line of names");
+    let column = |name: &str| head.split(',').position(|column| column.trim() == name);
+    let by = column("dive").or_else(|| column("time_s")).expect("dives or times");
+    let value =
+        |row: &str| row.split(',').nth(by).and_then(|value| value.trim().parse::<f64>().ok()).expect("a number");
+    let rows: Vec<&str> = rows.lines().filter(|row| !row.starts_with('#')).collect();
+    let middle = 0.5 * (value(rows[0]) + value(rows[rows.len() - 1]));
+    let half = |is_first: bool| {
+        let of_half = rows.iter().filter(|row| (value(row) < middle) == is_first);
+        let file = tempfile::Builder::new().suffix(".csv").tempfile().expect("a file");
+        let lines: Vec<&str> = std::iter::once(head).chain(of_half.copied()).collect();
+        std::fs::write(file.path(), lines.join("\n")).expect("a half");
+        file
+    };
+    Some([half(true), half(false)])
+}
+
+/// A cause that only the whole of a log has, and neither half, is none that a pilot could act on.
+#[test]
+fn halves_of_a_log_name_what_the_whole_names() {
+    let Some(rigid) = seaglider_without(&["compressibility_per_Pa", "thermal_expansion_per_K"]) else { return };
+    let rigid = rigid.path().to_string_lossy().into_owned();
+    let speed = ["--speed-column", "U_dvl_m_s", "--pin-lift=21"];
+    for (table, vehicle, more) in [
+        ("maria997_2022_slocum_g3_glides.csv", "slocum-049", &[][..]),
+        ("comet_2016_baltic_1hz.csv", "slocum-graver", &speed),
+        ("sg542_samples.csv", rigid.as_str(), &[]),
+        ("sg542_samples.csv", "seaglider", &[]),
+    ] {
+        let ask = |table: &str| diagnose(&[&[table, "--vehicle", vehicle], more].concat());
+        let (Some(whole), Some(halves)) = (ask(table), halves(table)) else { return };
+        assert!(!names(&whole).is_empty(), "{table}");
+        for half in &halves {
+            let found = ask(&half.path().to_string_lossy()).expect("a diagnosis");
+            for cause in whole["causes"].as_array().expect("causes") {
+                let name = &cause["cause"];
+                let stands_for = |a: &Value, b: &Value| {
+                    a["indistinguishable_from"].as_array().is_some_and(|g| g.contains(&b["cause"]))
+                };
+                let again = found["causes"]
+                    .as_array()
+                    .expect("causes")
+                    .iter()
+                    .find(|other| other["cause"] == *name || stands_for(other, cause) || stands_for(cause, other));
+                let again = again.unwrap_or_else(|| panic!("{table}: no {name} on a half: {}", found["causes"]));
+                if again["cause"] != *name {
+                    continue;
+                }
+                for (parameter, size) in cause["parameters"].as_object().expect("sizes") {
+                    let of = |size: &Value, key: &str| size[key].as_f64().expect("a number");
+                    let other = &again["parameters"][parameter];
+                    let apart = (of(size, "value") - of(other, "value")).abs();
+                    let most = 1.96 * of(size, "se").hypot(of(other, "se"));
+                    assert!(apart < most, "{table}: {name} {size} on the whole, {other} on a half");
+                }
+            }
+        }
+    }
+}
