@@ -38,6 +38,10 @@ const BEATEN: f64 = 1.645;
 /// Least evidence for such a change, beyond the cost of having looked for it everywhere: a factor of 4.
 const LEAST_EXCESS: f64 = 3.0;
 
+/// How much better the size of a mechanism must be known that stands beside one which explains more: on each half of the data as well
+/// as a single one on the whole. What the larger law does not quite say, another small law may seem to.
+const BESIDE_ANOTHER: f64 = std::f64::consts::SQRT_2;
+
 impl Fitted {
     /// Drops everything that does not deserve its name; returns with what a refuted size goes. Once one has gone the others
     /// have other sizes, and may have been there for its sake alone: they are asked again, until all that are left stand.
@@ -143,7 +147,17 @@ impl Fitted {
                 let by_clusters = covariances.by_clusters[(row, row)].max(0.0).sqrt();
                 fit.step[column].abs() / fit.se(column).max(by_clusters / certain)
             };
-            let least = (0..self.included.len()).map(|place| (known(place), place)).min_by(|a, b| a.0.total_cmp(&b.0));
+            let search = iteration.search();
+            let without = |place: usize| {
+                let mut fewer = self.included.clone();
+                fewer.remove(place);
+                search.gain(&fewer)
+            };
+            let largest = (0..self.included.len()).min_by(|a, b| without(*a).total_cmp(&without(*b)));
+            // In units of what is asked of it.
+            let least = (0..self.included.len())
+                .map(|place| (known(place) / if Some(place) == largest { 1.0 } else { BESIDE_ANOTHER }, place))
+                .min_by(|a, b| a.0.total_cmp(&b.0));
             match least.filter(|(known, _)| *known < problem.least_known()) {
                 Some((_, place)) => *self = self.without(problem, baseline, place),
                 None => return,

@@ -108,10 +108,9 @@ const MOST_CHANCE: f64 = 0.01;
 /// Relative change of a size that is never one size: the square of what is left is 4 % of the effect.
 const LARGE_CHANGE: f64 = 0.2;
 
-/// Standard errors by which a size must be known, on each half of the log. Another law whose effect on the rows has a correlation of 0.87
-/// with the named one's differs from it by half of the effect, which must be found by three standard errors. The whole of a log
-/// then knows the size by the root of two more.
-const LEAST_KNOWN: f64 = 6.0 * std::f64::consts::SQRT_2;
+/// Standard errors by which a size must be known. Another law whose effect on the rows has a correlation of 0.87 with the named
+/// one's differs from it by half of the effect, which must be found by three standard errors.
+const LEAST_KNOWN: f64 = 6.0;
 
 /// The quantities with the least misfit that is worth acting on \[m/s\]: 1 mm/s in vertical velocity is a tenth of the slow
 /// vertical motion of the water itself, 3 mm/s in speed a hundredth of a glider's speed, as good as speed is measured.
