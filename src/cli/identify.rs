@@ -416,6 +416,23 @@ fn print_turning(turning: &Turning) {
             turning.sd_rad_s.ascent.to_degrees()
         );
     }
+    if let Some(halves) = &turning.halves {
+        let both = |of: fn(&ByLeg<Option<crate::estimate::Estimate>>) -> &Option<crate::estimate::Estimate>| {
+            let [odd, even] = [&halves.odd, &halves.even].map(|half| of(&half.turn_rate_per_roll_1_s));
+            odd.as_ref().zip(even.as_ref())
+        };
+        for (leg, both) in [("descents", both(|k| &k.descent)), ("ascents", both(|k| &k.ascent))] {
+            if let Some((odd, even)) = both {
+                println!(
+                    "turn rate per roll, {leg}: odd dives {} +- {}, even dives {} +- {} 1/s",
+                    figure(odd.value),
+                    figure(odd.se),
+                    figure(even.value),
+                    figure(even.se)
+                );
+            }
+        }
+    }
 }
 
 fn signed(value: f64) -> String {

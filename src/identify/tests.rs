@@ -62,6 +62,7 @@ fn sample_in(
         dive,
         stretch: 0,
         motor_moving: false,
+        since_move_s: f64::NAN,
         steady: true,
     }
 }

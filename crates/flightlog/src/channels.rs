@@ -55,6 +55,7 @@ channels! {
     CurrentEast "current_east_m_s" [] "Water velocity at the glider's depth, to the east";
     CurrentNorth "current_north_m_s" [] "Water velocity at the glider's depth, to the north";
     MotorMoving "motor_moving" [] "1 while a motor moves";
+    SinceMove "since_move_s" [] "Time since the last move of a motor ended, 0 during a move";
 }
 
 /// How many channels there are.

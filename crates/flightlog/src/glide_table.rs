@@ -119,6 +119,7 @@ pub fn read_glide_table(path: &Path, columns: &Columns) -> Result<Vec<Observatio
             dive,
             stretch: glides.len() as u32,
             motor_moving: false,
+            since_move_s: f64::NAN,
             steady: (pitch_rad < 0.0) == (up < 0.0),
         });
     }

@@ -53,6 +53,8 @@ pub struct Observation {
     pub stretch: u32,
     /// Whether the log says that a motor moves.
     pub motor_moving: bool,
+    /// Time since the last move of a motor ended, zero during a move; NaN where the log has no times of moves \[s\].
+    pub since_move_s: f64,
     /// Whether a steady glide can be expected: away from turns, surface and moving motors.
     pub steady: bool,
 }

@@ -263,6 +263,7 @@ impl Preparation {
                     dive: self.counters.dive,
                     stretch,
                     motor_moving: log.at(Channel::MotorMoving, i) > 0.5,
+                    since_move_s: log.at(Channel::SinceMove, i),
                     steady: is_usable && under_way && is_clear && !moving[i] && pressure[i] > s.surface_dbar,
                 };
                 if is_usable { &mut *out } else { &mut self.turns_only }.push(observation);

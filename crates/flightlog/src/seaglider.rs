@@ -94,7 +94,11 @@ pub(super) fn read(path: &Path, columns: &Columns) -> Result<Dive, InputError> {
     if !speed.is_empty() {
         log.set(Channel::Speed, ad2cp::column(&rows, &speed));
     }
-    log.set(Channel::MotorMoving, motor_moving(path, &file, &rows)?);
+    let moves = moves(path, &file)?;
+    log.set(Channel::MotorMoving, motor_moving(&moves, &rows));
+    if !moves.is_empty() {
+        log.set(Channel::SinceMove, since_move_s(&moves, &rows));
+    }
     log.set(Channel::Dive, vec![dive_number(&file).unwrap_or(f64::NAN); rows.len()]);
     Ok(Dive { log, fixes: fixes(path, &file)?, notes })
 }
@@ -342,13 +346,25 @@ fn no_variable(path: &Path, channel: Channel, name: &str) -> InputError {
     missing(path, CHANNELS[channel as usize].meaning, &[name])
 }
 
-fn motor_moving(path: &Path, file: &NcFile, time: &[f64]) -> Result<Vec<f64>, InputError> {
+/// Starts and ends of the moves of the motors \[s\].
+fn moves(path: &Path, file: &NcFile) -> Result<Vec<(f64, f64)>, InputError> {
     let starts = first(path, file, &["gc_st_secs"])?.unwrap_or_default();
     let ends = first(path, file, &["gc_end_secs"])?.unwrap_or_default();
-    let moves: Vec<(f64, f64)> =
-        starts.into_iter().zip(ends).map(|(start, end)| (start - MOVE_MARGIN_S, end + MOVE_MARGIN_S)).collect();
-    let moving = |t: f64| moves.iter().any(|&(start, end)| (start..=end).contains(&t));
-    Ok(time.iter().map(|&t| f64::from(u8::from(moving(t)))).collect())
+    Ok(starts.into_iter().zip(ends).collect())
+}
+
+fn motor_moving(moves: &[(f64, f64)], time: &[f64]) -> Vec<f64> {
+    let moving = |t: f64| moves.iter().any(|&(start, end)| (start - MOVE_MARGIN_S..=end + MOVE_MARGIN_S).contains(&t));
+    time.iter().map(|&t| f64::from(u8::from(moving(t)))).collect()
+}
+
+/// Many a move begins and ends between two samples, and no sample has its flag.
+fn since_move_s(moves: &[(f64, f64)], time: &[f64]) -> Vec<f64> {
+    let of = |t: f64| {
+        let begun = moves.iter().filter(|(start, _)| *start <= t);
+        begun.map(|(_, end)| (t - end).max(0.0)).min_by(f64::total_cmp).unwrap_or(f64::NAN)
+    };
+    time.iter().map(|&t| of(t)).collect()
 }
 
 /// The positions before the dive and after it.

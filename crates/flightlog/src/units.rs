@@ -240,7 +240,7 @@ fn units(channel: Channel) -> &'static [Unit] {
         Channel::Charge => CHARGES,
         Channel::Voltage => VOLTAGES,
         Channel::Latitude | Channel::Longitude => POSITIONS,
-        Channel::Dive | Channel::MotorMoving => &[],
+        Channel::Dive | Channel::MotorMoving | Channel::SinceMove => &[],
     }
 }
 

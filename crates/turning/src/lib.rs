@@ -5,8 +5,8 @@
 //! turn rate = a_leg + k_leg roll + k_rudder rudder          one value for each stretch between control moves
 //! ```
 //! Least squares over all stretches; standard errors are robust to whatever the stretches of one dive have in common (cluster
-//! sandwich by dives, Student's t with dives less one). A stretch begins [`SETTLED_S`] after a move of motor, rudder or roll
-//! mass or the turn of a leg. What did not vary is not fitted. Knows no equations of motion: under an autopilot roll and
+//! sandwich by dives, Student's t with dives less one). A stretch begins 20 s after a move of motor, rudder or roll
+//! mass or the turn of a leg, 25 s where moves are seen in the readings alone. What did not vary is not fitted. Knows no equations of motion: under an autopilot roll and
 //! rudder answer the heading, and what the autopilot suppresses is not in these figures.
 
 #![allow(non_snake_case, reason = "units stand in names as they are written: N, Pa, C, J")]
@@ -23,7 +23,6 @@ use glidepolar_flightlog::Observation;
 use glidepolar_inference::estimate::Estimate;
 use glidepolar_inference::regression::{Problem, Scatter};
 
-pub use stretches::SETTLED_S;
 use stretches::{Stretch, stretches};
 
 /// A control that varies by less than this does not identify its effect: roll, rudder, roll mass \[rad\].
@@ -63,6 +62,8 @@ pub struct Turning {
     pub holdout_rms_rad_s: Option<ByLeg<f64>>,
     /// Standard deviation of the turn rate itself \[rad/s\].
     pub sd_rad_s: ByLeg<f64>,
+    /// Every other dive from the first on, and from the second on: each fitted by itself and predicted from the other half.
+    pub halves: Option<Halves>,
     /// Mean turn rates by depth.
     pub layers: Vec<Layer>,
     /// What to read the figures with.
@@ -76,6 +77,30 @@ pub struct ByLeg<T> {
     pub descent: T,
     /// On ascents.
     pub ascent: T,
+}
+
+/// The dives of a log, every other one in each half.
+#[derive(Debug, Clone, Serialize)]
+pub struct Halves {
+    /// The first, third, fifth, ... dive.
+    pub odd: Half,
+    /// The second, fourth, sixth, ... dive.
+    pub even: Half,
+}
+
+/// Every other dive.
+#[derive(Debug, Clone, Serialize)]
+pub struct Half {
+    /// Dives.
+    pub dives: usize,
+    /// Stretches.
+    pub stretches: ByLeg<usize>,
+    /// Turn rate per roll of these dives alone \[1/s\].
+    pub turn_rate_per_roll_1_s: ByLeg<Option<Estimate>>,
+    /// Error of the turn rate of these dives where the fit used the other half \[rad/s\].
+    pub predicted_rms_rad_s: ByLeg<f64>,
+    /// Standard deviation of the turn rate of these dives \[rad/s\].
+    pub sd_rad_s: ByLeg<f64>,
 }
 
 /// Mean turn rate in a range of pressure.
@@ -127,6 +152,7 @@ pub fn turning(observations: &[Observation]) -> Option<Turning> {
         }
         None => None,
     };
+    let halves = halves(&all, &model);
     let centres = ByLeg { descent: centre(true), ascent: centre(false) };
     Some(Turning {
         stretches: all.len(),
@@ -141,11 +167,12 @@ pub fn turning(observations: &[Observation]) -> Option<Turning> {
         roll_per_roll_mass: roll_mass.map(|fit| fit.estimate(1, "1")),
         roll_centre: (centres.descent.is_some() || centres.ascent.is_some()).then_some(centres),
         coefficients: std::collections::BTreeMap::new(),
-        holdout_rms_rad_s: holdout(&all, &model),
+        holdout_rms_rad_s: halves.as_ref().map(holdout),
         sd_rad_s: ByLeg {
             descent: sd(&leg(true).map(|s| s.rate_rad_s).collect::<Vec<_>>()),
             ascent: sd(&leg(false).map(|s| s.rate_rad_s).collect::<Vec<_>>()),
         },
+        halves,
         layers,
         warnings,
     })
@@ -210,10 +237,12 @@ struct RateFit {
 impl RateFit {
     /// None where the columns depend on each other, or there are too few clusters.
     fn new(design: &DMatrix<f64>, measured: &DVector<f64>, clusters: &[u32]) -> Option<Self> {
+        Self::of_few(design, measured, clusters).filter(|fit| fit.clusters >= LEAST_DIVES)
+    }
+
+    /// The same with any number of clusters: with two, Student's t has one degree of freedom; with one there is no error.
+    fn of_few(design: &DMatrix<f64>, measured: &DVector<f64>, clusters: &[u32]) -> Option<Self> {
         let names: BTreeSet<u32> = clusters.iter().copied().collect();
-        if names.len() < LEAST_DIVES {
-            return None;
-        }
         let fit = Problem::plain(design.clone(), measured.clone()).solve(Scatter::Equal)?;
         Some(RateFit { covariance: fit.cluster_covariance(clusters), values: fit.parameters, clusters: names.len() })
     }
@@ -357,23 +386,52 @@ fn depth_matters(layers: &[Layer]) -> Vec<String> {
     warnings
 }
 
-/// Each half of the dives predicted from the other half.
-fn holdout(all: &[Stretch], model: &Model) -> Option<ByLeg<f64>> {
+/// Each half of the dives, predicted from the other half.
+fn halves(all: &[Stretch], model: &Model) -> Option<Halves> {
     let dives: Vec<u32> = all.iter().map(|s| s.dive).collect::<BTreeSet<_>>().into_iter().collect();
-    let is_odd = |s: &Stretch| dives.binary_search(&s.dive).is_ok_and(|place| place % 2 == 1);
-    let mut errors: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
-    for odd in [false, true] {
-        let (kept, held_out): (Vec<Stretch>, Vec<Stretch>) = all.iter().partition(|s| is_odd(s) == odd);
-        // A half may have fewer dives than standard errors need; values need none.
-        let every: Vec<u32> = (0..kept.len() as u32).collect();
-        let fit = RateFit::new(&model.design(&kept), &rates(&kept), &every)?;
-        let predicted = model.design(&held_out) * &fit.values;
-        for (s, predicted) in held_out.iter().zip(predicted.iter()) {
-            errors[usize::from(!s.descends)].push(s.rate_rad_s - predicted);
-        }
+    let is_even = |s: &Stretch| dives.binary_search(&s.dive).is_ok_and(|place| place % 2 == 1);
+    let (even, odd): (Vec<Stretch>, Vec<Stretch>) = all.iter().partition(|s| is_even(s));
+    let fit = |half: &[Stretch]| RateFit::of_few(&model.design(half), &rates(half), &clusters(half));
+    let (of_odd, of_even) = (fit(&odd)?, fit(&even)?);
+    Some(Halves { odd: half(&odd, model, &of_odd, &of_even), even: half(&even, model, &of_even, &of_odd) })
+}
+
+/// A half of the dives, fitted by itself and predicted by the fit to the other half.
+fn half(half: &[Stretch], model: &Model, own: &RateFit, other: &RateFit) -> Half {
+    let predicted = model.design(half) * &other.values;
+    let errors = |descends: bool| -> Vec<f64> {
+        let of_leg = half.iter().zip(predicted.iter()).filter(|(s, _)| s.descends == descends);
+        of_leg.map(|(s, predicted)| s.rate_rad_s - predicted).collect()
+    };
+    let rates =
+        |descends: bool| -> Vec<f64> { half.iter().filter(|s| s.descends == descends).map(|s| s.rate_rad_s).collect() };
+    let per_roll = |descends: bool| {
+        let at = model.columns.iter().position(|known| *known == Column::Roll(descends))?;
+        (own.clusters > 1).then(|| own.estimate(at, "1/s"))
+    };
+    Half {
+        dives: own.clusters,
+        stretches: ByLeg { descent: rates(true).len(), ascent: rates(false).len() },
+        turn_rate_per_roll_1_s: ByLeg { descent: per_roll(true), ascent: per_roll(false) },
+        predicted_rms_rad_s: ByLeg { descent: rms(&errors(true)), ascent: rms(&errors(false)) },
+        sd_rad_s: ByLeg { descent: sd(&rates(true)), ascent: sd(&rates(false)) },
     }
-    let [descent, ascent] = errors.map(|leg| (leg.iter().map(|e| e * e).sum::<f64>() / leg.len().max(1) as f64).sqrt());
-    Some(ByLeg { descent, ascent })
+}
+
+/// Both halves together.
+fn holdout(Halves { odd, even }: &Halves) -> ByLeg<f64> {
+    let both = |of: fn(&Half) -> (f64, usize)| {
+        let [(a, n), (b, m)] = [of(odd), of(even)];
+        ((a * a * n as f64 + b * b * m as f64) / (n + m).max(1) as f64).sqrt()
+    };
+    ByLeg {
+        descent: both(|half| (half.predicted_rms_rad_s.descent, half.stretches.descent)),
+        ascent: both(|half| (half.predicted_rms_rad_s.ascent, half.stretches.ascent)),
+    }
+}
+
+fn rms(errors: &[f64]) -> f64 {
+    (errors.iter().map(|e| e * e).sum::<f64>() / errors.len().max(1) as f64).sqrt()
 }
 
 /// Standard deviation; NaN where a value is missing.

@@ -2,13 +2,25 @@
 
 use glidepolar_flightlog::Observation;
 
-/// Time after a move from which a turn is steady \[s\]: some time constants of roll and sideslip, which are 5 to 10 s.
-pub const SETTLED_S: f64 = 25.0;
-/// Shortest stretch that gives one turn rate \[s\].
-const SHORTEST_S: f64 = 20.0;
-/// Longest stretch: between the moves of motors, where the log flags them, the rate is constant for minutes; where nothing
-/// moves for a whole leg, depth must be separated \[s\].
-const LONGEST_S: [f64; 2] = [300.0, 60.0];
+/// What makes a stretch steady.
+struct Limits {
+    /// Time after a move from which a turn is steady \[s\]: some time constants of roll and sideslip, which are 5 to 10 s.
+    settled_s: f64,
+    /// Shortest stretch that gives one turn rate \[s\].
+    shortest_s: f64,
+    /// Longest stretch \[s\].
+    longest_s: f64,
+    /// Stretches above this mean pressure are left out \[dbar\]: waves turn the glider there.
+    surface_dbar: f64,
+}
+
+/// Where the log has its moves: an interval between two of them is one stretch. The heading wanders, so that a piece of 20 s may be
+/// off by as much as turn rates differ; only where nothing moves for very long is a leg cut.
+const BETWEEN_MOVES: Limits = Limits { settled_s: 20.0, shortest_s: 40.0, longest_s: 600.0, surface_dbar: 10.0 };
+/// Where moves are seen in the readings alone, and nothing may move for a whole leg: depth must be separated, also on shallow dives.
+const WITHOUT_MOVES: Limits = Limits { settled_s: 25.0, shortest_s: 20.0, longest_s: 60.0, surface_dbar: 0.0 };
+/// Times of samples are not exact \[s\].
+const JITTER_S: f64 = 0.5;
 /// Samples of the shortest stretch.
 const LEAST_SAMPLES: usize = 3;
 /// Longer gaps between two samples end a stretch \[s\].
@@ -36,8 +48,9 @@ pub(crate) struct Stretch {
 /// The steady stretches of a log with heading.
 pub(crate) fn stretches(observations: &[Observation]) -> Vec<Stretch> {
     let mut found = Vec::new();
-    // Where the log flags its motors, no move needs to be seen in the readings.
-    let flagged = observations.iter().any(|o| o.motor_moving);
+    // Where the log flags its motors, no move needs to be seen in the roll.
+    let flagged = observations.iter().any(|o| o.motor_moving || o.since_move_s.is_finite());
+    let limits = if flagged { BETWEEN_MOVES } else { WITHOUT_MOVES };
     for leg in observations.chunk_by(|a, b| a.leg == b.leg && a.stretch == b.stretch) {
         let mut pitches: Vec<f64> = leg.iter().map(|o| o.pitch_rad).filter(|p| p.is_finite()).collect();
         if pitches.is_empty() {
@@ -53,22 +66,40 @@ pub(crate) fn stretches(observations: &[Observation]) -> Vec<Stretch> {
         let mut moved_s = leg[0].time_s;
         let mut run: Vec<&Observation> = Vec::new();
         for (i, o) in leg.iter().enumerate() {
-            if o.motor_moving || (!flagged && is_move(leg, i)) {
-                close(&mut run, &mut found);
-                moved_s = o.time_s;
+            if let Some(end_s) = move_before(leg, i, flagged) {
+                close(&mut run, &limits, &mut found);
+                moved_s = end_s;
             }
             let gap = run.last().is_some_and(|last| o.time_s - last.time_s > LONGEST_GAP_S);
-            let full = run.first().is_some_and(|first| o.time_s - first.time_s > LONGEST_S[usize::from(!flagged)]);
+            let full = run.first().is_some_and(|first| o.time_s - first.time_s > limits.longest_s);
             if gap || full {
-                close(&mut run, &mut found);
+                close(&mut run, &limits, &mut found);
             }
-            if o.time_s - moved_s >= SETTLED_S && usable(o) {
+            if o.time_s - moved_s >= limits.settled_s && usable(o) {
                 run.push(o);
             }
         }
-        close(&mut run, &mut found);
+        close(&mut run, &limits, &mut found);
     }
     found
+}
+
+/// When a move ended that this sample is the first to show, the sample itself where the log has no times of moves.
+fn move_before(leg: &[Observation], i: usize, flagged: bool) -> Option<f64> {
+    let o = &leg[i];
+    if o.since_move_s.is_finite() {
+        let step_s = i.checked_sub(1).map_or(0.0, |before| o.time_s - leg[before].time_s);
+        return (o.since_move_s <= step_s).then_some(o.time_s - o.since_move_s);
+    }
+    let moved = o.motor_moving || if flagged { steps(leg, i) } else { is_move(leg, i) };
+    moved.then_some(o.time_s)
+}
+
+/// Whether rudder or roll mass read otherwise than in the sample before: a move between two samples has no flag.
+fn steps(leg: &[Observation], i: usize) -> bool {
+    let Some(before) = i.checked_sub(1).map(|before| &leg[before]) else { return false };
+    (leg[i].rudder_rad - before.rudder_rad).abs() > MOVES_RAD[1]
+        || (leg[i].roll_mass_rad - before.roll_mass_rad).abs() > MOVES_RAD[2]
 }
 
 /// Whether a control moved from the sample before: by the means of three samples on either side, so that noise is none.
@@ -82,10 +113,10 @@ fn is_move(leg: &[Observation], i: usize) -> bool {
 }
 
 /// The line through the headings of a run.
-fn close(run: &mut Vec<&Observation>, found: &mut Vec<Stretch>) {
+fn close(run: &mut Vec<&Observation>, limits: &Limits, found: &mut Vec<Stretch>) {
     let samples = std::mem::take(run);
     let (Some(first), Some(last)) = (samples.first(), samples.last()) else { return };
-    if samples.len() < LEAST_SAMPLES || last.time_s - first.time_s < SHORTEST_S - 1e-6 {
+    if samples.len() < LEAST_SAMPLES || last.time_s - first.time_s < limits.shortest_s - JITTER_S {
         return;
     }
     let n = samples.len() as f64;
@@ -100,12 +131,16 @@ fn close(run: &mut Vec<&Observation>, found: &mut Vec<Stretch>) {
         upper += (o.time_s - middle) * heading;
         lower += (o.time_s - middle) * (o.time_s - middle);
     }
+    let pressure_dbar = mean(|o| o.pressure_dbar);
+    if pressure_dbar < limits.surface_dbar {
+        return;
+    }
     found.push(Stretch {
         dive: first.dive,
         descends: mean(|o| o.pitch_rad) < 0.0,
         pitch_rad: mean(|o| o.pitch_rad),
         speed_m_s: (mean(|o| o.sink_m_s) / mean(|o| o.pitch_rad).sin()).abs(),
-        pressure_dbar: mean(|o| o.pressure_dbar),
+        pressure_dbar,
         rate_rad_s: upper / lower,
         roll_rad: mean(|o| o.roll_rad),
         rudder_rad: mean(|o| o.rudder_rad),

@@ -65,6 +65,7 @@ fn log(truth: &Truth, dives: u32, roll_mass: bool, rudder: bool, seed: u64) -> V
                     dive,
                     stretch: dive * 2 + leg as u32,
                     motor_moving: i % 30 == 0,
+                    since_move_s: f64::NAN,
                     steady: true,
                 });
             }
@@ -106,6 +107,53 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
         })
         .count();
     assert!((178..=199).contains(&inside), "{inside} of 200");
+}
+
+/// As if every move lasted a second and fell between two samples, so that none has its flag; `times` says whether the log has them.
+fn between_samples(mut all: Vec<Observation>, times: bool) -> Vec<Observation> {
+    let mut end_s = f64::NAN;
+    for o in &mut all {
+        if o.motor_moving {
+            end_s = o.time_s - 2.0;
+        }
+        // One flag is left: a log without any has its moves sought in the roll.
+        o.motor_moving = o.leg == 0 && o.time_s < 1.0;
+        if times {
+            o.since_move_s = o.time_s - end_s;
+        }
+    }
+    all
+}
+
+#[test]
+fn a_move_between_two_samples_ends_a_stretch() {
+    let flagged = stretches(&log(&SEAGLIDER, 4, true, false, 6));
+    assert_eq!(flagged.len(), 4 * 2 * 10);
+    let found = stretches(&between_samples(log(&SEAGLIDER, 4, true, false, 6), true));
+    assert_eq!(found.len(), flagged.len());
+    for (own, known) in found.iter().zip(&flagged) {
+        assert!((own.roll_rad - known.roll_rad).abs() < 0.005 && (own.rate_rad_s - known.rate_rad_s).abs() < 1e-3);
+    }
+    // By the readings of the roll mass: one of the moves is smaller than what counts as one.
+    let found = stretches(&between_samples(log(&SEAGLIDER, 4, true, false, 6), false));
+    assert_eq!(found.len(), flagged.len() - 1);
+}
+
+#[test]
+fn halves_are_every_other_dive_and_their_errors_are_those_held_out() {
+    let all = log(&SEAGLIDER, 7, true, false, 7);
+    let found = turning(&all).expect("turns");
+    let Halves { odd, even } = found.halves.expect("seven dives");
+    assert_eq!((odd.dives, even.dives), (4, 3));
+    let alone: Vec<Observation> = all.iter().filter(|o| o.dive % 2 == 0).copied().collect();
+    assert_eq!(turning(&alone).expect("four dives").turn_rate_per_roll_1_s, odd.turn_rate_per_roll_1_s);
+    let squares = |half: &Half| half.predicted_rms_rad_s.ascent.powi(2) * half.stretches.ascent as f64;
+    let n = (odd.stretches.ascent + even.stretches.ascent) as f64;
+    let both = found.holdout_rms_rad_s.expect("seven dives").ascent;
+    assert!((both - ((squares(&odd) + squares(&even)) / n).sqrt()).abs() < 1e-15);
+    // Two dives have one degree of freedom, one has no error.
+    let few = |dives| turning(&log(&SEAGLIDER, dives, true, false, 8)).expect("turns").halves.expect("halves").even;
+    assert!(few(4).turn_rate_per_roll_1_s.descent.is_some() && few(3).turn_rate_per_roll_1_s.descent.is_none());
 }
 
 #[test]

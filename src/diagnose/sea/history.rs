@@ -398,6 +398,7 @@ mod tests {
                 rudder_rad: 0.0,
                 roll_mass_rad: f64::NAN,
                 motor_moving: false,
+                since_move_s: f64::NAN,
                 heading_rad: 0.0,
                 ballast_m3,
                 battery_forward_m: f64::NAN,

@@ -321,6 +321,7 @@ mod tests {
                 rudder_rad: 0.0,
                 roll_mass_rad: f64::NAN,
                 motor_moving: false,
+                since_move_s: f64::NAN,
                 heading_rad: f64::from(leg),
                 ballast_m3,
                 battery_forward_m: f64::NAN,

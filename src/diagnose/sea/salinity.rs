@@ -186,6 +186,7 @@ mod tests {
                 rudder_rad: 0.0,
                 roll_mass_rad: f64::NAN,
                 motor_moving: false,
+                since_move_s: f64::NAN,
                 heading_rad: 0.0,
                 ballast_m3: -2e-4 * sign,
                 battery_forward_m: f64::NAN,

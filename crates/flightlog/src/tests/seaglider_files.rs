@@ -102,6 +102,9 @@ fn each_instrument_is_read_by_its_own_clock() {
     // The CTD began later and ended earlier: nothing is made up there.
     assert!(log.at(Channel::Temperature, 0).is_nan() && log.at(Channel::Temperature, 40).is_nan());
     assert_eq!(log.column(Channel::MotorMoving).iter().filter(|moving| **moving > 0.5).count(), 4);
+    let since = log.column(Channel::SinceMove);
+    assert!(since[19].is_nan(), "before the first move");
+    assert_eq!(since[20..23], [0.0, 1.0, 6.0], "a move of four seconds");
 }
 
 #[test]
