@@ -167,7 +167,8 @@ fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
     for set in &found.alternatives {
         let sizes: Vec<String> =
             set.iter().flat_map(|other| &other.parameters).map(|(name, estimate)| size(name, estimate)).collect();
-        println!("  these data cannot separate all of that from: {}", sizes.join(", "));
+        let place = if set.len() == 1 { "its place" } else { "the place of all these" };
+        println!("  in {place} there may be: {}", sizes.join(" with "));
     }
     if let Some(unexplained) = &found.unexplained {
         println!("  unexplained: what is left depends on {}", unexplained.depends_on.join(", "));

@@ -113,7 +113,11 @@ fn cause(found: &Diagnosis) -> String {
     for set in &found.alternatives {
         let sizes: Vec<String> =
             set.iter().flat_map(|other| &other.parameters).map(|(name, e)| size(name, e)).collect();
-        sentences.push(format!("These data cannot separate all of that from {} together.", sizes.join(", ")));
+        let sizes = sizes.join(" with ");
+        sentences.push(match set.as_slice() {
+            [_] => format!("In its place there may be {sizes}."),
+            _ => format!("In the place of all these there may be {sizes}."),
+        });
     }
     if let Some(left) = &found.unexplained {
         sentences.push(format!(
