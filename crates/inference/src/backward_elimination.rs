@@ -67,6 +67,8 @@ impl Fitted {
             let had = note(self, &had, Why::SizeVaries);
             self.drop_what_cannot_be(problem, baseline);
             let had = note(self, &had, Why::SizeImpossible);
+            self.drop_what_is_untested(problem, baseline);
+            let had = note(self, &had, Why::Equivalent);
             self.drop_what_spoils(problem, baseline);
             let had = note(self, &had, Why::SpoilsQuantity);
             self.take_levels_for_what_they_are(problem);
@@ -143,8 +145,10 @@ impl Fitted {
                 let by_clusters = covariances.by_clusters[(row, row)].max(0.0).sqrt();
                 fit.step[column].abs() / fit.se(column).max(by_clusters / certain)
             };
-            let least = (0..self.included.len()).map(|place| (known(place), place)).min_by(|a, b| a.0.total_cmp(&b.0));
-            match least.filter(|(known, _)| *known < problem.least_known()) {
+            let hardly = (0..self.included.len())
+                .map(|place| (known(place), place))
+                .filter(|(known, place)| *known < problem.least_known(self.included[*place]));
+            match hardly.min_by(|a, b| a.0.total_cmp(&b.0)) {
                 Some((_, place)) => *self = self.without(problem, baseline, place),
                 None => return,
             }
@@ -168,7 +172,7 @@ impl Fitted {
                 let worth = search.criterion(&others) - search.criterion(&self.included);
                 let share = misfit.change.abs() / size.abs();
                 misfit.excess > LEAST_EXCESS.max(problem.part_unexplained() * worth) && share > LEAST_CHANGE
-                    || misfit.excess > LEAST_EXCESS && share > problem.large_change()
+                    || misfit.excess > LEAST_EXCESS && share > problem.large_change(member)
             };
             let Some(worst) = found.into_iter().find(differs) else {
                 break;
@@ -236,6 +240,13 @@ impl Fitted {
             problem.candidates()[member].cannot_be(fitted.point.candidates[member][0], problem.most_prior_sds())
         };
         while let Some(place) = (0..self.included.len()).find(|place| is_impossible(self, *place)) {
+            *self = self.without(problem, baseline, place);
+        }
+    }
+
+    /// A law that these data could not contradict has no name of its own.
+    pub(super) fn drop_what_is_untested(&mut self, problem: &impl Problem, baseline: &Fitted) {
+        while let Some(place) = self.included.iter().position(|member| !problem.is_tested(*member)) {
             *self = self.without(problem, baseline, place);
         }
     }

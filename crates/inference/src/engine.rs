@@ -181,9 +181,10 @@ impl Fitted {
         dropped: &mut Vec<(usize, Why)>,
     ) -> Option<(Fitted, Option<String>)> {
         let is_refused = |member: &usize| {
-            dropped.iter().any(|(gone, why)| {
-                gone == member && matches!(why, Why::SizeVaries | Why::SizeImpossible | Why::SpoilsQuantity)
-            })
+            !problem.is_tested(*member)
+                || dropped.iter().any(|(gone, why)| {
+                    gone == member && matches!(why, Why::SizeVaries | Why::SizeImpossible | Why::SpoilsQuantity)
+                })
         };
         let refused: Vec<usize> = (0..self.included.len()).filter(|place| is_refused(&self.included[*place])).collect();
         let others = refused.into_iter().flat_map(|place| in_place_of(problem, baseline, self, place));
