@@ -143,6 +143,17 @@ impl Tare {
         &self.channels[channel].root
     }
 
+    /// The same where no degrees of freedom are allowed for: never less than what the runs themselves show. A few residuals are
+    /// small by chance, for which an interval has Student's quantiles.
+    pub fn considered_root(&self, channel: usize) -> DMatrix<f64> {
+        let fit = &self.channels[channel].fit;
+        if fit.chi2_per_dof >= 1.0 {
+            return self.channels[channel].root.clone();
+        }
+        let variances = DMatrix::from_diagonal(&fit.weights.map(f64::recip));
+        influence::root(&(&fit.covariance - &fit.own_covariance + &fit.gain * variances * fit.gain.transpose()))
+    }
+
     /// Degrees of freedom of a channel's errors.
     pub fn dof(&self, channel: usize) -> f64 {
         self.channels[channel].fit.dof as f64
@@ -299,6 +310,15 @@ mod tests {
         assert_eq!(aside.warnings.len(), 1);
         assert!(aside.warnings[0].contains("at one angle alone"));
         assert!(tared_at(&[-8.0, 0.0, 8.0]).warnings.is_empty());
+    }
+
+    /// Four runs that agree by chance do not make the strut known better than each of them is.
+    #[test]
+    fn a_diagnosis_considers_at_least_what_the_tare_runs_themselves_show() {
+        let tare = tared_at(&[0.0; 4]);
+        assert!(tare.root(2).norm() < 1e-9);
+        let expected = (1e-6f64 / 4.0).sqrt() / PRESSURE_PA;
+        assert!((tare.considered_root(2).norm() / expected - 1.0).abs() < 1e-6);
     }
 
     /// Three runs straight ahead at three speeds show no term of friction; the strut's error at other speeds is what friction allows.

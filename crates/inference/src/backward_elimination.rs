@@ -71,6 +71,8 @@ impl Fitted {
             let had = note(self, &had, Why::SizeVaries);
             self.drop_what_cannot_be(problem, baseline);
             let had = note(self, &had, Why::SizeImpossible);
+            self.drop_what_is_untested(problem, baseline);
+            let had = note(self, &had, Why::Equivalent);
             self.drop_what_spoils(problem, baseline);
             let had = note(self, &had, Why::SpoilsQuantity);
             self.take_levels_for_what_they_are(problem);
@@ -154,11 +156,13 @@ impl Fitted {
                 search.gain(&fewer)
             };
             let largest = (0..self.included.len()).min_by(|a, b| without(*a).total_cmp(&without(*b)));
-            // In units of what is asked of it.
-            let least = (0..self.included.len())
-                .map(|place| (known(place) / if Some(place) == largest { 1.0 } else { BESIDE_ANOTHER }, place))
-                .min_by(|a, b| a.0.total_cmp(&b.0));
-            match least.filter(|(known, _)| *known < problem.least_known()) {
+            let asked = |place: usize| {
+                problem.least_known(self.included[place]) * if Some(place) == largest { 1.0 } else { BESIDE_ANOTHER }
+            };
+            let hardly = (0..self.included.len())
+                .map(|place| (known(place), place))
+                .filter(|(known, place)| *known < asked(*place));
+            match hardly.min_by(|a, b| a.0.total_cmp(&b.0)) {
                 Some((_, place)) => *self = self.without(problem, baseline, place),
                 None => return,
             }
@@ -181,11 +185,12 @@ impl Fitted {
                 let search = iteration.search();
                 let worth = search.criterion(&others) - search.criterion(&self.included);
                 let share = misfit.change.abs() / size.abs();
-                // A column that the rest of the model nearly takes up may change by much and leave next to nothing: what counts is the
+                // A column that the baseline nearly takes up may change by much and leave next to nothing: what counts then is the
                 // share of the effect that one size leaves, which is the square of the change where nothing takes it up.
+                let large = problem.large_change(member);
+                let remainder = if problem.baseline_takes_up_changes() { large.powi(2) } else { 0.0 };
                 let is_beyond = |part: f64| misfit.excess > LEAST_EXCESS.max(part * worth);
-                is_beyond(problem.part_unexplained()) && share > LEAST_CHANGE
-                    || is_beyond(problem.large_change().powi(2)) && share > problem.large_change()
+                is_beyond(problem.part_unexplained()) && share > LEAST_CHANGE || is_beyond(remainder) && share > large
             };
             let Some(worst) = found.into_iter().find(differs) else {
                 break;
@@ -253,6 +258,13 @@ impl Fitted {
             problem.candidates()[member].cannot_be(fitted.point.candidates[member][0], problem.most_prior_sds())
         };
         while let Some(place) = (0..self.included.len()).find(|place| is_impossible(self, *place)) {
+            *self = self.without(problem, baseline, place);
+        }
+    }
+
+    /// A law that these data could not contradict has no name of its own.
+    pub(super) fn drop_what_is_untested(&mut self, problem: &impl Problem, baseline: &Fitted) {
+        while let Some(place) = self.included.iter().position(|member| !problem.is_tested(*member)) {
             *self = self.without(problem, baseline, place);
         }
     }

@@ -189,8 +189,10 @@ impl Fitted {
         {
             asked = asked.without(problem, baseline, place);
         }
-        let is_refused =
-            |member: &usize| is_gone_for(member, &[Why::SizeVaries, Why::SizeImpossible, Why::SpoilsQuantity]);
+        let is_refused = |member: &usize| {
+            !problem.is_tested(*member)
+                || is_gone_for(member, &[Why::SizeVaries, Why::SizeImpossible, Why::SpoilsQuantity])
+        };
         let refused: Vec<usize> =
             (0..asked.included.len()).filter(|place| is_refused(&asked.included[*place])).collect();
         let others = refused.into_iter().flat_map(|place| in_place_of(problem, baseline, &asked, place));

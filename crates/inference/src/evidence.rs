@@ -172,8 +172,9 @@ pub trait Problem {
         1.0
     }
 
-    /// Standard errors by which the size of a mechanism must be known for it to be named.
-    fn least_known(&self) -> f64 {
+    /// Standard errors by which the size of a candidate must be known for it to be named.
+    fn least_known(&self, candidate: usize) -> f64 {
+        let _ = candidate;
         0.0
     }
 
@@ -224,9 +225,23 @@ pub trait Problem {
         false
     }
 
-    /// Relative change of a size from regime to regime from which on it is not one size, whatever the mechanism explains.
-    fn large_change(&self) -> f64 {
+    /// Whether the baseline may take up most of a change of a size from regime to regime, as a fitted polar does.
+    fn baseline_takes_up_changes(&self) -> bool {
+        false
+    }
+
+    /// Relative change of a candidate's size from regime to regime from which on it is not one size, whatever the mechanism
+    /// explains.
+    fn large_change(&self, candidate: usize) -> f64 {
+        let _ = candidate;
         f64::INFINITY
+    }
+
+    /// Whether the data could contradict a candidate's law: if not, any other law that acts on the same rows explains as much,
+    /// and the candidate has no name of its own. It may still stand beside another one as indistinguishable.
+    fn is_tested(&self, candidate: usize) -> bool {
+        let _ = candidate;
+        true
     }
 
     /// The size in the quantity's unit above which a misfit of it is worth acting on; `scatter` is the rms of what the

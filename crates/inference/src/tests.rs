@@ -91,7 +91,7 @@ impl Problem for Toy {
         self.has_regimes
     }
 
-    fn least_known(&self) -> f64 {
+    fn least_known(&self, _candidate: usize) -> f64 {
         self.least_known
     }
 

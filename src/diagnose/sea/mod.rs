@@ -601,11 +601,15 @@ impl Problem for SeaProblem {
         true
     }
 
-    fn large_change(&self) -> f64 {
+    fn baseline_takes_up_changes(&self) -> bool {
+        true
+    }
+
+    fn large_change(&self, _candidate: usize) -> f64 {
         LARGE_CHANGE
     }
 
-    fn least_known(&self) -> f64 {
+    fn least_known(&self, _candidate: usize) -> f64 {
         LEAST_KNOWN
     }
 

@@ -16,6 +16,8 @@ pub mod mechanisms;
 mod model;
 mod problem;
 mod reduced;
+#[cfg(test)]
+mod tests;
 mod zero_runs;
 
 use glidepolar_hull::hull_tests::ExtendedFit;

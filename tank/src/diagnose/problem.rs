@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use super::data::{Data, SteadyData, Tared, ZeroTimes};
 use super::decorrelate::{Decorrelation, RunErrors};
 use super::drift::{Days, Drift};
-use super::mechanisms::{IN_TANK, Mechanism, Parameter, PriorSd, Reach};
+use super::mechanisms::{IN_TANK, Law, Mechanism, Parameter, PriorSd, Reach};
 use super::model::{self, Setting, Term, Values};
 use super::reduced::{run_errors, settings, start_of};
 use super::zero_runs::allowed_rates;
@@ -30,9 +30,15 @@ const STRUT_BELIEF: [f64; 2] = [0.1, 0.3];
 const RELEVANT_SHARE: f64 = 0.01;
 /// Share of what a mechanism explains by which its size may be off somewhere, as at sea.
 const PART_UNEXPLAINED: f64 = 0.1;
+/// Relative change of the size of an exact law that is never one size: the square of what is left is 4 % of the effect, as at sea.
+const LARGE_CHANGE: f64 = 0.2;
+/// Standard errors by which the height of a bump of drag must be known, as at sea: one that is broader than the range of Froude
+/// numbers has any height, and is a slope.
+const HEIGHT_KNOWN: f64 = 6.0;
 /// A run is not its own predecessor \[s\].
 const SAME_TIME_S: f64 = 1.0;
-/// Fewest different speeds, and fewest different Froude numbers, of which a bump of drag is no mere slope.
+/// Fewest different speeds, and fewest different Froude numbers, of which a bump of drag is no mere slope. Two speeds do not
+/// contradict any law of the speed.
 const FEWEST_SPEEDS: usize = 3;
 const FEWEST_FROUDE: usize = 5;
 /// Speeds closer than this are one \[1\].
@@ -73,13 +79,16 @@ pub enum Shape {
     Drift(&'static Mechanism, usize),
     /// A zero by the last load.
     Before(&'static Mechanism),
+    /// A channel's zero under way that the runs of the strut alone have as well, so that the tare takes a part of it along.
+    WithTare(&'static Mechanism, usize),
 }
 
 impl Shape {
     /// The mechanism.
     pub fn mechanism(&self) -> &'static Mechanism {
         match self {
-            Shape::All(m) | Shape::EachHull(m) | Shape::Day(m, _) | Shape::Drift(m, _) | Shape::Before(m) => m,
+            Shape::All(m) | Shape::EachHull(m) | Shape::Before(m) => m,
+            Shape::Day(m, _) | Shape::Drift(m, _) | Shape::WithTare(m, _) => m,
         }
     }
 }
@@ -181,7 +190,7 @@ impl<'a> TankProblem<'a> {
             Shape::All(_) => Some(parameter),
             Shape::EachHull(m) => Some(m.parameters.len() * self.data.runs[run].hull + parameter),
             Shape::Day(_, day) => (self.days.of_run(run) == Some(*day)).then_some(parameter),
-            Shape::Drift(..) | Shape::Before(_) => None,
+            Shape::Drift(..) | Shape::Before(_) | Shape::WithTare(..) => None,
         }
     }
 
@@ -197,6 +206,9 @@ impl<'a> TankProblem<'a> {
             }
             if let Shape::Before(_) = shape {
                 sum += self.before[run] * sizes[0];
+            }
+            if let Shape::WithTare(_, channel) = shape {
+                sum += self.with_tare(run, *channel) * sizes[0];
             }
         }
         sum
@@ -218,6 +230,13 @@ impl<'a> TankProblem<'a> {
         });
         let map = self.map(run);
         (map * Vector3::from(force.map(|f| f.0)), map * Vector3::from(force.map(|f| f.1)))
+    }
+
+    /// Effect on a run's coefficients of a unit shift of a channel's reading in this run and in every run of the strut alone.
+    fn with_tare(&self, run: usize, channel: usize) -> Vector3<f64> {
+        let data = &self.data.runs[run];
+        let force = [0, 1, 2].map(|to| data.interaction[(to, channel)] * (1.0 - data.tare_weights[to].sum()));
+        self.map(run) * Vector3::from(force)
     }
 
     /// What the balance would show of the last load if it kept it whole, less what the zeros of the run took along, as CL, CD,
@@ -274,7 +293,16 @@ impl<'a> TankProblem<'a> {
                 continue;
             }
             match mechanism.reach {
-                Reach::Campaign => self.add(Shape::All(mechanism)),
+                Reach::Campaign => {
+                    self.add(Shape::All(mechanism));
+                    // The strut's own runs are under way as well: what is at work there the tare has taken for the strut's.
+                    let is_tared = self.data.runs.iter().any(|run| !run.tare_weights[0].is_empty());
+                    if let [Parameter { term: Term::Zero(channel), .. }] = mechanism.parameters
+                        && is_tared
+                    {
+                        self.add(Shape::WithTare(mechanism, *channel));
+                    }
+                }
                 Reach::Hull => {
                     self.add(Shape::All(mechanism));
                     if self.data.hulls.len() > 1 {
@@ -457,6 +485,30 @@ impl Problem for TankProblem<'_> {
         PART_UNEXPLAINED
     }
 
+    /// A fault of the rig has one size. A law that only comes near may leave the square of what it may be off by.
+    fn large_change(&self, candidate: usize) -> f64 {
+        match self.shapes[candidate].mechanism().law {
+            Law::Exact => LARGE_CHANGE,
+            Law::Approximate => PART_UNEXPLAINED.sqrt(),
+        }
+    }
+
+    fn least_known(&self, candidate: usize) -> f64 {
+        if self.shapes[candidate].mechanism().name == "free_surface" { HEIGHT_KNOWN } else { 0.0 }
+    }
+
+    /// A law of a tank is one of angle and speed: where it does nearly all and needs other sizes, another law does all.
+    fn is_level(&self, _candidate: usize) -> bool {
+        false
+    }
+
+    /// At two speeds the drag's dependence on speed is one number, which a zero, a transition and waves explain alike. Friction
+    /// has its exponent by theory.
+    fn is_tested(&self, candidate: usize) -> bool {
+        let speeds: Vec<f64> = self.data.runs.iter().filter_map(|run| run.point.speed_m_s).collect();
+        self.shapes[candidate].mechanism().name != "axial_force_zero" || distinct_speeds(&speeds) >= FEWEST_SPEEDS
+    }
+
     fn relevance(&self, quantity: &Quantity, scatter: f64) -> f64 {
         let k = NAMES.iter().position(|name| *name == quantity.name).unwrap_or(0);
         let largest = self.data.runs.iter().map(|run| run.point.coefficients[k].abs()).fold(0.0, f64::max);
@@ -503,6 +555,10 @@ impl Problem for TankProblem<'_> {
                 }
                 if let Shape::Before(_) = shape {
                     (0..3).for_each(|k| columns[(k * n + i, 0)] = self.before[run][k]);
+                }
+                if let Shape::WithTare(_, channel) = shape {
+                    let by_size = self.with_tare(run, *channel);
+                    (0..3).for_each(|k| columns[(k * n + i, 0)] = by_size[k]);
                 }
             }
         }

@@ -1,0 +1,119 @@
+//! The diagnosis on campaigns of the virtual tank with nothing hidden, to whose reduced runs a law is added: what it names, and
+//! what it must not name.
+
+use glidepolar_hull::coefficients::BalanceForce;
+
+use super::data::SteadyData;
+use super::*;
+use crate::virtual_tank::{Options as Tank, write_campaign};
+use crate::{Options, Results, reduce_campaign};
+
+/// Three hulls of the good tank at several speeds.
+fn campaign(seed: u64) -> Results {
+    let folder = tempfile::tempdir().expect("a folder");
+    let runs = folder.path().join("runs");
+    let hulls = ["LDR8.5", "LDR10.5", "LDR12.5"].map(str::to_owned).to_vec();
+    let tank = Tank { seed, hulls, statics_only: true, size_mb: Some(6.0), ..Tank::default() };
+    write_campaign(&runs, &tank).expect("a campaign");
+    reduce_campaign(&runs, &Options { range_deg: 10.0, strict: false }, &|_| ()).expect("a reduction")
+}
+
+/// Adds a force (AF, SF, YM about the moment centre) to every run.
+fn add(results: &mut Results, force: impl Fn(&SteadyData) -> [f64; 3]) {
+    let hulls = results.steady.hulls.clone();
+    for run in &mut results.steady.runs {
+        let (hull, [axial_N, side_N, yaw_N_m]) = (&hulls[run.hull], force(run));
+        let c = BalanceForce { axial_N, side_N, yaw_N_m }
+            .moved(hull.mc_m, hull.geometry.cb_m)
+            .in_wind_axes(run.point.alpha_rad())
+            .coefficients(run.pressure_Pa, hull.frontal_area_m2(), hull.geometry.loa_m);
+        let added = [c.lift, c.drag, c.moment];
+        (0..3).for_each(|k| run.point.coefficients[k] += added[k]);
+    }
+}
+
+fn speed(run: &SteadyData) -> f64 {
+    run.point.nominal_speed_m_s.expect("a speed")
+}
+
+fn speeds(results: &Results) -> Vec<f64> {
+    let mut speeds: Vec<f64> = results.steady.runs.iter().map(speed).collect();
+    speeds.sort_by(f64::total_cmp);
+    speeds.dedup();
+    speeds
+}
+
+fn diagnosed(mut results: Results) -> Diagnosis {
+    results.diagnose(&Relevance::default());
+    results.diagnoses.and_then(|found| found.campaign).expect("a diagnosis of the campaign")
+}
+
+fn names(diagnosis: &Diagnosis) -> Vec<&str> {
+    diagnosis.causes.iter().map(|cause| cause.cause.as_str()).collect()
+}
+
+#[test]
+fn a_zero_under_way_is_one_force_at_all_speeds() {
+    let mut constant = campaign(51);
+    add(&mut constant, |_| [0.0, 0.8, 0.0]);
+    assert_eq!(names(&diagnosed(constant)), ["side_force_zero"]);
+    let mut growing = campaign(51);
+    let slowest = speeds(&growing)[0];
+    add(&mut growing, |run| [0.0, 0.8 * speed(run) / slowest, 0.0]);
+    let found = diagnosed(growing);
+    assert!(names(&found).is_empty(), "{:?}", names(&found));
+}
+
+#[test]
+fn a_zero_that_the_runs_of_the_strut_have_too_is_known_by_what_the_tare_leaves_of_it() {
+    let mut results = campaign(52);
+    add(&mut results, |run| [0, 1, 2].map(|to| run.interaction[(to, 1)] * 2.0 * (1.0 - run.tare_weights[to].sum())));
+    let found = diagnosed(results);
+    assert_eq!(names(&found), ["side_force_zero"]);
+    let size = &found.causes[0].parameters["side_force_zero_N"];
+    assert!(size.ci95[0] < 2.0 && 2.0 < size.ci95[1], "{size:?}");
+}
+
+#[test]
+fn two_speeds_do_not_show_by_which_law_the_drag_depends_on_speed() {
+    let mut results = campaign(53);
+    let speeds = speeds(&results);
+    results.steady.runs.retain(|run| speed(run) == speeds[0] || speed(run) == *speeds.last().expect("speeds"));
+    add(&mut results, |_| [-0.6, 0.0, 0.0]);
+    let found = diagnosed(results);
+    assert!(names(&found).is_empty(), "{:?}", names(&found));
+}
+
+#[test]
+fn friction_does_not_grow_with_the_reynolds_number() {
+    let mut results = campaign(54);
+    let median = crate::series::median(&results.steady.runs.iter().map(speed).collect::<Vec<_>>());
+    let area = results.steady.hulls[0].frontal_area_m2();
+    add(&mut results, |run| [run.pressure_Pa * area * 0.13 * ((speed(run) / median).powf(0.08) - 1.0), 0.0, 0.0]);
+    let found = diagnosed(results);
+    assert!(!names(&found).contains(&"reynolds_drag"), "{:?}", names(&found));
+}
+
+#[test]
+fn waves_do_not_need_a_drift_angle() {
+    let mut results = campaign(55);
+    let fastest = *speeds(&results).last().expect("speeds");
+    let area = results.steady.hulls[0].frontal_area_m2();
+    add(&mut results, |run| {
+        let acts = speed(run) == fastest && run.point.yaw_deg.abs() > 4.0;
+        [if acts { 0.03 * run.pressure_Pa * area } else { 0.0 }, 0.0, 0.0]
+    });
+    let found = diagnosed(results);
+    assert!(names(&found).is_empty(), "{:?}", names(&found));
+}
+
+#[test]
+fn a_slope_of_the_drag_with_speed_is_no_bump() {
+    let mut results = campaign(56);
+    let fastest = *speeds(&results).last().expect("speeds");
+    let area = results.steady.hulls[0].frontal_area_m2();
+    // Half of a bump broader than all Froude numbers: its height may be anything.
+    add(&mut results, |run| [0.03 * run.pressure_Pa * area * (1.0 - (speed(run) / fastest).powi(2)), 0.0, 0.0]);
+    let found = diagnosed(results);
+    assert!(!names(&found).contains(&"free_surface"), "{:?}", names(&found));
+}
