@@ -216,7 +216,7 @@ fn halves(table: &str) -> Option<[tempfile::NamedTempFile; 2]> {
     let text = std::fs::read_to_string(measured_data()?.join(table)).expect("the table");
     let (head, rows) = text.split_once('\n').expect("a line of names");
     let column = |name: &str| head.split(',').position(|column| column.trim() == name);
-    let by = column("dive").or_else(|| column("time_s")).expect("dives or times");
+    let by = ["dive", "start_s", "time_s"].into_iter().find_map(column).expect("dives or times");
     let value =
         |row: &str| row.split(',').nth(by).and_then(|value| value.trim().parse::<f64>().ok()).expect("a number");
     let rows: Vec<&str> = rows.lines().filter(|row| !row.starts_with('#')).collect();
