@@ -85,8 +85,6 @@ pub struct Candidate {
     pub bounds: Vec<(f64, f64)>,
     /// The least first parameter that nature has: what a fit puts below it is refused.
     pub least: f64,
-    /// The largest size of its first parameter that nature has.
-    pub most: f64,
     /// The first parameter as another channel of the data shows it, `prior_sd` being the standard error of that; none: what is
     /// believed lies about neutral.
     pub shown: Option<f64>,
@@ -111,8 +109,7 @@ impl Candidate {
     /// Whether nature does not have this value of the first parameter, or it lies too far from what is believed of it: further
     /// than so many standard deviations.
     pub fn cannot_be(&self, value: f64, most_prior_sds: f64) -> bool {
-        !(self.least..=self.most).contains(&value)
-            || (value - self.shown.unwrap_or(self.neutral[0])).abs() > most_prior_sds * self.prior_sd[0]
+        value < self.least || (value - self.shown.unwrap_or(self.neutral[0])).abs() > most_prior_sds * self.prior_sd[0]
     }
 
     /// Prior mean of each parameter less neutral, with its prior standard deviation.

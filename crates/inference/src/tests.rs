@@ -48,7 +48,6 @@ impl Toy {
             prior_sd: vec![100.0],
             bounds: Vec::new(),
             least: f64::NEG_INFINITY,
-            most: f64::INFINITY,
             shown: None,
             version: None,
         };
@@ -235,7 +234,7 @@ fn what_looks_alike_is_declared_as_a_group() {
     assert_eq!(group, ["compression", "expansion"]);
 }
 
-/// Two laws that differ by a twentieth of themselves, the first at work in the first half of the data and something between them in
+/// Two laws that differ by three hundredths of themselves, the first at work in the first half of the data and something between them in
 /// the second: by all data the first predicts better for certain, by one half the other one does.
 #[test]
 fn a_law_that_one_half_prefers_stands_in_the_group() {

@@ -90,7 +90,6 @@ pub fn list(bins: &[Bin], shown: &Channels, jumps: &[Jump], parameters: &Paramet
                 prior_sd: vec![shown.map_or(prior_sd, |shown| shown.se)],
                 bounds: vec![(row.min, row.max)],
                 least: mechanism.least,
-                most: mechanism.most,
                 shown: shown.map(|shown| shown.value),
                 version,
             };

@@ -368,7 +368,6 @@ impl<'a> TankProblem<'a> {
             prior_sd: parameters.iter().map(|p| prior_sd(p)).collect(),
             bounds: parameters.iter().map(|p| p.bounds).collect(),
             least: f64::NEG_INFINITY,
-            most: f64::INFINITY,
             shown: None,
             version: None,
         };

@@ -35,38 +35,19 @@ pub struct Mechanism {
     /// The least size that nature has. A fit may go below it, and is then refused: held there, it would leave its place to
     /// something else that resembles it as little.
     pub least: f64,
-    /// The largest size that nature has.
-    pub most: f64,
     /// Where it enters.
     pub enters: Enters,
     /// In which data it shows.
     pub regime: &'static str,
 }
 
-/// An entry: the prior standard deviation is followed by the least size that nature has, and the largest, where there are such.
 macro_rules! mechanism {
-    (
-        $name:literal, $enters:ident, [$($parameter:literal),*],
-        $prior_sd:literal $(from $least:literal)? $(to $most:literal)?,
-        $physics:literal, $source:literal, $regime:literal
-    ) => {
-        Mechanism {
-            name: $name,
-            physics: $physics,
-            source: $source,
-            parameters: &[$($parameter),*],
-            prior_sd: $prior_sd,
-            // The last one that is there.
-            least: last(&[f64::NEG_INFINITY, $($least)?]),
-            most: last(&[f64::INFINITY, $($most)?]),
-            enters: Enters::$enters,
-            regime: $regime,
-        }
+    ($name:literal, $enters:ident, [$($parameter:literal),*], $prior_sd:literal, $physics:literal, $source:literal, $regime:literal) => {
+        mechanism!($name, $enters, [$($parameter),*], $prior_sd from f64::NEG_INFINITY, $physics, $source, $regime)
     };
-}
-
-const fn last(of: &[f64]) -> f64 {
-    of[of.len() - 1]
+    ($name:literal, $enters:ident, [$($parameter:literal),*], $prior_sd:literal from $least:expr, $physics:literal, $source:literal, $regime:literal) => {
+        Mechanism { name: $name, physics: $physics, source: $source, parameters: &[$($parameter),*], prior_sd: $prior_sd, least: $least, enters: Enters::$enters, regime: $regime }
+    };
 }
 
 /// The mechanisms at sea.
@@ -84,9 +65,8 @@ pub const AT_SEA: &[Mechanism] = &[
         "hull_compressibility",
         Motion,
         ["hull_compressibility_per_Pa"],
-        // A density evaluated at p = 0 looks like a hull that is stiffer by the compressibility of sea water, 4.4e-10 1/Pa. One that yields
-        // more than the water sinks the faster the deeper it is, and is not built: twice the water's is out of the question.
-        5e-10 from -5e-10 to 1e-9,
+        // A density evaluated at p = 0 looks like a hull that is stiffer by the compressibility of sea water, 4.4e-10 1/Pa.
+        5e-10 from -5e-10,
         "The hull loses volume with pressure",
         "Merckelbach et al. 2010",
         "grows with depth"
