@@ -139,7 +139,7 @@ impl Identification {
         let n = fit.free.len();
         let mut pinned = self.pinned.clone();
         let mut parameters: BTreeMap<String, Option<Estimate>> = BTreeMap::from([("d".to_owned(), None)]);
-        let mut identifiable = BTreeMap::new();
+        let mut identifiable = BTreeMap::from([("d".to_owned(), false)]);
         self.tell(fit, &mut parameters, &mut identifiable);
         if let Some(balance) = &self.pitch_balance {
             self.tell(&balance.fit, &mut parameters, &mut identifiable);

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import jsonschema
 import pytest
-from conftest import counters, path_from
+from conftest import MEASURED, counters, path_from
+from test_log_values import files as files_of
 
 ROOT = Path(__file__).parents[2]
 SCHEMAS = {path.stem: json.loads(path.read_text(encoding="utf-8")) for path in sorted((ROOT / "docs/reference/schemas").glob("*.json"))}
@@ -72,6 +73,40 @@ def test_a_result_is_as_its_schema_says(files, name, command):
     for field in SCHEMAS[name]["required"]:
         with pytest.raises(jsonschema.ValidationError):
             jsonschema.validate({key: value for key, value in result.items() if key != field}, SCHEMAS[name])
+
+
+# Real logs lack what the made ones have, and other fields are empty.
+REAL = [
+    ("identify", "seaglider_sg236", "p*.nc", "seaglider"),
+    ("identify", ".", "comet_2019_spiral.csv", "slocum-049"),
+    ("diagnosis", "seaglider_sg236", "p*.nc", "seaglider"),
+    ("diagnosis", ".", "maria997_2022_slocum_g3_glides.csv", "slocum-049"),
+    ("track", "seaglider_sg236", "p*.nc", "seaglider"),
+]
+
+
+@pytest.mark.parametrize("name, folder, pattern, vehicle", REAL, ids=[f"{name}-{pattern}" for name, _, pattern, _ in REAL])
+def test_the_result_of_a_real_log_is_as_its_schema_says(glidepolar, name, folder, pattern, vehicle):
+    logs = files_of(MEASURED / folder, pattern)
+    command = "diagnose" if name == "diagnosis" else name
+    printed = subprocess.check_output([glidepolar, command, *logs, "--vehicle", vehicle, "--json", "-"], stderr=subprocess.DEVNULL)
+    jsonschema.validate(json.loads(printed), SCHEMAS[name])
+
+
+def fields(schema, path=()):
+    """Every field that a schema describes, with its path."""
+    for name, field in schema.get("properties", {}).items():
+        yield (*path, name), field
+        yield from fields(field, (*path, name))
+    for nested in ("items", "additionalProperties"):
+        if isinstance(schema.get(nested), dict):
+            yield from fields(schema[nested], path)
+
+
+@pytest.mark.parametrize("name", SCHEMAS)
+def test_no_field_is_always_empty(name):
+    """A schema made from one result would forbid what another one has."""
+    assert [path for path, field in fields(SCHEMAS[name]) if field.get("type") == "null"] == []
 
 
 def test_every_schema_is_valid_tried_and_described():

@@ -40,6 +40,19 @@ impl Figure {
     }
 }
 
+/// Filled circles whose fill has the opacity: a printed page else holds each as a group of its own, twice as long.
+fn fills_with_opacity(body: &str) -> String {
+    let mut written = String::with_capacity(body.len());
+    for line in body.split_inclusive('\n') {
+        if line.starts_with("<circle") && line.contains(" fill=\"#") {
+            written.push_str(&line.replace(" opacity=", " fill-opacity="));
+        } else {
+            written.push_str(line);
+        }
+    }
+    written
+}
+
 /// The figure as SVG of that width, its identifiers made from `id`; `standalone` with the namespace that a file needs.
 pub(super) fn document(figure: &Figure, id: &str, width: f64, standalone: bool) -> String {
     let layout = Layout::new(figure, width);
@@ -50,7 +63,7 @@ pub(super) fn document(figure: &Figure, id: &str, width: f64, standalone: bool) 
     let body = drawn.split_once('\n').map_or("", |(_, body)| body);
     // What every element repeats and SVG assumes anyway.
     let body = body.replace(" opacity=\"1\"", "").replace(" stroke=\"none\" stroke-width=\"0\"", "");
-    let body = expand_markup(&body);
+    let body = expand_markup(&fills_with_opacity(&body));
     let namespace = if standalone { " xmlns=\"http://www.w3.org/2000/svg\"" } else { "" };
     let escape = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
     let title = escape(&figure.title.as_deref().map_or_else(|| figure.description(), |t| clean(t, 200)));

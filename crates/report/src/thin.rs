@@ -131,10 +131,13 @@ fn segment(a: Pixel, b: Pixel, frame: Frame) -> Option<(Pixel, Pixel, bool)> {
     Some((at(enter), at(leave), leave < 1.0))
 }
 
-/// Which of many markers to draw: where more than `most` would fall, one in each cell of a grid as fine as the bound
-/// allows. Indices in ascending order.
+/// Fewer markers than this are all drawn.
+const FEW_MARKERS: usize = 100;
+
+/// Which of many markers to draw: one in each cell of a grid of half a pixel, or of a coarser one where more than `most`
+/// would be left. A printed page holds every marker as a shape of its own. Indices in ascending order.
 pub(super) fn markers(places: &[Pixel], most: usize) -> Vec<usize> {
-    if places.len() <= most {
+    if places.len() <= most.min(FEW_MARKERS) {
         return (0..places.len()).collect();
     }
     let mut cell = 0.5;
