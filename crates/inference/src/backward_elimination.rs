@@ -255,7 +255,8 @@ impl Fitted {
     pub(super) fn drop_what_cannot_be(&mut self, problem: &impl Problem, baseline: &Fitted) {
         let is_impossible = |fitted: &Fitted, place: usize| {
             let member = fitted.included[place];
-            problem.candidates()[member].cannot_be(fitted.point.candidates[member][0], problem.most_prior_sds())
+            let (candidate, values) = (&problem.candidates()[member], &fitted.point.candidates[member]);
+            candidate.cannot_be(values[0], problem.most_prior_sds()) || !problem.exists(member, values)
         };
         while let Some(place) = (0..self.included.len()).find(|place| is_impossible(self, *place)) {
             *self = self.without(problem, baseline, place);

@@ -241,6 +241,12 @@ pub trait Problem {
         true
     }
 
+    /// Whether nature has these values of a candidate's parameters, taken together.
+    fn exists(&self, candidate: usize, values: &[f64]) -> bool {
+        let _ = (candidate, values);
+        true
+    }
+
     /// The size in the quantity's unit above which a misfit of it is worth acting on; `scatter` is the rms of what the
     /// measurement alone leaves. See [`super::relevance`].
     fn relevance(&self, quantity: &Quantity, scatter: f64) -> f64 {

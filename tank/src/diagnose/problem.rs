@@ -502,10 +502,26 @@ impl Problem for TankProblem<'_> {
     }
 
     /// At two speeds the drag's dependence on speed is one number, which a zero, a transition and waves explain alike. Friction
-    /// has its exponent by theory.
+    /// has its exponent by theory. What a tare leaves of a zero in its own runs is such a number in every channel.
     fn is_tested(&self, candidate: usize) -> bool {
         let speeds: Vec<f64> = self.data.runs.iter().filter_map(|run| run.point.speed_m_s).collect();
-        self.shapes[candidate].mechanism().name != "axial_force_zero" || distinct_speeds(&speeds) >= FEWEST_SPEEDS
+        let shape = &self.shapes[candidate];
+        let needs_three = shape.mechanism().name == "axial_force_zero" || matches!(shape, Shape::WithTare(..));
+        !needs_three || distinct_speeds(&speeds) >= FEWEST_SPEEDS
+    }
+
+    /// The fit in full may go where the slopes did not, beyond a bound. Walls speed the water up past a model across the tank: at
+    /// the largest angle the dynamic pressure is higher.
+    fn exists(&self, candidate: usize, values: &[f64]) -> bool {
+        let bounds = &self.candidates[candidate].bounds;
+        if values.iter().zip(bounds).any(|(value, (low, high))| value < low || value > high) {
+            return false;
+        }
+        let across = |run: &SteadyData| run.point.alpha_rad().sin().abs();
+        match self.shapes[candidate].mechanism().name {
+            "blockage" => values[0] + values[1] * self.data.runs.iter().map(across).fold(0.0, f64::max) > 0.0,
+            _ => true,
+        }
     }
 
     fn relevance(&self, quantity: &Quantity, scatter: f64) -> f64 {

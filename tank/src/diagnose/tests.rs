@@ -122,3 +122,41 @@ fn the_height_of_a_bump_of_drag_must_be_known() {
         assert_eq!(problem.least_known(candidate), expected, "{}", shape.mechanism().name);
     }
 }
+
+/// Shifts of CL by a side force, hull by hull alike.
+#[test]
+fn what_a_tare_leaves_of_a_zero_at_two_speeds_may_be_any_law_of_the_speed() {
+    let mut results = campaign(57);
+    let speeds = speeds(&results);
+    results.steady.runs.retain(|run| speed(run) == speeds[0] || speed(run) == speeds[2]);
+    let fast = speeds[2];
+    // What is left of a force in proportion to the speed when its share in proportion to the dynamic pressure is gone.
+    let left = |run: &SteadyData| 1.5 * (speed(run) / fast - (speed(run) / fast).powi(2) * 1.3);
+    add(&mut results, |run| [0.0, left(run), 0.0]);
+    let found = diagnosed(results);
+    assert!(!names(&found).contains(&"side_force_zero"), "{:?}", names(&found));
+}
+
+#[test]
+fn walls_do_not_slow_the_water_down() {
+    let mut results = campaign(58);
+    for run in &mut results.steady.runs {
+        let across = run.point.alpha_rad().sin().abs();
+        run.point.coefficients.iter_mut().for_each(|c| *c *= 1.0 - 1.8 * across * across);
+    }
+    let found = diagnosed(results);
+    assert!(!names(&found).contains(&"blockage"), "{:?}", names(&found));
+}
+
+/// A step of the drag between two speeds, which waves and a friction of the wrong sign resemble together.
+#[test]
+fn a_fit_in_full_does_not_leave_what_physics_allows() {
+    for seed in [59, 60] {
+        let mut results = campaign(seed);
+        let area = results.steady.hulls[0].frontal_area_m2();
+        add(&mut results, |run| [0.02 * run.pressure_Pa * area / (1.0 + (-(speed(run) - 1.7) / 0.05).exp()), 0.0, 0.0]);
+        let found = diagnosed(results);
+        let exponent = found.causes.iter().find_map(|cause| cause.parameters.get("drag_exponent"));
+        assert!(exponent.is_none_or(|exponent| exponent.value <= 0.02), "{:?}", names(&found));
+    }
+}
