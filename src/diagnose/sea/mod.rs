@@ -17,6 +17,7 @@ mod history;
 mod jumps;
 mod log_diagnosis;
 mod model;
+mod problem;
 mod salinity;
 mod shear;
 mod turns;
@@ -28,18 +29,16 @@ use crate::identify::{Bin, Inside, Parts, bins};
 use crate::log::Observation;
 
 use super::engine;
-use super::evidence::{Candidate, Evidence, Point, Problem, Quantity};
+use super::evidence::{Candidate, Evidence, Point, Problem as _};
 use super::findings::{Check, Checked};
 use super::holdout;
 use super::outcome::Outcome;
 use super::relevance::Relevance;
 use crate::identify::unknown_shear::DIFFERENCE_M_S;
-use flown::Flown;
 use jumps::Jump;
 pub use log_diagnosis::{SeaDiagnosis, diagnose_log};
-use model::{Directions, Vehicle};
-use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
+use model::Directions;
+use nalgebra::DVector;
 use shear::UnknownShear;
 pub use vehicle_log::{LiftSlope, Request, VehicleLogError, diagnose_vehicle, extended};
 
@@ -76,16 +75,9 @@ pub enum Lift {
     Held,
 }
 
-/// Standard deviation of what a vehicle's polar is believed to be, relative to its value.
-const RELATIVE_BELIEF: f64 = 1.0;
-
 /// The share of its inertia with which the glider follows its forces, and its unit: 1 by the vehicle's masses, 0 in a log that
 /// was simulated from steady glides.
 const INERTIA_SHARE: (&str, &str) = ("inertia_share", "1");
-
-/// Standard deviation of what that share is believed to be beside 1: masses that accelerate with the hull are known to a fifth,
-/// but a log without inertia must be within reach.
-const INERTIA_SHARE_SD: f64 = 1.0;
 
 /// From here on, in the same measure, a fitted polar is doubted aloud.
 const FAR_FROM_BELIEF: f64 = 2.0;
@@ -93,24 +85,9 @@ const FAR_FROM_BELIEF: f64 = 2.0;
 /// What to do where a lift slope runs away, or a scale of the pitch stands beside it.
 const PITCH_OR_LIFT: &str = "a lift slope and a scale of the pitch cannot be distinguished by vertical velocity and speed: hold the slope at an outside value (--pin-lift=A)";
 
-/// Share of what named mechanisms explain by which something unknown must explain more to take their place. Less is a part
-/// that stays unexplained beside them: no sea is without.
-const PART_UNEXPLAINED: f64 = 0.1;
-
 /// Prior standard deviations that a mechanism's size may lie from neutral: what needs more than three standard deviations of what is believed
 /// resembles it only.
 const MOST_USUAL: f64 = 3.0;
-
-/// Probability by chance, corrected for the number of mechanisms, above which none is named: of logs with nothing hidden
-/// one in a hundred may get a name.
-const MOST_CHANCE: f64 = 0.01;
-
-/// Relative change of a size that is never one size: the square of what is left is 4 % of the effect.
-const LARGE_CHANGE: f64 = 0.2;
-
-/// Standard errors by which a size must be known. Another law whose effect on the rows has a correlation of 0.87 with the named
-/// one's differs from it by half of the effect, which must be found by three standard errors.
-const LEAST_KNOWN: f64 = 6.0;
 
 /// The quantities with the least misfit that is worth acting on \[m/s\]: 1 mm/s in vertical velocity is a tenth of the slow
 /// vertical motion of the water itself, 3 mm/s in speed a hundredth of a glider's speed, as good as speed is measured.
@@ -439,26 +416,6 @@ impl SeaProblem {
         warnings
     }
 
-    /// What the vehicle's own polar says of the polar: within its own size. It keeps a baseline that lacks the true cause
-    /// from running off to a polar that no hull has.
-    fn prior(&self, point: &Point) -> Vec<(f64, f64)> {
-        let mut believed = self.parameters;
-        let values = self.baseline_index.iter().zip(&point.baseline);
-        values
-            .map(|(index, value)| {
-                let belief = *believed.at(*index);
-                let prior_sd = RELATIVE_BELIEF * belief.abs().max(0.1);
-                let sd = match self.lift {
-                    Lift::Known { se_per_rad } if PARAMETERS[*index].name == "a_per_rad" => se_per_rad,
-                    _ => prior_sd,
-                };
-                (belief - value, sd)
-            })
-            .chain(self.shear_coefficients(point).iter().map(|value| (-value, 1.0)))
-            .chain(self.inertia_share(point).map(|share| (1.0 - share, INERTIA_SHARE_SD)))
-            .collect()
-    }
-
     /// The coefficients of the unknown shear at a point.
     fn shear_coefficients<'a>(&self, point: &'a Point) -> &'a [f64] {
         &point.baseline[self.baseline_index.len()..self.place_of_inertia()]
@@ -542,189 +499,4 @@ fn is_usable(o: &Observation) -> bool {
         && [o.time_s, o.pressure_dbar, o.density_kg_m3, o.pitch_rad, o.ballast_m3, o.sink_m_s]
             .iter()
             .all(|value| value.is_finite())
-}
-
-impl Problem for SeaProblem {
-    fn baseline(&self) -> &[(&'static str, &'static str)] {
-        &self.baseline
-    }
-
-    fn candidates(&self) -> &[Candidate] {
-        &self.candidates
-    }
-
-    fn start(&self) -> Point {
-        let mut parameters = self.parameters;
-        Point {
-            baseline: self
-                .baseline_index
-                .iter()
-                .map(|index| *parameters.at(*index))
-                .chain((0..self.shear.len()).map(|_| 0.0))
-                .chain((!self.parts.is_quasi_steady()).then_some(1.0))
-                .collect(),
-            candidates: self.candidates.iter().map(|candidate| candidate.neutral.clone()).collect(),
-        }
-    }
-
-    fn bends(&self) -> bool {
-        true
-    }
-
-    /// Thermoclines and inertia inside the bins are nine tenths of a flight, and change what a bin reads by little.
-    fn for_first_search(&self, about: &Point) -> Option<Self> {
-        Some(SeaProblem { within: Some(self.within_at(about)), ..self.clone() })
-    }
-
-    fn has_regimes(&self) -> bool {
-        true
-    }
-
-    fn level_of(&self, candidate: usize) -> Option<usize> {
-        let has_level = candidates::WITH_A_LEVEL.contains(&self.candidates[candidate].name);
-        has_level.then(|| self.candidates.iter().position(|other| other.name == "ballast_offset")).flatten()
-    }
-
-    fn is_level(&self, candidate: usize) -> bool {
-        candidates::LEVELS.contains(&self.candidates[candidate].name)
-    }
-
-    fn part_unexplained(&self) -> f64 {
-        PART_UNEXPLAINED
-    }
-
-    fn most_chance(&self) -> f64 {
-        MOST_CHANCE
-    }
-
-    fn needs_both_legs(&self) -> bool {
-        true
-    }
-
-    fn baseline_takes_up_changes(&self) -> bool {
-        true
-    }
-
-    fn large_change(&self, _candidate: usize) -> f64 {
-        LARGE_CHANGE
-    }
-
-    fn least_known(&self, _candidate: usize) -> f64 {
-        LEAST_KNOWN
-    }
-
-    fn relevance(&self, quantity: &Quantity, scatter: f64) -> f64 {
-        let floor = LEAST_RELEVANT.iter().find(|(name, _)| *name == quantity.name).map_or(0.0, |(_, floor)| *floor);
-        self.relevance.limit(quantity.name, scatter, floor)
-    }
-
-    fn most_prior_sds(&self) -> f64 {
-        MOST_USUAL
-    }
-
-    /// Lift grows with the angle of attack, and drag is no thrust.
-    fn admits(&self, point: &Point) -> bool {
-        let is_positive = |name: &str| matches!(name, "a_per_rad" | "b");
-        self.baseline.iter().zip(&point.baseline).all(|((name, _), value)| !is_positive(name) || *value > 0.0)
-    }
-
-    fn evidence(&self, point: &Point) -> Evidence {
-        glidepolar_progress::one_more("flights of the model");
-        let parameters = self.parameters_at(point);
-        let (n_w, n_u) = (self.bins.len(), self.with_speed.len());
-        let n = n_w + n_u;
-        let share = self.inertia_share(point);
-        let flown = self.within.is_none().then(|| self.within_at(point));
-        let (inside, at_rest) = flown.as_ref().or(self.within.as_ref()).expect("one of the two");
-        let row_bins: Vec<&Bin> = self.bins.iter().chain(self.with_speed.iter().map(|i| &self.bins[*i])).collect();
-
-        let mut residual = DVector::zeros(n);
-        let mut slopes = DMatrix::zeros(n, self.directions.len());
-        let mut speed_row = n_w;
-        let vehicle = Vehicle::new(&parameters, &self.directions);
-        let past = self.effects(point, &parameters);
-        // What the whole of the inertia changes in each row.
-        let mut by_inertia = DVector::zeros(n);
-        // What a force along the heading changes in each row [m/s per N].
-        let mut by_force = DVector::zeros(n);
-        let flown = |row: usize| {
-            let without_inertia = share.zip(at_rest.as_ref().map(|at_rest| &at_rest[row]));
-            let effect = past.as_ref().map(|effects| effects[row]).unwrap_or_default();
-            Flown::new(&vehicle, self.pitch_direction, &self.bins[row], &inside[row], without_inertia, &effect)
-        };
-        let flown: Vec<Flown> = (0..n_w).into_par_iter().map(flown).collect();
-        for (row, (bin, flown)) in self.bins.iter().zip(&flown).enumerate() {
-            residual[row] = bin.mean.sink_m_s - flown.sink.value;
-            slopes.row_mut(row).copy_from_slice(&flown.sink.slopes);
-            (by_inertia[row], by_force[row]) = (flown.by_inertia[0], flown.by_force[0]);
-            if self.with_speed.get(speed_row - n_w) == Some(&row) {
-                let scale = parameters.speed_scale;
-                residual[speed_row] = bin.mean.speed_m_s - scale * flown.speed.value;
-                slopes.row_mut(speed_row).copy_from_slice(&flown.speed.slopes);
-                slopes.row_mut(speed_row).scale_mut(scale);
-                (by_inertia[speed_row], by_force[speed_row]) = (scale * flown.by_inertia[1], scale * flown.by_force[1]);
-                speed_row += 1;
-            }
-        }
-
-        let nb = self.baseline_index.len();
-        let bin_of = |row: usize| if row < n_w { row } else { self.with_speed[row - n_w] };
-        let mut baseline = slopes.columns(0, nb).into_owned().resize_horizontally(self.baseline.len(), 0.0);
-        let mass_kg = parameters.mass_kg();
-        for j in 0..self.shear.len() {
-            let of_row = |row: usize| by_force[row] * self.shear.unit_N(j, bin_of(row), mass_kg);
-            baseline.set_column(nb + j, &DVector::from_fn(n, |row, _| of_row(row)));
-        }
-        if share.is_some() {
-            baseline.set_column(self.place_of_inertia(), &by_inertia);
-        }
-        let candidates = self
-            .shapes
-            .iter()
-            .zip(&self.candidates)
-            .map(|(shape, candidate)| match &shape.slopes {
-                Slopes::Direction(direction) => {
-                    let after =
-                        |row: usize| candidate.version.is_none_or(|jump| row_bins[row].mean.time_s >= jump.value);
-                    DMatrix::from_fn(n, 1, |row, _| if after(row) { slopes[(row, *direction)] } else { 0.0 })
-                }
-                Slopes::Past { column, carrier: Some(direction) } => {
-                    DMatrix::from_fn(n, 1, |row, _| column[bin_of(row)] * slopes[(row, *direction)])
-                }
-                Slopes::Past { column, carrier: None } => {
-                    DMatrix::from_fn(n, 1, |row, _| if row < n_w { column[row] * flown[row].sink.value } else { 0.0 })
-                }
-            })
-            .collect();
-        let mut quantities = vec![Quantity { name: VERTICAL_VELOCITY, unit: "m/s", rows: 0..n_w }];
-        if n_u > 0 {
-            quantities.push(Quantity { name: SPEED, unit: "m/s", rows: n_w..n });
-        }
-        let ballast =
-            self.shapes.iter().zip(&self.candidates).find(|(_, candidate)| candidate.name == "ballast_offset");
-        let shared = match ballast {
-            Some((Shape { slopes: Slopes::Direction(direction), .. }, _)) => {
-                model::WEIGHING_ERROR_KG * slopes.columns(*direction, 1)
-            }
-            _ => DMatrix::zeros(n, 0),
-        };
-        Evidence {
-            quantities,
-            time_s: row_bins.iter().map(|bin| bin.mean.time_s).collect(),
-            stated_sd: row_bins
-                .iter()
-                .enumerate()
-                .map(|(row, bin)| if row < n_w { bin.sink_sd_m_s } else { bin.speed_sd_m_s })
-                .collect(),
-            block: row_bins.iter().map(|bin| bin.mean.leg as usize).collect(),
-            leg: row_bins.iter().map(|bin| if bin.mean.descends() { 1.0 } else { -1.0 }).collect(),
-            place: covariates::places(&row_bins),
-            residual,
-            baseline,
-            prior: self.prior(point),
-            candidates,
-            shared,
-            covariates: covariates::from_bins(&row_bins),
-        }
-    }
 }

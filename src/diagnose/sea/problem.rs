@@ -1,0 +1,243 @@
+//! What the search for causes asks of a log: the residuals of a point and their slopes, what is believed of the polar, and from
+//! where on a mechanism has a name. Knows no samples.
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::flown::Flown;
+use super::model::{self, Vehicle};
+use super::{
+    LEAST_RELEVANT, Lift, MOST_USUAL, SPEED, SeaProblem, Shape, Slopes, VERTICAL_VELOCITY, candidates, covariates,
+};
+use crate::diagnose::evidence::{Candidate, Evidence, Point, Problem, Quantity};
+use crate::dynamics::PARAMETERS;
+use crate::identify::Bin;
+
+/// Standard deviation of what a vehicle's polar is believed to be, relative to its value.
+const RELATIVE_BELIEF: f64 = 1.0;
+
+/// Standard deviation of what that share is believed to be beside 1: masses that accelerate with the hull are known to a fifth,
+/// but a log without inertia must be within reach.
+const INERTIA_SHARE_SD: f64 = 1.0;
+
+/// Share of what named mechanisms explain by which something unknown must explain more to take their place. Less is a part
+/// that stays unexplained beside them: no sea is without.
+const PART_UNEXPLAINED: f64 = 0.1;
+
+/// Probability by chance, corrected for the number of mechanisms, above which none is named: of logs with nothing hidden
+/// one in a hundred may get a name.
+const MOST_CHANCE: f64 = 0.01;
+
+/// Relative change of a size that is never one size: the square of what is left is 4 % of the effect.
+const LARGE_CHANGE: f64 = 0.2;
+
+/// Standard errors by which a size must be known. Another law whose effect on the rows has a correlation of 0.87 with the named
+/// one's differs from it by half of the effect, which must be found by three standard errors.
+const LEAST_KNOWN: f64 = 6.0;
+
+impl Problem for SeaProblem {
+    fn baseline(&self) -> &[(&'static str, &'static str)] {
+        &self.baseline
+    }
+
+    fn candidates(&self) -> &[Candidate] {
+        &self.candidates
+    }
+
+    fn start(&self) -> Point {
+        let mut parameters = self.parameters;
+        Point {
+            baseline: self
+                .baseline_index
+                .iter()
+                .map(|index| *parameters.at(*index))
+                .chain((0..self.shear.len()).map(|_| 0.0))
+                .chain((!self.parts.is_quasi_steady()).then_some(1.0))
+                .collect(),
+            candidates: self.candidates.iter().map(|candidate| candidate.neutral.clone()).collect(),
+        }
+    }
+
+    fn bends(&self) -> bool {
+        true
+    }
+
+    /// Thermoclines and inertia inside the bins are nine tenths of a flight, and change what a bin reads by little.
+    fn for_first_search(&self, about: &Point) -> Option<Self> {
+        Some(SeaProblem { within: Some(self.within_at(about)), ..self.clone() })
+    }
+
+    fn has_regimes(&self) -> bool {
+        true
+    }
+
+    fn level_of(&self, candidate: usize) -> Option<usize> {
+        let has_level = candidates::WITH_A_LEVEL.contains(&self.candidates[candidate].name);
+        has_level.then(|| self.candidates.iter().position(|other| other.name == "ballast_offset")).flatten()
+    }
+
+    fn is_level(&self, candidate: usize) -> bool {
+        candidates::LEVELS.contains(&self.candidates[candidate].name)
+    }
+
+    fn part_unexplained(&self) -> f64 {
+        PART_UNEXPLAINED
+    }
+
+    fn most_chance(&self) -> f64 {
+        MOST_CHANCE
+    }
+
+    fn needs_both_legs(&self) -> bool {
+        true
+    }
+
+    fn baseline_takes_up_changes(&self) -> bool {
+        true
+    }
+
+    fn large_change(&self, _candidate: usize) -> f64 {
+        LARGE_CHANGE
+    }
+
+    fn least_known(&self, _candidate: usize) -> f64 {
+        LEAST_KNOWN
+    }
+
+    fn relevance(&self, quantity: &Quantity, scatter: f64) -> f64 {
+        let floor = LEAST_RELEVANT.iter().find(|(name, _)| *name == quantity.name).map_or(0.0, |(_, floor)| *floor);
+        self.relevance.limit(quantity.name, scatter, floor)
+    }
+
+    fn most_prior_sds(&self) -> f64 {
+        MOST_USUAL
+    }
+
+    /// Lift grows with the angle of attack, and drag is no thrust.
+    fn admits(&self, point: &Point) -> bool {
+        let is_positive = |name: &str| matches!(name, "a_per_rad" | "b");
+        self.baseline.iter().zip(&point.baseline).all(|((name, _), value)| !is_positive(name) || *value > 0.0)
+    }
+
+    fn evidence(&self, point: &Point) -> Evidence {
+        glidepolar_progress::one_more("flights of the model");
+        let parameters = self.parameters_at(point);
+        let (n_w, n_u) = (self.bins.len(), self.with_speed.len());
+        let n = n_w + n_u;
+        let share = self.inertia_share(point);
+        let flown = self.within.is_none().then(|| self.within_at(point));
+        let (inside, at_rest) = flown.as_ref().or(self.within.as_ref()).expect("one of the two");
+        let row_bins: Vec<&Bin> = self.bins.iter().chain(self.with_speed.iter().map(|i| &self.bins[*i])).collect();
+
+        let mut residual = DVector::zeros(n);
+        let mut slopes = DMatrix::zeros(n, self.directions.len());
+        let mut speed_row = n_w;
+        let vehicle = Vehicle::new(&parameters, &self.directions);
+        let past = self.effects(point, &parameters);
+        // What the whole of the inertia changes in each row.
+        let mut by_inertia = DVector::zeros(n);
+        // What a force along the heading changes in each row [m/s per N].
+        let mut by_force = DVector::zeros(n);
+        let flown = |row: usize| {
+            let without_inertia = share.zip(at_rest.as_ref().map(|at_rest| &at_rest[row]));
+            let effect = past.as_ref().map(|effects| effects[row]).unwrap_or_default();
+            Flown::new(&vehicle, self.pitch_direction, &self.bins[row], &inside[row], without_inertia, &effect)
+        };
+        let flown: Vec<Flown> = (0..n_w).into_par_iter().map(flown).collect();
+        for (row, (bin, flown)) in self.bins.iter().zip(&flown).enumerate() {
+            residual[row] = bin.mean.sink_m_s - flown.sink.value;
+            slopes.row_mut(row).copy_from_slice(&flown.sink.slopes);
+            (by_inertia[row], by_force[row]) = (flown.by_inertia[0], flown.by_force[0]);
+            if self.with_speed.get(speed_row - n_w) == Some(&row) {
+                let scale = parameters.speed_scale;
+                residual[speed_row] = bin.mean.speed_m_s - scale * flown.speed.value;
+                slopes.row_mut(speed_row).copy_from_slice(&flown.speed.slopes);
+                slopes.row_mut(speed_row).scale_mut(scale);
+                (by_inertia[speed_row], by_force[speed_row]) = (scale * flown.by_inertia[1], scale * flown.by_force[1]);
+                speed_row += 1;
+            }
+        }
+
+        let nb = self.baseline_index.len();
+        let bin_of = |row: usize| if row < n_w { row } else { self.with_speed[row - n_w] };
+        let mut baseline = slopes.columns(0, nb).into_owned().resize_horizontally(self.baseline.len(), 0.0);
+        let mass_kg = parameters.mass_kg();
+        for j in 0..self.shear.len() {
+            let of_row = |row: usize| by_force[row] * self.shear.unit_N(j, bin_of(row), mass_kg);
+            baseline.set_column(nb + j, &DVector::from_fn(n, |row, _| of_row(row)));
+        }
+        if share.is_some() {
+            baseline.set_column(self.place_of_inertia(), &by_inertia);
+        }
+        let candidates = self
+            .shapes
+            .iter()
+            .zip(&self.candidates)
+            .map(|(shape, candidate)| match &shape.slopes {
+                Slopes::Direction(direction) => {
+                    let after =
+                        |row: usize| candidate.version.is_none_or(|jump| row_bins[row].mean.time_s >= jump.value);
+                    DMatrix::from_fn(n, 1, |row, _| if after(row) { slopes[(row, *direction)] } else { 0.0 })
+                }
+                Slopes::Past { column, carrier: Some(direction) } => {
+                    DMatrix::from_fn(n, 1, |row, _| column[bin_of(row)] * slopes[(row, *direction)])
+                }
+                Slopes::Past { column, carrier: None } => {
+                    DMatrix::from_fn(n, 1, |row, _| if row < n_w { column[row] * flown[row].sink.value } else { 0.0 })
+                }
+            })
+            .collect();
+        let mut quantities = vec![Quantity { name: VERTICAL_VELOCITY, unit: "m/s", rows: 0..n_w }];
+        if n_u > 0 {
+            quantities.push(Quantity { name: SPEED, unit: "m/s", rows: n_w..n });
+        }
+        let ballast =
+            self.shapes.iter().zip(&self.candidates).find(|(_, candidate)| candidate.name == "ballast_offset");
+        let shared = match ballast {
+            Some((Shape { slopes: Slopes::Direction(direction), .. }, _)) => {
+                model::WEIGHING_ERROR_KG * slopes.columns(*direction, 1)
+            }
+            _ => DMatrix::zeros(n, 0),
+        };
+        Evidence {
+            quantities,
+            time_s: row_bins.iter().map(|bin| bin.mean.time_s).collect(),
+            stated_sd: row_bins
+                .iter()
+                .enumerate()
+                .map(|(row, bin)| if row < n_w { bin.sink_sd_m_s } else { bin.speed_sd_m_s })
+                .collect(),
+            block: row_bins.iter().map(|bin| bin.mean.leg as usize).collect(),
+            leg: row_bins.iter().map(|bin| if bin.mean.descends() { 1.0 } else { -1.0 }).collect(),
+            place: covariates::places(&row_bins),
+            residual,
+            baseline,
+            prior: self.prior(point),
+            candidates,
+            shared,
+            covariates: covariates::from_bins(&row_bins),
+        }
+    }
+}
+
+impl SeaProblem {
+    /// What the vehicle's own polar says of the polar: within its own size. It keeps a baseline that lacks the true cause
+    /// from running off to a polar that no hull has.
+    fn prior(&self, point: &Point) -> Vec<(f64, f64)> {
+        let mut believed = self.parameters;
+        let values = self.baseline_index.iter().zip(&point.baseline);
+        values
+            .map(|(index, value)| {
+                let belief = *believed.at(*index);
+                let prior_sd = RELATIVE_BELIEF * belief.abs().max(0.1);
+                let sd = match self.lift {
+                    Lift::Known { se_per_rad } if PARAMETERS[*index].name == "a_per_rad" => se_per_rad,
+                    _ => prior_sd,
+                };
+                (belief - value, sd)
+            })
+            .chain(self.shear_coefficients(point).iter().map(|value| (-value, 1.0)))
+            .chain(self.inertia_share(point).map(|share| (1.0 - share, INERTIA_SHARE_SD)))
+            .collect()
+    }
+}
