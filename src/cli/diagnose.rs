@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::diagnose_words::{checked, left_over, less, shown_in, size, table_without_cause, verdict, words};
+use super::diagnose_words::{
+    checked, is_explained_by_trim, left_over, less, shown_in, size, table_without_cause, verdict, words,
+};
 use super::identify::TrimChoice;
 use super::reading::Reading;
 use super::{CliError, Output, diagnose_page, housekeeping, log_vehicle, print_notes, vehicle_input, warn};
@@ -137,6 +139,9 @@ fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
             wrong.expected_rms * factor,
             crate::report::probability(wrong.p_value)
         );
+    }
+    if is_explained_by_trim(found) {
+        println!("  the trim explains it, which a neutral baseline does not know");
     }
     if found.wrong.is_empty() {
         println!(

@@ -1,6 +1,8 @@
 //! A diagnosis as a page: for each of the four answers one figure and one sentence.
 
-use super::diagnose_words::{checked, left_over, less, shown_in, size, table_without_cause, unit, verdict, words};
+use super::diagnose_words::{
+    checked, is_explained_by_trim, left_over, less, shown_in, size, table_without_cause, unit, verdict, words,
+};
 use crate::diagnose::sea::SeaDiagnosis;
 use crate::diagnose::{Checked, Diagnosis};
 use crate::report::{Axis, Cell, Figure, Layer, Panel, Report, Section, Table, probability, with_interval};
@@ -70,9 +72,11 @@ fn wrong(found: &Diagnosis) -> String {
         }
     }
     let others = if others.is_empty() { String::new() } else { format!(", and on {}", others.join(", ")) };
+    let by_trim =
+        if is_explained_by_trim(found) { " The trim explains it, which a neutral baseline does not know." } else { "" };
     let (factor, unit) = shown_in(&worst.quantity);
     format!(
-        "The baseline misses the {} by {:.1} {unit} rms where measurement and moving water explain {:.1} {unit}; the misfit depends on {} ({}){others}.{of_turning}",
+        "The baseline misses the {} by {:.1} {unit} rms where measurement and moving water explain {:.1} {unit}; the misfit depends on {} ({}){others}.{of_turning}{by_trim}",
         words(&worst.quantity),
         worst.rms * factor,
         worst.expected_rms * factor,

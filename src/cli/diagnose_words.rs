@@ -1,6 +1,6 @@
 //! The words of a diagnosis, the same in the table and on the page.
 
-use crate::diagnose::{Check, Checked, Empirical, Left, Verdict};
+use crate::diagnose::{Check, Checked, Diagnosis, Empirical, Left, Verdict};
 use crate::estimate::Estimate;
 
 /// The table that the extension carries for what is unexplained.
@@ -18,18 +18,30 @@ pub(super) fn table_without_cause(table: &Empirical) -> String {
     )
 }
 
+/// Probability above which a dependence is said to be one that chance brings: the usual 5 %.
+const ORDINARY_CHANCE: f64 = 0.05;
+
 /// What is left of a quantity, relevant or not.
 pub(super) fn left_over(left: &Left) -> String {
     let Left { size, relevant_above, p_value, .. } = left;
-    let judged = if size > relevant_above { "relevant" } else { "not relevant" };
+    let limit = relevant_above * 1e3;
+    let judged = match size > relevant_above {
+        true if *p_value > ORDINARY_CHANCE => "which chance explains".to_owned(),
+        true => format!("relevant with a limit of {limit:.2} mm/s"),
+        false => format!("not relevant with a limit of {limit:.2} mm/s"),
+    };
     format!(
-        "{} depends on {} by {:.2} mm/s rms at most ({}), {judged} with a limit of {:.2} mm/s",
+        "{} depends on {} by {:.2} mm/s rms at most ({}), {judged}",
         words(&left.quantity),
         left.depends_on,
         size * 1e3,
-        crate::report::probability(*p_value),
-        relevant_above * 1e3
+        crate::report::probability(*p_value)
     )
+}
+
+/// Whether a neutral baseline is wrong for nothing but the glider's trim.
+pub(super) fn is_explained_by_trim(found: &Diagnosis) -> bool {
+    found.verdict == Verdict::None && found.trim.is_some() && !found.wrong.is_empty()
 }
 
 /// Factor and unit in which a quantity is shown.

@@ -27,9 +27,13 @@ impl Notes {
         }
     }
 
-    /// All notes as text, `3 rows without time, left out`.
+    /// All notes as text, `3 rows without time, left out`; each begins with its noun, in the plural.
     pub fn sentences(&self) -> Vec<String> {
-        self.counts.iter().map(|(sentence, n)| format!("{n} {sentence}")).collect()
+        let counted = |(sentence, n): (&String, &usize)| match sentence.split_once("s ").filter(|_| *n == 1) {
+            Some((noun, rest)) if !noun.contains(' ') => format!("1 {noun} {rest}"),
+            _ => format!("{n} {sentence}"),
+        };
+        self.counts.iter().map(counted).collect()
     }
 }
 

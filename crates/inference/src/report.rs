@@ -306,7 +306,7 @@ pub(super) fn wrong(problem: &impl Problem, baseline: &Fitted) -> Vec<Wrong> {
     found
 }
 
-/// Where the baseline misses the data as a named mechanism says: its own law finds what a curve along one covariate does not.
+/// Where the baseline misses the data as a named mechanism says: its effect finds what a curve along one covariate does not.
 fn wrong_by_cause(problem: &impl Problem, baseline: &Fitted, named: &Named) -> Wrong {
     let iteration = Iteration::new(problem.candidates(), baseline);
     let evidence = &baseline.evidence;
@@ -317,7 +317,7 @@ fn wrong_by_cause(problem: &impl Problem, baseline: &Fitted, named: &Named) -> W
     let quantity = &evidence.quantities[most];
     Wrong {
         quantity: quantity.name.to_owned(),
-        regime: format!("{} (its own law)", named.cause.cause.replace('_', " ")),
+        regime: format!("the effect of {}", named.cause.cause.replace('_', " ")),
         rms: holdout::rms(&evidence.residual, quantity.rows.clone()),
         expected_rms: expected_rms(evidence, &baseline.noises, most),
         size: sizes[most],

@@ -182,6 +182,10 @@ fn tell_trim(outcome: &mut Outcome, baseline: &Parameters<f64>) {
     let ballasting_kg = BALLASTING_KG_M3 * baseline.mass_kg() / SEA_WATER_KG_M3;
     if offset.value.abs() <= ballasting_kg {
         diagnosis.causes.remove(place);
+        if diagnosis.causes.is_empty() {
+            // They would stand in the place of what is no cause any more.
+            diagnosis.alternatives.clear();
+        }
         diagnosis.verdict = match (diagnosis.causes.is_empty(), diagnosis.unexplained.is_some()) {
             (true, false) => Verdict::None,
             (true, true) => Verdict::Unexplained,
