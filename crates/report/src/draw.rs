@@ -40,19 +40,6 @@ impl Figure {
     }
 }
 
-/// Filled circles whose fill has the opacity: a printed page else holds each as a group of its own, twice as long.
-fn fills_with_opacity(body: &str) -> String {
-    let mut written = String::with_capacity(body.len());
-    for line in body.split_inclusive('\n') {
-        if line.starts_with("<circle") && line.contains(" fill=\"#") {
-            written.push_str(&line.replace(" opacity=", " fill-opacity="));
-        } else {
-            written.push_str(line);
-        }
-    }
-    written
-}
-
 /// The figure as SVG of that width, its identifiers made from `id`; `standalone` with the namespace that a file needs.
 pub(super) fn document(figure: &Figure, id: &str, width: f64, standalone: bool) -> String {
     let layout = Layout::new(figure, width);
@@ -75,6 +62,19 @@ pub(super) fn document(figure: &Figure, id: &str, width: f64, standalone: bool) 
          <desc id=\"{id}-desc\">{caption}</desc>\n{body}",
         layout.height
     )
+}
+
+/// Filled circles whose fill has the opacity: a printed page else holds each as a group of its own, twice as long.
+fn fills_with_opacity(body: &str) -> String {
+    let mut written = String::with_capacity(body.len());
+    for line in body.split_inclusive('\n') {
+        if line.starts_with("<circle") && line.contains(" fill=\"#") {
+            written.push_str(&line.replace(" opacity=", " fill-opacity="));
+        } else {
+            written.push_str(line);
+        }
+    }
+    written
 }
 
 struct Layout<'a> {

@@ -7,6 +7,9 @@ pub(super) type Pixel = (f64, f64);
 /// The most vertices a polyline keeps where it does not run from left to right.
 const MOST_VERTICES: usize = 20_000;
 
+/// So many markers are drawn one by one, however near each other they are.
+const FEW_MARKERS: usize = 100;
+
 /// A rectangle: left, top, right, bottom.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Frame {
@@ -130,9 +133,6 @@ fn segment(a: Pixel, b: Pixel, frame: Frame) -> Option<(Pixel, Pixel, bool)> {
     };
     Some((at(enter), at(leave), leave < 1.0))
 }
-
-/// Fewer markers than this are all drawn.
-const FEW_MARKERS: usize = 100;
 
 /// Which of many markers to draw: one in each cell of a grid of half a pixel, or of a coarser one where more than `most`
 /// would be left. A printed page holds every marker as a shape of its own. Indices in ascending order.

@@ -83,7 +83,7 @@ pub fn diagnose_log(
     }
     let mut point = outcome.after.point.clone();
     if trim == Trim::Neutral {
-        tell_trim(&mut outcome, &baseline);
+        report_trim(&mut outcome, &baseline);
         if let Some((estimate, with_trim)) = trim_beside(&problem, &outcome) {
             (outcome.diagnosis.trim, point) = (Some(estimate), with_trim);
         }
@@ -172,9 +172,9 @@ fn density_cause(outcome: &Outcome, evidence: &Evidence, error: DensityError, ca
 /// To this density of the water gliders are ballasted \[kg/m3\]: what more the water has on the day is a trim.
 const BALLASTING_KG_M3: f64 = 1.0;
 
-/// Says of a ballast offset against a baseline that was assumed to be neutral that it is the trim; within the tolerance of
-/// ballasting it is no fault of the glider's.
-fn tell_trim(outcome: &mut Outcome, baseline: &Parameters<f64>) {
+/// Reports a ballast offset against a baseline that was assumed to be neutral as the trim; within the tolerance of ballasting it is
+/// no fault of the glider.
+fn report_trim(outcome: &mut Outcome, baseline: &Parameters<f64>) {
     const NAME: &str = "ballast_offset";
     let diagnosis = &mut outcome.diagnosis;
     let Some(place) = diagnosis.causes.iter().position(|cause| cause.cause == NAME) else { return };

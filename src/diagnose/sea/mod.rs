@@ -79,7 +79,7 @@ pub enum Lift {
 /// was simulated from steady glides.
 const INERTIA_SHARE: (&str, &str) = ("inertia_share", "1");
 
-/// From here on, in the same measure, a fitted polar is doubted aloud.
+/// Difference of a fitted coefficient of the polar from the vehicle's, relative to that, from which on a warning is due.
 const FAR_FROM_BELIEF: f64 = 2.0;
 
 /// What to do where a lift slope runs away, or a scale of the pitch stands beside it.

@@ -13,11 +13,11 @@ use crate::diagnose::evidence::{Candidate, Evidence, Point, Problem, Quantity};
 use crate::dynamics::PARAMETERS;
 use crate::identify::Bin;
 
-/// Standard deviation of what a vehicle's polar is believed to be, relative to its value.
-const RELATIVE_BELIEF: f64 = 1.0;
+/// Prior standard deviation of each coefficient of a vehicle's polar, relative to its value.
+const RELATIVE_PRIOR_SD: f64 = 1.0;
 
-/// Standard deviation of what that share is believed to be beside 1: masses that accelerate with the hull are known to a fifth,
-/// but a log without inertia must be within reach.
+/// Prior standard deviation of the share of the inertia about 1: masses that accelerate with the hull are known to a fifth, but a
+/// log without inertia must be within reach.
 const INERTIA_SHARE_SD: f64 = 1.0;
 
 /// Share of what named mechanisms explain by which something unknown must explain more to take their place. Less is a part
@@ -229,7 +229,7 @@ impl SeaProblem {
         values
             .map(|(index, value)| {
                 let belief = *believed.at(*index);
-                let prior_sd = RELATIVE_BELIEF * belief.abs().max(0.1);
+                let prior_sd = RELATIVE_PRIOR_SD * belief.abs().max(0.1);
                 let sd = match self.lift {
                     Lift::Known { se_per_rad } if PARAMETERS[*index].name == "a_per_rad" => se_per_rad,
                     _ => prior_sd,
