@@ -160,3 +160,27 @@ fn a_fit_in_full_does_not_leave_what_physics_allows() {
         assert!(exponent.is_none_or(|exponent| exponent.value <= 0.02), "{:?}", names(&found));
     }
 }
+
+#[test]
+fn waves_do_not_need_a_drift_angle() {
+    let mut results = campaign(55);
+    let fastest = *speeds(&results).last().expect("speeds");
+    let area = results.steady.hulls[0].frontal_area_m2();
+    add(&mut results, |run| {
+        let acts = speed(run) == fastest && run.point.yaw_deg.abs() > 4.0;
+        [if acts { 0.03 * run.pressure_Pa * area } else { 0.0 }, 0.0, 0.0]
+    });
+    let found = diagnosed(results);
+    assert!(names(&found).is_empty(), "{:?}", names(&found));
+}
+
+#[test]
+fn a_slope_of_the_drag_with_speed_is_no_bump() {
+    let mut results = campaign(56);
+    let fastest = *speeds(&results).last().expect("speeds");
+    let area = results.steady.hulls[0].frontal_area_m2();
+    // Half of a bump broader than all Froude numbers: its height may be anything.
+    add(&mut results, |run| [0.03 * run.pressure_Pa * area * (1.0 - (speed(run) / fastest).powi(2)), 0.0, 0.0]);
+    let found = diagnosed(results);
+    assert!(!names(&found).contains(&"free_surface"), "{:?}", names(&found));
+}
