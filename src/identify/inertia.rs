@@ -27,6 +27,13 @@ const GAP_S: f64 = 60.0;
 /// least \[s\]: single samples have the noise of the pitch in them.
 const BEGINNING_S: f64 = 30.0;
 
+/// Where a stretch begins before the first sample that counts, as after a turn, the measured vertical velocity in this time says how
+/// fast it began \[s\]: enough to average waves, and two or three times what a difference of speed takes to die away.
+const MEASURED_S: f64 = 60.0;
+
+/// Share of the steady speed below which no beginning is looked for: there the wing stalls.
+const SLOWEST_BEGINNING: f64 = 0.4;
+
 /// Samples that one thread takes at a time.
 const ABREAST: usize = 256;
 
@@ -37,7 +44,7 @@ pub fn inertia<'o>(
 ) -> Vec<Inertia> {
     let observations: Vec<&Observation> = observations.into_iter().collect();
     let gap_s = gap_s(observations.iter().copied());
-    courses(parameters, gap_s, observations).into_iter().map(|course| course.inertia).collect()
+    courses(parameters, gap_s, observations, |_| false).into_iter().map(|course| course.inertia).collect()
 }
 
 /// A sample among those of its leg.
@@ -54,11 +61,13 @@ pub(super) fn gap_s<'o>(observations: impl Iterator<Item = &'o Observation> + Cl
     GAP_S.max(1.5 * median_step_s(observations))
 }
 
-/// Each sample's inertia and steady glide, where a step longer than this is a gap \[s\].
+/// Each sample's inertia and steady glide, where a step longer than this is a gap \[s\]. What is measured in samples that count
+/// for nothing else, by their places, may say how a stretch begins.
 pub(super) fn courses<'o>(
     parameters: &Parameters<f64>,
     gap_s: f64,
     observations: impl IntoIterator<Item = &'o Observation>,
+    is_run_in: impl Fn(usize) -> bool,
 ) -> Vec<Course> {
     let observations: Vec<&Observation> = observations.into_iter().collect();
     let steady = steady(parameters, &observations);
@@ -82,7 +91,17 @@ pub(super) fn courses<'o>(
                     |j: &usize| rates(j - 1, *j).is_some() && (*j == i + 1 || observations[*j].time_s <= until_s);
                 let end = (i + 1..).take_while(is_in).last().unwrap_or(i);
                 let beginning = steady[i..=end].iter().flatten().zip(&observations[i..=end]);
-                here.behind(beginning.map(|(steady, o)| (o.time_s - observations[i].time_s, steady.flown_m_s)))
+                let behind =
+                    here.behind(beginning.map(|(steady, o)| (o.time_s - observations[i].time_s, steady.flown_m_s)));
+                let is_in = |j: &usize| {
+                    let goes_on = *j == i || rates(j - 1, *j).is_some();
+                    goes_on && is_run_in(*j) && observations[*j].time_s <= observations[i].time_s + MEASURED_S
+                };
+                let measured: Vec<(&Steady, &Observation)> = (i..steady.len())
+                    .take_while(is_in)
+                    .filter_map(|j| Some((steady[j].as_ref()?, observations[j])))
+                    .collect();
+                begun_as_measured(behind, &measured)
             }
         };
         let inertia = here.inertia(observations[i].pitch_rad, late_m_s);
@@ -91,13 +110,44 @@ pub(super) fn courses<'o>(
     found
 }
 
+/// By how much a glider is behind at the first of these samples, so that it flies as fast as was measured on them: least squares over
+/// the speeds that follow, from the given guess on.
+fn begun_as_measured(guess: [f64; 2], samples: &[(&Steady, &Observation)]) -> [f64; 2] {
+    let mut begin = guess;
+    // What follows depends on the beginning nearly in proportion.
+    for _ in 0..2 {
+        let (mut late_m_s, mut left) = (begin, 1.0);
+        let (mut moment, mut squares) = (0.0, 0.0);
+        for (place, (steady, observed)) in samples.iter().enumerate() {
+            if let Some((before, earlier)) = place.checked_sub(1).map(|before| samples[before]) {
+                let step_s = observed.time_s - earlier.time_s;
+                let rates = [0, 1].map(|q| (steady.flown_m_s[q] - before.flown_m_s[q]) / step_s);
+                late_m_s = steady.follow(late_m_s, rates, step_s);
+                left *= (-step_s / steady.slow_s).exp();
+            }
+            let Some(speed_m_s) = steady.speed_at(observed.sink_m_s) else { continue };
+            moment += left * (steady.flown_m_s[1] - late_m_s[1] - speed_m_s);
+            squares += left * left;
+        }
+        if squares == 0.0 {
+            return guess;
+        }
+        let (first, _) = samples[0];
+        let most = (1.0 - SLOWEST_BEGINNING) * first.flown_m_s[1];
+        begin[1] = (begin[1] + moment / squares).clamp(-most, most);
+        begin[0] = begin[1] * first.flown_m_s[0] / first.flown_m_s[1];
+    }
+    begin
+}
+
 /// The steady glide of a sample.
 #[derive(Debug, Clone, Copy)]
 struct Steady {
     /// Vertical velocity and speed \[m/s\].
     flown_m_s: [f64; 2],
-    /// Steepness of the path \[rad\].
+    /// Steepness of the path \[rad\], and the angle of attack in it.
     steep_rad: f64,
+    attack_rad: f64,
     /// Net mass \[kg\].
     net_kg: f64,
     /// The time in which a small difference of speed dies away \[s\].
@@ -111,10 +161,13 @@ fn steady(parameters: &Parameters<f64>, observations: &[&Observation]) -> Vec<Op
         let found = predict(&glider, observed, &Inertia::NONE, *guess)?;
         *guess = Some(found.guess);
         let net_kg = parameters.net_mass_kg(observed.ballast_m3, &surroundings(parameters, observed));
-        let steep_rad = (true_pitch_rad(parameters, observed.pitch_rad) - found.angle_of_attack_rad).abs();
+        let pitch_rad = true_pitch_rad(parameters, observed.pitch_rad);
+        let steep_rad = (pitch_rad - found.angle_of_attack_rad).abs();
+        let attack_rad = steep_rad - pitch_rad.abs();
         let drag_N = net_kg.abs() * parameters.gravity_m_s2 * steep_rad.sin();
         let slow_s = mass_kg * found.speed_m_s / (2.0 * drag_N);
-        (slow_s > 0.0).then_some(Steady { flown_m_s: [found.sink_m_s, found.speed_m_s], steep_rad, net_kg, slow_s })
+        let flown_m_s = [found.sink_m_s, found.speed_m_s];
+        (slow_s > 0.0).then_some(Steady { flown_m_s, steep_rad, attack_rad, net_kg, slow_s })
     };
     // Each solution begins with that of the sample before, in groups of a fixed size: what is found depends on no number of threads.
     let of_group = |group: &[&Observation]| {
@@ -141,6 +194,20 @@ impl Steady {
             let rate = if spread_s2 > 0.0 { moment / spread_s2 } else { 0.0 };
             self.flown_m_s[q] - (mean - rate * mean_s - rate * self.slow_s)
         })
+    }
+
+    /// Speed of a glider at this pitch and weight that has this vertical velocity \[m/s\], within what is looked for: the lift of a slower
+    /// one takes an angle of attack that grows with the squared ratio of the speeds. None without a vertical velocity.
+    fn speed_at(&self, sink_m_s: f64) -> Option<f64> {
+        let wanted = sink_m_s * self.flown_m_s[0].signum() / self.flown_m_s[1];
+        let pitch_rad = self.steep_rad - self.attack_rad;
+        let at = |share: f64| share * (pitch_rad + self.attack_rad / (share * share)).sin();
+        let (mut low, mut high) = (SLOWEST_BEGINNING, 2.0 - SLOWEST_BEGINNING);
+        for _ in 0..20 {
+            let middle = 0.5 * (low + high);
+            if at(middle) < wanted { low = middle } else { high = middle }
+        }
+        wanted.is_finite().then_some(0.5 * (low + high) * self.flown_m_s[1])
     }
 
     /// By how much the glider is behind this glide, `step_s` after it was `late_m_s` behind one from which velocities went here
@@ -228,6 +295,29 @@ mod tests {
             // Nothing is left but the difference between V' of the glide and that of the model's.
             assert!(before[0] > 1e-3 && (0..2).all(|i| after[i] < 0.01 * before[i]), "{before:?} {after:?}");
         }
+    }
+
+    /// After a turn a glider is slow, whatever the water and the ballast do: how slow it began is measured.
+    #[test]
+    fn a_glider_that_begins_slowly_is_followed_from_its_measured_speed() {
+        let (_, p) = glider();
+        let glider = SteadyGlider::new(p);
+        let leg = leg(&p, 5.0, |t| {
+            let behind = 0.12 * (-t / 40.0).exp();
+            (0.3 - behind, behind / 40.0)
+        });
+        let samples: Vec<&Observation> = leg.iter().map(|(o, _)| o).collect();
+        // The first half minute is no bin; the two minutes behind it are looked at.
+        let error_m_s = |is_run_in: fn(usize) -> bool| {
+            let courses = courses(&p, GAP_S, samples.iter().copied(), is_run_in);
+            let of_one = |i: usize| {
+                let flown = predict(&glider, samples[i], &courses[i].inertia, None).unwrap();
+                (flown.speed_m_s - samples[i].speed_m_s).abs()
+            };
+            (6..30).map(of_one).fold(0.0, f64::max)
+        };
+        let (guessed, measured) = (error_m_s(|_| false), error_m_s(|i| i < 6));
+        assert!(guessed > 1e-3 && measured < 0.25 * guessed, "{guessed} {measured}");
     }
 
     /// A thermocline of some metres: the mean over a minute is not the glide at the minute's mean.

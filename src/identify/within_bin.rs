@@ -76,14 +76,16 @@ impl Inside {
 const ABREAST: usize = 64;
 
 /// How far before a stretch of steady glide its speed is followed \[s\]: what it was behind then has decayed to a thousandth
-/// with the 10 to 30 s in which a glider's speed follows.
-const RUN_IN_S: f64 = 180.0;
+/// with the 10 to 85 s in which a glider's speed follows, the longest of them gliders of little drag near neutral.
+const RUN_IN_S: f64 = 600.0;
 
 /// Bins in shorter parts.
 #[derive(Debug, Clone, Default)]
 pub struct Parts {
     /// In the order of time, between those of the bins the samples in which no bin is, as far as the speed remembers them.
     means: Vec<Observation>,
+    /// Of each, whether it is in no bin.
+    run_in: Vec<bool>,
     of_bin: Vec<Range<usize>>,
     /// A step between parts that is longer is a gap \[s\].
     gap_s: f64,
@@ -122,6 +124,7 @@ impl Parts {
             for end in 1..=of_bin.len() {
                 if end == of_bin.len() || of_bin[end].time_s - of_bin[start].time_s >= part_s {
                     parts.means.push(mean(&of_bin[start..end]));
+                    parts.run_in.push(false);
                     start = end;
                 }
             }
@@ -149,6 +152,7 @@ impl Parts {
         for end in 1..=before.len() {
             if end == before.len() || before[end].time_s - before[start].time_s >= PART_S {
                 self.means.push(mean(&before[start..end]));
+                self.run_in.push(true);
                 start = end;
             }
         }
@@ -186,13 +190,13 @@ impl Parts {
 
     /// What happens inside each bin at these parameters; `bins` are those of [`new`](Self::new).
     pub fn inside(&self, parameters: &Parameters<f64>, bins: &[Bin]) -> Vec<Inside> {
-        let courses = courses(parameters, self.gap_s, &self.means);
+        let courses = courses(parameters, self.gap_s, &self.means, |part| self.run_in[part]);
         if self.quasi_steady { self.steady(&courses, parameters, bins) } else { self.late(&courses, parameters, bins) }
     }
 
     /// What happens inside each bin with inertia, and with forces that balance at every moment.
     pub fn inside_and_at_rest(&self, parameters: &Parameters<f64>, bins: &[Bin]) -> (Vec<Inside>, Vec<Inside>) {
-        let courses = courses(parameters, self.gap_s, &self.means);
+        let courses = courses(parameters, self.gap_s, &self.means, |part| self.run_in[part]);
         (self.late(&courses, parameters, bins), self.steady(&courses, parameters, bins))
     }
 

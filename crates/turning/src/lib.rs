@@ -212,6 +212,18 @@ impl Model {
         Model { columns }
     }
 
+    /// Whether half of a log shows each effect: as many stretches of a leg as half of a log needs, and a roll that varies on them.
+    /// A line through two stretches has no error and predicts nothing.
+    fn is_shown_by(&self, half: &[Stretch]) -> bool {
+        self.columns.iter().all(|column| match column {
+            Column::Roll(descends) => {
+                let rolls: Vec<f64> = half.iter().filter(|s| s.descends == *descends).map(|s| s.roll_rad).collect();
+                rolls.len() >= LEAST_STRETCHES / 4 && sd(&rolls) > VARIES_RAD[0]
+            }
+            _ => true,
+        })
+    }
+
     fn row(&self, s: &Stretch) -> Vec<f64> {
         let on = |leg: bool, value: f64| if s.descends == leg { value } else { 0.0 };
         let value = |column: &Column| match *column {
@@ -391,6 +403,9 @@ fn halves(all: &[Stretch], model: &Model) -> Option<Halves> {
     let dives: Vec<u32> = all.iter().map(|s| s.dive).collect::<BTreeSet<_>>().into_iter().collect();
     let is_even = |s: &Stretch| dives.binary_search(&s.dive).is_ok_and(|place| place % 2 == 1);
     let (even, odd): (Vec<Stretch>, Vec<Stretch>) = all.iter().partition(|s| is_even(s));
+    if !(model.is_shown_by(&odd) && model.is_shown_by(&even)) {
+        return None;
+    }
     let fit = |half: &[Stretch]| RateFit::of_few(&model.design(half), &rates(half), &clusters(half));
     let (of_odd, of_even) = (fit(&odd)?, fit(&even)?);
     Some(Halves { odd: half(&odd, model, &of_odd, &of_even), even: half(&even, model, &of_even, &of_odd) })

@@ -92,7 +92,7 @@ impl Terms {
         let parts = Parts::new(self, rows, full);
         let is_sure = |size: [f64; 2]| full.chance(size, RELEVANT_ROLL_RAD) <= MOST_CHANCE;
         // Whether it leans at all is asked before what leans it: parts that undo each other lean nothing.
-        let [leans, askew] =
+        let [leans, reads_askew] =
             [Term::List, Term::Zero].map(|term| full.size(term).filter(|_| self.separates_sensor).is_some_and(is_sure));
         let sizes = [full.size(Term::List), full.size(Term::Zero)].into_iter().flatten().chain([parts.sum]);
         let p_value = sizes.map(|size| full.chance(size, RELEVANT_ROLL_RAD)).fold(1.0, f64::min);
@@ -102,6 +102,8 @@ impl Terms {
         }
         let part = |wanted: Term| parts.sizes.iter().any(|(term, size)| *term == wanted && is_sure(*size));
         let by_mass = part(Term::RollMassOffset) && !part(Term::List);
+        // A large offset of the roll mass, fitted as a list, leaves some of itself to the sensor.
+        let askew = reads_askew && part(Term::Zero);
         let mut sure: Vec<Term> = Vec::new();
         let mut alike: Vec<Term> = Vec::new();
         if leans || !askew {
@@ -160,7 +162,10 @@ impl Terms {
         let Some(sized) = Fit::new(rows, &self.with(&beside), None) else { return };
         let Some(size) = sized.size(term) else { return };
         let per_rad = if term == Term::RollMassOffset { sized.value(Term::Gain).abs().max(0.1) } else { 1.0 };
-        if full.chance(size.map(|size| per_rad * size), RELEVANT_ROLL_RAD) > MOST_CHANCE {
+        let by_scatter = sized.jackknife(rows, |fit| fit.size(term));
+        let of_sensor = if knows_sensor { full.lasting_disturbance(rows) } else { SENSOR_ZERO_RAD };
+        let se = size[1].max(by_scatter).hypot(of_sensor / per_rad);
+        if full.chance([size[0], se].map(|figure| per_rad * figure), RELEVANT_ROLL_RAD) > MOST_CHANCE {
             let remark = "by itself it does not exceed the limit of relevance for certain";
             return reject(found, &[name(term)], Some(p_value), false, remark);
         }
@@ -171,9 +176,6 @@ impl Terms {
             let remark = "held-out dives are not predicted better with it by a standard error";
             return reject(found, &[name(term)], Some(p_value), true, remark);
         }
-        let by_scatter = sized.jackknife(rows, |fit| fit.size(term));
-        let of_sensor = if knows_sensor { full.lasting_disturbance(rows) } else { SENSOR_ZERO_RAD };
-        let se = size[1].max(by_scatter).hypot(of_sensor / per_rad);
         let estimate = Estimate::student(size[0], se, sized.freedom(), "rad");
         found.causes.push(LateralCause {
             cause: name(term),
@@ -327,9 +329,13 @@ impl Parts {
             Term::Zero => fit.at(Term::Zero).is_some(),
             _ => true,
         });
-        let all: Vec<Term> = all.collect();
+        // The scatter of dives counts where it is more: a control that moves the roll mass far leaves stretches that hardly settle.
+        let size = |part: Term| {
+            let [value, se] = fit.sum(&weights(part));
+            [value, se.max(fit.jackknife(rows, |fit| Some(fit.sum(&weights(part)))))]
+        };
         Parts {
-            sizes: all.iter().map(|part| (*part, fit.sum(&weights(*part)))).collect(),
+            sizes: all.map(|part| (part, size(part))).collect(),
             sum: full.sum(&[(Term::List, 1.0), (Term::Zero, 1.0)]),
         }
     }
