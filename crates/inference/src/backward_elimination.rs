@@ -374,8 +374,26 @@ impl Fitted {
             let fitted_again = small.into_iter().map(|(_, place)| self.without(problem, baseline, place));
             match fitted_again.into_iter().find(|other| !self.leaves_less_than(other, &limits)) {
                 Some(other) => *self = other,
-                None => return,
+                None => break,
             }
+        }
+        self.drop_what_only_undoes_each_other(problem, baseline);
+    }
+
+    /// Several that change much beside each other and little beside the baseline, each alone and all together, undo each other: what
+    /// they leave of the misfit was never worth acting on.
+    fn drop_what_only_undoes_each_other(&mut self, problem: &impl Problem, baseline: &Fitted) {
+        if self.included.len() < 2 {
+            return;
+        }
+        // By the slopes at the baseline: theirs here, far from it, mislead.
+        let iteration = Iteration::new(problem.candidates(), baseline);
+        let limits = self.limits(problem);
+        let is_relevant = |sizes: Vec<f64>| sizes.iter().zip(&limits).any(|(size, limit)| size > limit);
+        let any_alone = self.included.iter().any(|member| is_relevant(iteration.size_where_it_acts(&[], *member)));
+        let together = self.leaves_less_than(baseline, &limits);
+        if !any_alone && !together {
+            *self = baseline.clone();
         }
     }
 

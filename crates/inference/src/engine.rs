@@ -91,7 +91,7 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
         .or(refuted)
         .filter(|_| is_part || iteration.is_anything_wrong(&present.included, &limits))
         .or_else(|| iteration.unnamed_curve(&present.included, &limits));
-    report(problem, &baseline, &present, curve, &dropped)
+    report(problem, &baseline, &present, curve, &dropped, None)
 }
 
 /// The baseline alone, and where it misses the data.
@@ -100,6 +100,22 @@ pub fn baseline(problem: &impl Problem) -> (Stage, Vec<Wrong>) {
     baseline.converge(problem);
     let wrong = wrong(problem, &baseline);
     (baseline.stage(baseline.held_out()), wrong)
+}
+
+/// What is said where these candidates are decided upon, beside a curve along this covariate that no name explains; fitted from this
+/// point on. A `nuisance` among them says nothing of what is wrong.
+pub fn decided(
+    problem: &impl Problem,
+    point: &Point,
+    included: &[usize],
+    nuisance: Option<usize>,
+    curve: Option<String>,
+) -> Outcome {
+    let mut baseline = Fitted::new(problem, problem.start(), Vec::new());
+    baseline.converge(problem);
+    let mut present = Fitted::new(problem, point.clone(), included.to_vec());
+    present.converge(problem);
+    report(problem, &baseline, &present, curve, &[], nuisance)
 }
 
 /// What is left of held-out rows where these candidates are fitted from this point on.

@@ -26,6 +26,7 @@ pub(super) fn report(
     extended: &Fitted,
     curve: Option<String>,
     dropped: &[(usize, Why)],
+    nuisance: Option<usize>,
 ) -> Outcome {
     let candidates = problem.candidates();
     let before = baseline.held_out();
@@ -44,7 +45,8 @@ pub(super) fn report(
 
     let mut wrong = wrong(problem, baseline);
     if wrong.is_empty() {
-        wrong.extend(named.first().map(|named| wrong_by_cause(problem, baseline, named)));
+        let first = named.iter().find(|named| Some(named.candidate) != nuisance);
+        wrong.extend(first.map(|named| wrong_by_cause(problem, baseline, named)));
     }
     let mut depends_on: Vec<String> = curve.into_iter().collect();
     if depends_on.is_empty() && causes.is_empty() {

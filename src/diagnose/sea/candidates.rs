@@ -6,7 +6,7 @@ use super::salinity::{self, Shown};
 use crate::diagnose::evidence::{Candidate, Version};
 use crate::dynamics::buoyancy::WATER_COMPRESSIBILITY_PER_PA;
 use crate::dynamics::{PARAMETERS, Parameters};
-use crate::identify::Bin;
+use crate::identify::{Bin, median_step_s};
 use crate::log::{DBAR_PA, Observation};
 use crate::mechanisms::{AT_SEA, Enters};
 
@@ -21,9 +21,14 @@ const LEAST_RANGE_KG_M3: f64 = 0.1;
 /// practical salinity, as biofouled cells are found to be off before they are cleaned. Judgement.
 const FOULED_CELL_KG_M3: f64 = 0.2;
 
-/// What other channels of the log show of sizes, by the name of the mechanism.
+/// What the log shows beside its bins.
 #[derive(Debug, Clone, Default)]
-pub struct Channels(Vec<(&'static str, Shown)>);
+pub struct Channels {
+    /// What other channels show of sizes, by the name of the mechanism.
+    shown: Vec<(&'static str, Shown)>,
+    /// Median time from one sample to the next \[s\].
+    step_s: f64,
+}
 
 impl Channels {
     /// From the samples of a log.
@@ -31,11 +36,11 @@ impl Channels {
         let of = |mechanism: &crate::mechanisms::Mechanism| {
             Some((mechanism.name, salinity::shown(mechanism.name, samples)?))
         };
-        Channels(AT_SEA.iter().filter_map(of).collect())
+        Channels { shown: AT_SEA.iter().filter_map(of).collect(), step_s: median_step_s(samples.iter()) }
     }
 
     fn shown(&self, mechanism: &str) -> Option<Shown> {
-        self.0.iter().find(|(name, _)| *name == mechanism).map(|(_, shown)| *shown)
+        self.shown.iter().find(|(name, _)| *name == mechanism).map(|(_, shown)| *shown)
     }
 }
 
@@ -61,6 +66,8 @@ pub fn list(bins: &[Bin], shown: &Channels, jumps: &[Jump], parameters: &Paramet
             // A temperature that is the same everywhere tells nothing of a lag.
             "thermal_lag" => range(bins, |bin| bin.mean.temperature_C) < LEAST_RANGE_K,
             "carried_water" => range(bins, surface_density_kg_m3) < LEAST_RANGE_KG_M3,
+            // How the pitch runs between two samples is not known: what is off by less is no clock.
+            "clock_offset" => shown.step_s > mechanism.prior_sd,
             // A density that the user stated has no cell that could drift.
             "conductivity_drift" => !has_salinity,
             _ => mechanism.enters == Enters::Consistency,

@@ -6,7 +6,7 @@ use super::{DiagnosisSettings, SeaError, SeaProblem};
 use crate::diagnose::engine;
 use crate::diagnose::findings::{Cause, Check, Checked, Verdict};
 use crate::diagnose::holdout;
-use crate::diagnose::{Evidence, Outcome, Point, Problem, fitted_again, gains};
+use crate::diagnose::{Evidence, Outcome, Problem, gains};
 use crate::dynamics::{Parameters, parameter_index};
 use crate::estimate::Estimate;
 use crate::identify::Trim;
@@ -49,21 +49,27 @@ pub fn diagnose_log(
     if checks.iter().any(|check| check.outcome == Checked::Wrong) {
         return Err(SeaError::Inconsistent(checks));
     }
-    let as_read = |observations: &[Observation]| {
+    let as_read = |observations: &[Observation], trim_is_assumed: bool| {
         let baseline = trim.baseline(vehicle, observations);
-        SeaProblem::new(observations, &baseline, settings.clone()).map(|problem| (problem, baseline))
+        let settings = DiagnosisSettings { trim_is_assumed, ..settings.clone() };
+        SeaProblem::new(observations, &baseline, settings).map(|problem| (problem, baseline))
+    };
+    let assumed = trim == Trim::Neutral;
+    let decided = |problem: SeaProblem| {
+        let (problem, outcome) = in_full(problem);
+        if assumed { problem.with_trim_as_cause(&outcome) } else { (problem, outcome) }
     };
     let (problem, baseline, mut outcome) = match error {
         None => {
-            let (problem, baseline) = as_read(observations)?;
-            let (problem, outcome) = in_full(problem);
+            let (problem, baseline) = as_read(observations, assumed)?;
+            let (problem, outcome) = decided(problem);
             (problem, baseline, outcome)
         }
         Some(error) => {
-            let (problem, baseline) = as_read(&consistency::corrected(observations, error, carried_kg_m3))?;
-            let (problem, mut outcome) = in_full(problem);
+            let (problem, baseline) = as_read(&consistency::corrected(observations, error, carried_kg_m3), assumed)?;
+            let (problem, mut outcome) = decided(problem);
             // The density as it was read may fit no glide at all: then there is no misfit to compare with.
-            if let Ok((raw, _)) = as_read(observations) {
+            if let Ok((raw, _)) = as_read(observations, false) {
                 put_before(&mut outcome, &problem, &raw);
             }
             let evidence = problem.evidence(&outcome.after.point);
@@ -81,19 +87,15 @@ pub fn diagnose_log(
     if problem.has_speed() {
         name_what_scales_hide(&mut outcome);
     }
-    let mut point = outcome.after.point.clone();
-    if trim == Trim::Neutral {
+    if assumed {
         report_trim(&mut outcome, &baseline);
-        if let Some((estimate, with_trim)) = trim_beside(&problem, &outcome) {
-            (outcome.diagnosis.trim, point) = (Some(estimate), with_trim);
-        }
     }
     outcome.diagnosis.rejected.extend(unweighed(&checks, &outcome, &problem));
     outcome.diagnosis.consistency = checks;
     if problem.is_quasi_steady() {
         outcome.diagnosis.warnings.push(QUASI_STEADY.to_owned());
     }
-    outcome.diagnosis.warnings.extend(problem.warnings(&outcome.before.point, &point));
+    outcome.diagnosis.warnings.extend(problem.warnings(&outcome.before.point, &outcome.after.point));
     let problem = empirical::extend(problem, &mut outcome);
     let evidence = problem.evidence(&outcome.after.point);
     Ok(SeaDiagnosis { outcome, evidence, problem, baseline, turns: Vec::new() })
@@ -180,7 +182,7 @@ fn report_trim(outcome: &mut Outcome, baseline: &Parameters<f64>) {
     let Some(place) = diagnosis.causes.iter().position(|cause| cause.cause == NAME) else { return };
     let Some(offset) = diagnosis.causes[place].parameters.get("ballast_offset_kg").cloned() else { return };
     let ballasting_kg = BALLASTING_KG_M3 * baseline.mass_kg() / SEA_WATER_KG_M3;
-    if offset.value.abs() <= ballasting_kg {
+    if offset.value.abs() <= ballasting_kg || diagnosis.wrong.is_empty() {
         diagnosis.causes.remove(place);
         if diagnosis.causes.is_empty() {
             // They would stand in the place of what is no cause any more.
@@ -194,24 +196,6 @@ fn report_trim(outcome: &mut Outcome, baseline: &Parameters<f64>) {
         };
     }
     diagnosis.trim = Some(offset);
-}
-
-/// The ballast offset beside what was found, where nothing named it, with the point of that fit: a trim has a size and an interval,
-/// however small.
-fn trim_beside(problem: &SeaProblem, outcome: &Outcome) -> Option<(Estimate, Point)> {
-    let ballast = problem.candidates().iter().position(|candidate| candidate.name == "ballast_offset")?;
-    if outcome.fitted.contains(&ballast) {
-        return None;
-    }
-    let with: Vec<usize> = outcome.fitted.iter().copied().chain([ballast]).collect();
-    // From the vehicle's own polar and water at rest: the fit without a trim may have bent both to imitate one.
-    let start = Point { candidates: outcome.after.point.candidates.clone(), ..problem.start() };
-    let stage = fitted_again(problem, &start, &with, outcome.after.held_out.clone());
-    let others = outcome.fitted.iter().map(|member| problem.candidates()[*member].neutral.len());
-    let column = problem.baseline().len() + others.sum::<usize>();
-    let se = stage.covariance[(column, column)].max(0.0).sqrt();
-    let found = Estimate::normal(stage.point.candidates[ballast][0], se, "kg");
-    Some((stage.with_scatter(&found, column), stage.point))
 }
 
 /// Density of sea water near the surface, where the volume of a glider is wanted \[kg/m3\].

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::flown::Flown;
 use super::model::{self, Vehicle};
 use super::{
-    LEAST_RELEVANT, Lift, MOST_USUAL, SPEED, SeaProblem, Shape, Slopes, VERTICAL_VELOCITY, candidates, covariates,
+    LEAST_RELEVANT, Lift, MOST_USUAL, SPEED, SeaProblem, Shape, Slopes, TRIM, VERTICAL_VELOCITY, candidates, covariates,
 };
 use crate::diagnose::evidence::{Candidate, Evidence, Point, Problem, Quantity};
 use crate::dynamics::PARAMETERS;
@@ -230,8 +230,9 @@ impl SeaProblem {
             .map(|(index, value)| {
                 let belief = *believed.at(*index);
                 let prior_sd = RELATIVE_PRIOR_SD * belief.abs().max(0.1);
-                let sd = match self.lift {
-                    Lift::Known { se_per_rad } if PARAMETERS[*index].name == "a_per_rad" => se_per_rad,
+                let sd = match (self.lift, PARAMETERS[*index].name) {
+                    (Lift::Known { se_per_rad }, "a_per_rad") => se_per_rad,
+                    (_, TRIM) => prior_sd_of_trim_kg(),
                     _ => prior_sd,
                 };
                 (belief - value, sd)
@@ -240,4 +241,12 @@ impl SeaProblem {
             .chain(self.inertia_share(point).map(|share| (1.0 - share, INERTIA_SHARE_SD)))
             .collect()
     }
+}
+
+/// What the mechanism believes of its size.
+fn prior_sd_of_trim_kg() -> f64 {
+    crate::mechanisms::AT_SEA
+        .iter()
+        .find(|known| known.name == "ballast_offset")
+        .map_or(f64::INFINITY, |known| known.prior_sd)
 }

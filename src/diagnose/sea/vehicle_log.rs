@@ -129,10 +129,7 @@ pub fn extended(vehicle: &Vehicle, found: &SeaDiagnosis) -> Result<Vehicle, Inpu
         vehicle.set("mass.mass_kg", mass)?;
     }
     let trim_name = "ballast_offset_kg".to_owned();
-    // A trim that was estimated beside the fit is none of the fit's own.
-    let is_fitted = |member: &usize| found.problem.candidates()[*member].name == "ballast_offset";
-    let trim = found.outcome.diagnosis.trim.as_ref().filter(|_| found.outcome.fitted.iter().any(is_fitted));
-    let trim = trim.map(|trim| (&trim_name, trim));
+    let trim = found.outcome.diagnosis.trim.as_ref().map(|trim| (&trim_name, trim));
     for (name, estimate) in found.outcome.diagnosis.causes.iter().flat_map(|cause| &cause.parameters).chain(trim) {
         if parameter_index(name).is_some() {
             vehicle.set(&format!("mechanisms.{name}"), estimate.value)?;
