@@ -2,9 +2,9 @@
 //! sensor that is mounted askew, and straight gliders; through the whole diagnosis, as a user runs it.
 //!
 //! `cargo test -p glidepolar-tests --release --test turning_sea -- --ignored --nocapture` prints the table over `TURNING_SEEDS`
-//! seeds (20) from `TURNING_FIRST` (7500) on, and fails below its floors. Sizes: 5 deg of list, 3 deg of rudder, a roll mass off
-//! by 15.5 deg (the centre that SG171's pilots set, 2650 counts of .02827 deg, is so far from the middle of its range), a pod of 12 to 13 cm across
-//! (drag area 53 cm2, 0.15 m off the axis).
+//! seeds (20) from `TURNING_FIRST` (7500) on, and fails below its floors. Sizes: 5 deg of list, 3 deg of rudder, a pod of 12 to
+//! 13 cm across (drag area 53 cm2, 0.15 m off the axis), a roll mass off by 15.5 deg. So far from the middle of its range is the
+//! centre that SG171's pilots set (2650 of 300 to 3900 counts, 0.02827 deg each).
 
 use std::process::Command;
 

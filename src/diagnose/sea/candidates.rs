@@ -51,7 +51,12 @@ pub const WITH_A_LEVEL: [&str; 4] = ["hull_compressibility", "thermal_expansion"
 pub const LEVELS: [&str; 3] = ["ballast_offset", "pitch_offset", "density_bias"];
 
 /// The mechanisms that these data could show, with the row of their parameter.
-pub fn list(bins: &[Bin], shown: &Channels, jumps: &[Jump], parameters: &Parameters<f64>) -> Vec<(Candidate, usize)> {
+pub fn list(
+    bins: &[Bin],
+    channels: &Channels,
+    jumps: &[Jump],
+    parameters: &Parameters<f64>,
+) -> Vec<(Candidate, usize)> {
     let varies = |value: fn(&Bin) -> f64| bins.iter().any(|bin| value(bin).is_finite() && value(bin).abs() > 1e-4);
     let has_salinity = bins.iter().any(|bin| bin.mean.teos10_density_kg_m3.is_finite());
     let mut found = Vec::new();
@@ -66,8 +71,8 @@ pub fn list(bins: &[Bin], shown: &Channels, jumps: &[Jump], parameters: &Paramet
             // A temperature that is the same everywhere tells nothing of a lag.
             "thermal_lag" => range(bins, |bin| bin.mean.temperature_C) < LEAST_RANGE_K,
             "carried_water" => range(bins, surface_density_kg_m3) < LEAST_RANGE_KG_M3,
-            // How the pitch runs between two samples is not known: what is off by less is no clock.
-            "clock_offset" => shown.step_s > mechanism.prior_sd,
+            // Between two samples the pitch is not known: an offset of less than their step cannot be distinguished from its motion.
+            "clock_offset" => channels.step_s > mechanism.prior_sd,
             // A density that the user stated has no cell that could drift.
             "conductivity_drift" => !has_salinity,
             _ => mechanism.enters == Enters::Consistency,
@@ -88,7 +93,7 @@ pub fn list(bins: &[Bin], shown: &Channels, jumps: &[Jump], parameters: &Paramet
             _ => mechanism.prior_sd,
         };
         // A channel that shows less than is believed anyhow says nothing.
-        let shown = shown.shown(mechanism.name).filter(|shown| shown.se < prior_sd);
+        let shown = channels.shown(mechanism.name).filter(|shown| shown.se < prior_sd);
         for version in versions {
             let candidate = Candidate {
                 name: mechanism.name,

@@ -2,7 +2,7 @@
 
 use super::consistency::{self, DensityError};
 use super::empirical;
-use super::{DiagnosisSettings, SeaError, SeaProblem};
+use super::{DiagnosisSettings, SeaError, SeaProblem, trim};
 use crate::diagnose::engine;
 use crate::diagnose::findings::{Cause, Check, Checked, Verdict};
 use crate::diagnose::holdout;
@@ -57,7 +57,7 @@ pub fn diagnose_log(
     let assumed = trim == Trim::Neutral;
     let decided = |problem: SeaProblem| {
         let (problem, outcome) = in_full(problem);
-        if assumed { problem.with_trim_as_cause(&outcome) } else { (problem, outcome) }
+        problem.with_trim_as_cause(outcome)
     };
     let (problem, baseline, mut outcome) = match error {
         None => {
@@ -88,7 +88,7 @@ pub fn diagnose_log(
         name_what_scales_hide(&mut outcome);
     }
     if assumed {
-        report_trim(&mut outcome, &baseline);
+        trim::report(&mut outcome, &baseline);
     }
     outcome.diagnosis.rejected.extend(unweighed(&checks, &outcome, &problem));
     outcome.diagnosis.consistency = checks;
@@ -170,36 +170,6 @@ fn density_cause(outcome: &Outcome, evidence: &Evidence, error: DensityError, ca
         indistinguishable_from: Vec::new(),
     }
 }
-
-/// To this density of the water gliders are ballasted \[kg/m3\]: what more the water has on the day is a trim.
-const BALLASTING_KG_M3: f64 = 1.0;
-
-/// Reports a ballast offset against a baseline that was assumed to be neutral as the trim; within the tolerance of ballasting it is
-/// no fault of the glider.
-fn report_trim(outcome: &mut Outcome, baseline: &Parameters<f64>) {
-    const NAME: &str = "ballast_offset";
-    let diagnosis = &mut outcome.diagnosis;
-    let Some(place) = diagnosis.causes.iter().position(|cause| cause.cause == NAME) else { return };
-    let Some(offset) = diagnosis.causes[place].parameters.get("ballast_offset_kg").cloned() else { return };
-    let ballasting_kg = BALLASTING_KG_M3 * baseline.mass_kg() / SEA_WATER_KG_M3;
-    if offset.value.abs() <= ballasting_kg || diagnosis.wrong.is_empty() {
-        diagnosis.causes.remove(place);
-        if diagnosis.causes.is_empty() {
-            // They would stand in the place of what is no cause any more.
-            diagnosis.alternatives.clear();
-        }
-        diagnosis.verdict = match (diagnosis.causes.is_empty(), diagnosis.unexplained.is_some()) {
-            (true, false) => Verdict::None,
-            (true, true) => Verdict::Unexplained,
-            (false, true) => Verdict::PartlyExplained,
-            (false, false) => Verdict::Explained,
-        };
-    }
-    diagnosis.trim = Some(offset);
-}
-
-/// Density of sea water near the surface, where the volume of a glider is wanted \[kg/m3\].
-const SEA_WATER_KG_M3: f64 = 1025.0;
 
 /// Without temperature and salinity a density at p = 0 is a hull that yields less than it does by the compressibility of
 /// the water: where that is the size that was found, the two cannot be separated.

@@ -20,6 +20,7 @@ mod model;
 mod problem;
 mod salinity;
 mod shear;
+mod trim;
 mod turns;
 mod vehicle_log;
 
@@ -86,10 +87,6 @@ pub enum Lift {
 /// The share of its inertia with which the glider follows its forces, and its unit: 1 by the vehicle's masses, 0 in a log that
 /// was simulated from steady glides.
 const INERTIA_SHARE: (&str, &str) = ("inertia_share", "1");
-
-/// The trim, and the mechanisms that cannot be told from it.
-const TRIM: &str = "ballast_offset_kg";
-const OF_TRIM: [&str; 2] = ["ballast_offset", "density_bias"];
 
 /// Difference of a fitted coefficient of the polar from the vehicle's, relative to that, from which on a warning is due.
 const FAR_FROM_BELIEF: f64 = 2.0;
@@ -240,7 +237,7 @@ impl SeaProblem {
         let past = history::Columns::new(&bins, observations, parameters);
         let names: &[&str] =
             if settings.lift == Lift::Held { &["b", "c_per_rad2"] } else { &["a_per_rad", "b", "c_per_rad2"] };
-        let names = names.iter().chain(settings.trim_is_assumed.then_some(&TRIM));
+        let names = names.iter().chain(settings.trim_is_assumed.then_some(&trim::PARAMETER));
         let baseline_index: Vec<usize> = names.filter_map(|name| parameter_index(name)).collect();
         let mut baseline: Vec<_> = baseline_index.iter().map(|i| (PARAMETERS[*i].name, PARAMETERS[*i].unit)).collect();
         let shear = if past.knows_shear() {
@@ -335,7 +332,7 @@ impl SeaProblem {
                 continue;
             }
             // What an assumed trim is fitted for, another density does as well.
-            if self.fits_trim() && OF_TRIM.contains(&candidate.name) {
+            if self.fits_trim() && trim::OFFSETS.contains(&candidate.name) {
                 continue;
             }
             // Beside a polar that is fitted it does what a scale of the pressure does, and stands in the group of that.
@@ -363,45 +360,6 @@ impl SeaProblem {
             self.candidates.push(candidate);
             self.shapes.push(Shape { row: index, slopes });
         }
-    }
-
-    /// Whether the trim is fitted as part of the baseline, since it was assumed.
-    fn fits_trim(&self) -> bool {
-        self.baseline.iter().any(|(name, _)| *name == TRIM)
-    }
-
-    /// The same problem with the trim as a mechanism, and what was decided beside a fitted trim with the trim's size.
-    ///
-    /// Which mechanisms have a name is decided beside a free trim: where it is assumed, the first of them to imitate a trim would have
-    /// its place. What is said compares with the assumption.
-    pub(super) fn with_trim_as_cause(self, decided: &Outcome) -> (SeaProblem, Outcome) {
-        let mut problem = self;
-        let Some(place) = problem.baseline.iter().position(|(name, _)| *name == TRIM) else {
-            unreachable!("only where the trim was fitted")
-        };
-        problem.baseline.remove(place);
-        problem.baseline_index.remove(place);
-        let mut point = decided.after.point.clone();
-        let trim_kg = point.baseline.remove(place);
-        let all = candidates::list(&problem.bins, &problem.channels, &[], &problem.parameters);
-        let of_trim = all.into_iter().filter(|(candidate, _)| OF_TRIM.contains(&candidate.name));
-        let mut added = 0;
-        for (candidate, row) in of_trim {
-            let is_trim = candidate.parameters[0].0 == TRIM;
-            point.candidates.insert(added, if is_trim { vec![trim_kg] } else { candidate.neutral.clone() });
-            problem.shapes.insert(added, Shape { row, slopes: Slopes::Direction(problem.directions.index_of(row)) });
-            problem.candidates.insert(added, candidate);
-            added += 1;
-        }
-        let is_trim = |candidate: &Candidate| candidate.parameters[0].0 == TRIM;
-        let trim = problem.candidates.iter().position(is_trim);
-        let included: Vec<usize> = trim.into_iter().chain(decided.fitted.iter().map(|member| member + added)).collect();
-        let curve = decided.diagnosis.unexplained.as_ref().and_then(|left| left.depends_on.first().cloned());
-        let mut outcome = engine::decided(&problem, &point, &included, trim, curve);
-        outcome.diagnosis.unexplained.clone_from(&decided.diagnosis.unexplained);
-        outcome.diagnosis.rejected.clone_from(&decided.diagnosis.rejected);
-        outcome.refused = decided.refused.iter().map(|member| member + added).collect();
-        (problem, outcome)
     }
 
     /// What a unit of relative drag, of relative lift or of net mass changes in every row, at a point of the fit.

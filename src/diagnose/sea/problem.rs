@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::flown::Flown;
 use super::model::{self, Vehicle};
 use super::{
-    LEAST_RELEVANT, Lift, MOST_USUAL, SPEED, SeaProblem, Shape, Slopes, TRIM, VERTICAL_VELOCITY, candidates, covariates,
+    LEAST_RELEVANT, Lift, MOST_USUAL, SPEED, SeaProblem, Shape, Slopes, VERTICAL_VELOCITY, candidates, covariates, trim,
 };
 use crate::diagnose::evidence::{Candidate, Evidence, Point, Problem, Quantity};
 use crate::dynamics::PARAMETERS;
@@ -232,7 +232,7 @@ impl SeaProblem {
                 let prior_sd = RELATIVE_PRIOR_SD * belief.abs().max(0.1);
                 let sd = match (self.lift, PARAMETERS[*index].name) {
                     (Lift::Known { se_per_rad }, "a_per_rad") => se_per_rad,
-                    (_, TRIM) => prior_sd_of_trim_kg(),
+                    (_, trim::PARAMETER) => trim::prior_sd_kg(),
                     _ => prior_sd,
                 };
                 (belief - value, sd)
@@ -241,12 +241,4 @@ impl SeaProblem {
             .chain(self.inertia_share(point).map(|share| (1.0 - share, INERTIA_SHARE_SD)))
             .collect()
     }
-}
-
-/// What the mechanism believes of its size.
-fn prior_sd_of_trim_kg() -> f64 {
-    crate::mechanisms::AT_SEA
-        .iter()
-        .find(|known| known.name == "ballast_offset")
-        .map_or(f64::INFINITY, |known| known.prior_sd)
 }
