@@ -240,19 +240,19 @@ impl<'a> Iteration<'a> {
         Change { values: &outside * step, outside, covariance }
     }
 
-    /// The same of one mechanism, over the rows in which it acts: those that a unit of it changes by a tenth of the most it
-    /// changes any, or more. A step late in the log changes few rows, and these are what it is relevant for.
+    /// The same of one mechanism, over the rows in which it acts.
     pub(super) fn size_where_it_acts(&self, others: &[usize], member: usize) -> Vec<f64> {
         let change = self.change(others, &[member]);
+        self.evidence.quantities.iter().map(|quantity| change.size(&self.rows_of(member, quantity))).collect()
+    }
+
+    /// The rows of a quantity in which a mechanism acts: those that a unit of it changes by a tenth of the most it changes any, or more.
+    /// A step late in the log changes few rows, and these are what it is relevant for.
+    pub(super) fn rows_of(&self, member: usize, quantity: &super::evidence::Quantity) -> Vec<usize> {
         let column = &self.evidence.candidates[member];
-        let of = |quantity: &super::evidence::Quantity| {
-            let felt = |row: usize| column.row(row).amax();
-            let most = quantity.rows.clone().map(felt).fold(0.0, f64::max);
-            let acts: Vec<usize> =
-                quantity.rows.clone().filter(|row| most > 0.0 && felt(*row) >= ACTS * most).collect();
-            change.size(&acts)
-        };
-        self.evidence.quantities.iter().map(of).collect()
+        let felt = |row: usize| column.row(row).amax();
+        let most = quantity.rows.clone().map(felt).fold(0.0, f64::max);
+        quantity.rows.clone().filter(|row| most > 0.0 && felt(*row) >= ACTS * most).collect()
     }
 
     /// The same less what chance may have added: below the true sizes in 95 of 100.
