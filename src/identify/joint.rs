@@ -260,9 +260,15 @@ impl<'a> Solver<'a> {
 
     /// From a start nearby, on all samples.
     fn finish(mut self, start: Parameters<f64>) -> Result<JointFit, IdentifyError> {
-        let parameters = self.minimise(&start, 1, 1e-4);
-        let tally = self.tally(&parameters, 1);
+        let at_start = (self.tally(&start, 1), self.grams.clone());
+        let mut parameters = self.minimise(&start, 1, 1e-4);
+        let mut tally = self.tally(&parameters, 1);
         let samples = self.samples.samples();
+        // Each glide is found from that of the step before, and a last step far out, refused, may have led all of them astray.
+        if 2 * tally.unflyable > samples && 2 * at_start.0.unflyable <= samples {
+            parameters = start;
+            (tally, self.grams) = at_start;
+        }
         if 2 * tally.unflyable > samples {
             return Err(IdentifyError::CannotFly { unflyable: tally.unflyable, samples });
         }
