@@ -231,7 +231,10 @@ def memory(programs, folder, rows: int, converted: str = "") -> int:
     said = in_python(
         programs,
         """if True:
-        import sys, numpy, glidepolar
+        import os, sys
+        # How much two threads hold at one moment differs by chance from run to run, by more than a column.
+        os.environ["RAYON_NUM_THREADS"] = "1"
+        import numpy, glidepolar
 
         def of_process(key):
             lines = open("/proc/self/status").read().splitlines()
