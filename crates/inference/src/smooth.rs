@@ -2,7 +2,7 @@
 //!
 //! A natural cubic spline with knots at quantiles, or a short Fourier series where the covariate is an angle. A spline is
 //! centred: its level belongs to the model. A wave is not: what goes as the sine of a heading has its zero where the
-//! sine has it, whatever headings happened to be steered.
+//! sine has it, whatever headings happened to be steered. Where the model has no level of its own a level is a curve as well.
 
 use nalgebra::DMatrix;
 
@@ -19,6 +19,8 @@ pub enum Kind {
     Line,
     /// Round a circle, in radians.
     Angle,
+    /// Not at all: one level wherever it is a number.
+    Level,
 }
 
 /// The columns of the curve, of unit mean square; fewer where the covariate takes few values, none where
@@ -35,6 +37,9 @@ pub fn basis(kind: Kind, values: &[f64]) -> DMatrix<f64> {
             })
             .collect(),
         Kind::Line => spline(values),
+        Kind::Level => {
+            return DMatrix::from_fn(values.len(), 1, |row, _| if values[row].is_finite() { 1.0 } else { 0.0 });
+        }
     };
     let meaningful = |mut column: Vec<f64>| {
         column.iter_mut().zip(values).filter(|(_, v)| !v.is_finite()).for_each(|(entry, _)| *entry = f64::NAN);

@@ -407,7 +407,10 @@ impl<'a> TankProblem<'a> {
     }
 
     fn covariates(&self) -> Vec<Covariate> {
-        let mut found = Vec::new();
+        // A lift and a moment that go with the angle have no level of their own: one is a misfit, alike on both sides or
+        // opposite.
+        let level = Covariate { name: "constant offset", kind: Kind::Level, values: vec![1.0; 3 * self.order.len()] };
+        let mut found = vec![level];
         let mut add = |name: &'static str, value: &dyn Fn(&SteadyData, usize) -> f64| {
             let once: Vec<f64> = self.order.iter().map(|run| value(&self.data.runs[*run], *run)).collect();
             if once.iter().any(|v| v.is_finite()) {
