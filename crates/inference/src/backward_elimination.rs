@@ -371,10 +371,10 @@ impl Fitted {
     /// good is no error of the predictions.
     fn smallest_by_what_is_missed(&self, problem: &impl Problem, baseline: &Fitted, limits: &[f64]) -> Option<Fitted> {
         let iteration = Iteration::new(problem.candidates(), self);
-        let here = self.held_out();
+        let here = self.evidence.column_as_read(&self.held_out());
         let missed = |place: usize| {
             let other = self.without(problem, baseline, place);
-            let there = other.held_out();
+            let there = self.evidence.column_as_read(&other.held_out());
             let quantities = self.evidence.quantities.iter().zip(limits);
             let of_quantity = |(quantity, limit): (&Quantity, &f64)| {
                 let rows = iteration.rows_of(self.included[place], quantity);
@@ -424,10 +424,11 @@ impl Fitted {
 
     /// Whether the rms of what is left falls by more than the limit of a quantity, in quadrature, from another fit to this one.
     fn leaves_less_than(&self, other: &Fitted, limits: &[f64]) -> bool {
+        let [there, here] = [other, self].map(|fitted| fitted.evidence.column_as_read(&fitted.evidence.residual));
         let quantities = self.evidence.quantities.iter().zip(limits);
         quantities.into_iter().any(|(quantity, limit)| {
-            let square = |fitted: &Fitted| holdout::rms(&fitted.evidence.residual, quantity.rows.clone()).powi(2);
-            square(other) - square(self) > limit.powi(2)
+            let square = |left: &DVector<f64>| holdout::rms(left, quantity.rows.clone()).powi(2);
+            square(&there) - square(&here) > limit.powi(2)
         })
     }
 

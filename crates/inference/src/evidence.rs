@@ -1,9 +1,11 @@
 //! What a diagnosis works on: residuals, and how each candidate would change them. Knows neither tank nor sea.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::decorrelation::Decorrelation;
 use super::relevance::SHARE_OF_SCATTER;
 use super::smooth::Kind;
 use crate::noise::Series;
@@ -59,6 +61,8 @@ pub struct Evidence {
     pub shared: DMatrix<f64>,
     /// What the residuals may go with.
     pub covariates: Vec<Covariate>,
+    /// How these rows were made independent of each other; none where they are as they were read.
+    pub decorrelation: Option<Arc<Decorrelation>>,
 }
 
 impl Evidence {
@@ -67,6 +71,27 @@ impl Evidence {
         let rows = quantity.rows.clone();
         let place = if self.place.is_empty() { &[][..] } else { &self.place[rows.clone()] };
         Series { time_s: &self.time_s[rows.clone()], stated_sd: &self.stated_sd[rows], place }
+    }
+
+    /// These columns as the readings have them: what is alike in all rows is small in rows that were made independent.
+    pub fn as_read(&self, mut columns: DMatrix<f64>) -> DMatrix<f64> {
+        if let Some(decorrelation) = &self.decorrelation {
+            decorrelation.undo(&mut columns);
+        }
+        columns
+    }
+
+    /// Standard deviations of the readings, where these are those of independent rows.
+    pub fn sd_as_read(&self, mut sd: Vec<f64>) -> Vec<f64> {
+        if let Some(decorrelation) = &self.decorrelation {
+            sd.iter_mut().zip(decorrelation.shared_sd()).for_each(|(sd, shared)| *sd = sd.hypot(shared));
+        }
+        sd
+    }
+
+    /// One column as the readings have it.
+    pub fn column_as_read(&self, column: &DVector<f64>) -> DVector<f64> {
+        self.as_read(DMatrix::from_column_slice(column.len(), 1, column.as_slice())).column(0).into_owned()
     }
 }
 

@@ -238,17 +238,22 @@ impl Fitted {
         residual
     }
 
-    pub(super) fn stage(&self, held_out: DVector<f64>) -> Stage {
+    /// Standard deviation of the noise of each row.
+    pub(super) fn sd(&self) -> Vec<f64> {
         let mut sd = vec![0.0; self.evidence.residual.len()];
         for (quantity, noise) in self.evidence.quantities.iter().zip(&self.noises) {
             quantity.rows.clone().for_each(|row| sd[row] = noise.sd(self.evidence.stated_sd[row]));
         }
+        sd
+    }
+
+    pub(super) fn stage(&self, held_out: DVector<f64>) -> Stage {
         let Covariances { by_model, by_clusters, clusters, by_shared } = self.covariances();
         Stage {
             point: self.point.clone(),
-            residual: self.evidence.residual.clone(),
-            held_out,
-            sd,
+            residual: self.evidence.column_as_read(&self.evidence.residual),
+            held_out: self.evidence.column_as_read(&held_out),
+            sd: self.evidence.sd_as_read(self.sd()),
             covariance: by_model,
             covariance_by_clusters: by_clusters,
             clusters,

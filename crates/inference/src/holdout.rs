@@ -102,6 +102,7 @@ fn subset(evidence: &Evidence, kept: &[usize]) -> Evidence {
         candidates: Vec::new(),
         shared: DMatrix::zeros(kept.len(), 0),
         covariates: Vec::new(),
+        decorrelation: None,
     };
     let mut start = 0;
     for quantity in &evidence.quantities {

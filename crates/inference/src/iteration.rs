@@ -203,9 +203,10 @@ impl<'a> Iteration<'a> {
     /// For nested fits the change of the predictions has the covariance of the one less that of the other.
     pub(super) fn sizes(&self, others: &[usize], tested: &[usize]) -> Vec<f64> {
         let change = self.change(others, tested);
+        let misfits = self.evidence.column_as_read(&self.evidence.residual);
         // Nothing is larger than the misfit that it is in: where noise is slow a curve fitted to it can be.
         let of = |quantity: &super::evidence::Quantity| {
-            let misfit = super::holdout::rms(&self.evidence.residual, quantity.rows.clone());
+            let misfit = super::holdout::rms(&misfits, quantity.rows.clone());
             change.size(&quantity.rows.clone().collect::<Vec<_>>()).min(misfit)
         };
         self.evidence.quantities.iter().map(of).collect()
@@ -237,6 +238,7 @@ impl<'a> Iteration<'a> {
             step[i] -= narrow.step[i];
             (0..few.len()).for_each(|j| covariance[(i, j)] -= narrow.covariance[(i, j)]);
         }
+        let outside = self.evidence.as_read(outside);
         Change { values: &outside * step, outside, covariance }
     }
 

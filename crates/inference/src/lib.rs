@@ -15,6 +15,7 @@ mod backward_elimination;
 mod change_point;
 mod clusters;
 pub mod covariance;
+pub mod decorrelation;
 pub mod engine;
 pub mod estimate;
 pub mod evidence;

@@ -73,8 +73,9 @@ impl Stage {
     }
 }
 
-/// The gain from one set of held-out residuals to another, for each quantity.
+/// The gain from one set of held-out residuals to another, for each quantity, in the readings.
 pub fn gains(evidence: &Evidence, before: &DVector<f64>, after: &DVector<f64>) -> Vec<Gain> {
+    let (before, after) = (&evidence.column_as_read(before), &evidence.column_as_read(after));
     let of = |quantity: &Quantity| {
         let (b, a) = (holdout::rms(before, quantity.rows.clone()), holdout::rms(after, quantity.rows.clone()));
         Gain {

@@ -6,7 +6,7 @@ use super::alternatives::alternatives;
 use super::change_point;
 use super::evidence::{Headline, Problem, Quantity, names};
 use super::findings::{Cause, Diagnosis, Left, Rejected, Unexplained, Verdict, Why, Wrong};
-use super::fitted::{Fitted, expected_rms};
+use super::fitted::Fitted;
 use super::holdout;
 use super::iteration::Iteration;
 use super::outcome::{Outcome, Stage, gains};
@@ -102,7 +102,7 @@ fn left_over(extended: &Fitted, depends_on: Vec<String>) -> Unexplained {
     };
     let most = (0..evidence.quantities.len()).max_by(|a, b| excess(*a).total_cmp(&excess(*b))).unwrap_or(0);
     let quantity = &evidence.quantities[most];
-    let rms = holdout::rms(&evidence.residual, quantity.rows.clone());
+    let rms = holdout::rms(&evidence.column_as_read(&evidence.residual), quantity.rows.clone());
     Unexplained { quantity: quantity.name.to_owned(), rms, depends_on }
 }
 
@@ -163,18 +163,19 @@ pub(super) fn cause(
         );
     let (before, after) = (without.held_out(), extended.held_out());
     let quantity = &extended.evidence.quantities[headline(problem, extended, &before, &after)];
+    let as_read = |left: &DVector<f64>| extended.evidence.column_as_read(left);
     let cause = Cause {
         cause: candidate.name.to_owned(),
         parameters,
         p_value: (n_names * chance(gain, df)).min(1.0),
         delta_bic: gain - df as f64 * iteration.score.effective_rows.ln(),
         quantity: quantity.name.to_owned(),
-        holdout_rms_before: holdout::rms(&before, quantity.rows.clone()),
-        holdout_rms_after: holdout::rms(&after, quantity.rows.clone()),
+        holdout_rms_before: holdout::rms(&as_read(&before), quantity.rows.clone()),
+        holdout_rms_after: holdout::rms(&as_read(&after), quantity.rows.clone()),
         stability: extended.halves(problem, place),
         indistinguishable_from: replacements(problem, extended, iteration, place, &before, gain),
     };
-    Named { cause, candidate: member, gain, without: before }
+    Named { cause, candidate: member, gain, without: as_read(&before) }
 }
 
 pub(super) fn rejected(
@@ -251,7 +252,7 @@ pub(super) fn rejected(
             Rejected {
                 cause: name.to_owned(),
                 p_value: Some(p_value),
-                holdout_rms_after: Some(holdout::rms(&held_out, rows)),
+                holdout_rms_after: Some(holdout::rms(&extended.evidence.column_as_read(&held_out), rows)),
                 why,
                 remark,
             }
@@ -277,6 +278,7 @@ pub(super) fn wrong(problem: &impl Problem, baseline: &Fitted) -> Vec<Wrong> {
     let limits = baseline.limits(problem);
     let evidence = &baseline.evidence;
     let tests = iteration.curves.len().max(1) as f64;
+    let (misfits, expected) = misfits_and_noise(baseline);
     let mut found: Vec<Wrong> = Vec::new();
     for curve in &iteration.curves {
         // What quantities share is reported for each.
@@ -298,8 +300,8 @@ pub(super) fn wrong(problem: &impl Problem, baseline: &Fitted) -> Vec<Wrong> {
                 relevant_above: limits[quantity_index],
                 quantity: quantity.name.to_owned(),
                 regime: curve.covariate.to_owned(),
-                rms: holdout::rms(&evidence.residual, quantity.rows.clone()),
-                expected_rms: expected_rms(evidence, &baseline.noises, quantity_index),
+                rms: holdout::rms(&misfits, quantity.rows.clone()),
+                expected_rms: holdout::rms(&expected, quantity.rows.clone()),
                 p_value,
             }),
         }
@@ -312,6 +314,7 @@ pub(super) fn wrong(problem: &impl Problem, baseline: &Fitted) -> Vec<Wrong> {
 fn wrong_by_cause(problem: &impl Problem, baseline: &Fitted, named: &Named) -> Wrong {
     let iteration = Iteration::new(problem.candidates(), baseline);
     let evidence = &baseline.evidence;
+    let (misfits, expected) = misfits_and_noise(baseline);
     let sizes = iteration.size_where_it_acts(&[], named.candidate);
     let limits = baseline.limits(problem);
     let worth = |quantity: &usize| sizes[*quantity] / limits[*quantity];
@@ -320,12 +323,18 @@ fn wrong_by_cause(problem: &impl Problem, baseline: &Fitted, named: &Named) -> W
     Wrong {
         quantity: quantity.name.to_owned(),
         regime: format!("the effect of {}", named.cause.cause.replace('_', " ")),
-        rms: holdout::rms(&evidence.residual, quantity.rows.clone()),
-        expected_rms: expected_rms(evidence, &baseline.noises, most),
+        rms: holdout::rms(&misfits, quantity.rows.clone()),
+        expected_rms: holdout::rms(&expected, quantity.rows.clone()),
         size: sizes[most],
         relevant_above: limits[most],
         p_value: named.cause.p_value,
     }
+}
+
+/// Measured less modelled in each reading, and the standard deviation of its noise.
+fn misfits_and_noise(fitted: &Fitted) -> (DVector<f64>, DVector<f64>) {
+    let evidence = &fitted.evidence;
+    (evidence.column_as_read(&evidence.residual), DVector::from_vec(evidence.sd_as_read(fitted.sd())))
 }
 
 /// For each quantity the clearest dependence that is left beside what is included, relevant or not.

@@ -115,6 +115,7 @@ impl Problem for Toy {
             prior: vec![(0.0, 1e6)],
             candidates: self.columns.iter().map(|c| DMatrix::from_column_slice(ROWS, 1, c.as_slice())).collect(),
             shared: DMatrix::zeros(ROWS, 0),
+            decorrelation: None,
             covariates: self.covariates.clone(),
         }
     }

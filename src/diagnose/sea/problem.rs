@@ -216,6 +216,7 @@ impl Problem for SeaProblem {
             candidates,
             shared,
             covariates: covariates::from_bins(&row_bins),
+            decorrelation: None,
         }
     }
 }

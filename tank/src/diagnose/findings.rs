@@ -233,14 +233,14 @@ impl Teller<'_> {
     /// Where the baseline misses a hull's runs by more than their noise.
     fn wrong(&self, campaign: &Diagnosis, runs: &[usize]) -> Vec<Wrong> {
         let outcome = self.outcome;
+        let independent = self.problem.independent_residuals(&outcome.before.residual, &outcome.after.sd);
         let mut found: Vec<Wrong> = campaign
             .wrong
             .iter()
             .filter_map(|wrong| {
                 let quantity = NAMES.iter().position(|name| *name == wrong.quantity)?;
                 let rows = self.rows(quantity, runs);
-                let chi2: f64 =
-                    rows.iter().map(|row| (outcome.before.residual[*row] / outcome.after.sd[*row]).powi(2)).sum();
+                let chi2: f64 = rows.iter().map(|row| independent[*row].powi(2)).sum();
                 let p_value = ChiSquared::new(rows.len() as f64).map_or(1.0, |d| d.sf(chi2));
                 let expected = rows.iter().map(|row| outcome.after.sd[*row].powi(2)).sum::<f64>() / rows.len() as f64;
                 (p_value < SIGNIFICANT).then(|| Wrong {

@@ -9,7 +9,6 @@
 
 mod consistency;
 mod data;
-mod decorrelate;
 mod drift;
 mod findings;
 pub mod mechanisms;

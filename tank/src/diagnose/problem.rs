@@ -1,13 +1,15 @@
 //! A campaign's steady runs as the engine sees them: rows of CL, CD, CM, a baseline of every hull's own a, b, c, d, and the
 //! mechanisms that these runs could show.
 
+use std::sync::Arc;
+
+use glidepolar_inference::decorrelation::{Decorrelation, RunErrors};
 use glidepolar_inference::relevance::Relevance;
 use glidepolar_inference::smooth::Kind;
 use glidepolar_inference::{Candidate, Covariate, Evidence, Headline, Point, Problem, Quantity};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::data::{Data, SteadyData, Tared, ZeroTimes};
-use super::decorrelate::{Decorrelation, RunErrors};
 use super::drift::{Days, Drift};
 use super::mechanisms::{IN_TANK, Law, Mechanism, Parameter, PriorSd, Reach};
 use super::model::{self, Setting, Term, Values};
@@ -54,7 +56,7 @@ pub struct TankProblem<'a> {
     order: Vec<usize>,
     settings: Vec<Setting>,
     days: Days,
-    decorrelation: Decorrelation,
+    decorrelation: Arc<Decorrelation>,
     baseline: Vec<(&'static str, &'static str)>,
     start: Vec<f64>,
     belief: Vec<f64>,
@@ -134,7 +136,7 @@ impl<'a> TankProblem<'a> {
             order,
             settings,
             days,
-            decorrelation: Decorrelation::new(&errors),
+            decorrelation: Arc::new(Decorrelation::new(&errors)),
             baseline,
             start,
             belief,
@@ -161,6 +163,14 @@ impl<'a> TankProblem<'a> {
     /// The days.
     pub fn days(&self) -> &Days {
         &self.days
+    }
+
+    /// Residuals of the readings, of these standard deviations, as independent rows of unit variance.
+    pub fn independent_residuals(&self, residual: &DVector<f64>, sd: &[f64]) -> DVector<f64> {
+        let mut rows = DMatrix::from_column_slice(residual.len(), 1, residual.as_slice());
+        self.decorrelation.apply(&mut rows);
+        let own = sd.iter().zip(self.decorrelation.shared_sd()).map(|(sd, shared)| (sd * sd - shared * shared).sqrt());
+        DVector::from_iterator(residual.len(), rows.iter().zip(own).map(|(row, own)| row / own))
     }
 
     /// The values of all terms for a run at a point.
@@ -597,6 +607,7 @@ impl Problem for TankProblem<'_> {
             // What runs share of the errors of zeros, tare and calibration is in their covariance.
             shared: DMatrix::zeros(3 * n, 0),
             covariates: self.covariates(),
+            decorrelation: Some(Arc::clone(&self.decorrelation)),
         }
     }
 }

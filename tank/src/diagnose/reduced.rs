@@ -1,10 +1,10 @@
 //! What the reduction hands to the diagnosis: where its coefficients start, what was set in each run, how far each run
 //! scatters. Knows no mechanism.
 
+use glidepolar_inference::decorrelation::RunErrors;
 use nalgebra::{DMatrix, Vector3};
 
 use super::data::{Data, SteadyData};
-use super::decorrelate::RunErrors;
 use super::model::Setting;
 use crate::hull_results::HullResults;
 use crate::series::median;

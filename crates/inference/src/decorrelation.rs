@@ -1,19 +1,21 @@
-//! Rows that err together made independent: errors of zeros, tare and calibration that runs share, and the angle to which a
-//! run is set, which moves its lift, drag and moment alike.
+//! Rows that err together made independent: errors that runs share, and what moves the three quantities of a run together, as
+//! the angle to which it is set does lift, drag and moment.
 //!
 //! With the covariance of a run's own errors `D` (a 3 x 3 block each) and one standard error of each shared error in a column
 //! of `Z`, the rows' covariance is `D + Z Z'`. Rows are multiplied by the symmetric inverse root of `I + W W'`,
 //! `W = D^-1/2 Z`, which is `I - U diag(1 - 1/sqrt(1 + s^2)) U'` for `W = U s V'`. Of all roots the symmetric one leaves
 //! every row nearest to what it was (Kessy, Lewin and Strimmer 2018, The American Statistician 72, 309-314), so that a row
-//! still is its run's. Shared errors are considered, not estimated: they cost no degrees of freedom. Knows rows; no physics.
+//! still is its run's. A change that is alike in all runs becomes small, as what a shared error may be: how large it is in the readings is asked
+//! of the rows with their correlation back. Shared errors are considered, not estimated: they cost no degrees of freedom. Knows
+//! rows; no physics.
 
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
 /// What takes the rows' correlation away.
 #[derive(Debug, Clone)]
 pub struct Decorrelation {
-    /// For each run the symmetric inverse root of its rows' correlation.
-    blocks: Vec<Matrix3<f64>>,
+    /// For each run the symmetric inverse root of its rows' correlation, and the root.
+    blocks: Vec<[Matrix3<f64>; 2]>,
     /// Orthonormal directions of the shared errors, rows by directions.
     directions: DMatrix<f64>,
     /// Share of a row's part along each direction that goes.
@@ -25,11 +27,11 @@ pub struct Decorrelation {
 /// What errs in one run.
 #[derive(Debug, Clone)]
 pub struct RunErrors {
-    /// Standard deviations of CL, CD, CM from within the run.
+    /// Standard deviations of its three quantities from within the run.
     pub own_sd: [f64; 3],
     /// Effect of one standard error of its setting.
     pub setting: Vector3<f64>,
-    /// Effect of one standard error of each shared error, the same errors in every run: CL, CD, CM by errors.
+    /// Effect of one standard error of each shared error, the same errors in every run: quantities by errors.
     pub shared: DMatrix<f64>,
 }
 
@@ -42,7 +44,7 @@ impl Decorrelation {
         let n = runs.len();
         let sd: Vec<Vector3<f64>> =
             runs.iter().map(|run| Vector3::from_fn(|k, _| run.own_sd[k].hypot(run.setting[k]))).collect();
-        let blocks: Vec<Matrix3<f64>> = runs
+        let blocks: Vec<[Matrix3<f64>; 2]> = runs
             .iter()
             .zip(&sd)
             .map(|(run, sd)| {
@@ -53,8 +55,9 @@ impl Decorrelation {
                         },
                     );
                 let eigen = correlation.symmetric_eigen();
-                let roots = Matrix3::from_diagonal(&eigen.eigenvalues.map(|value| 1.0 / value.max(1e-6).sqrt()));
-                eigen.eigenvectors * roots * eigen.eigenvectors.transpose()
+                let roots = eigen.eigenvalues.map(|value| value.max(1e-6).sqrt());
+                [roots.map(f64::recip), roots]
+                    .map(|roots| eigen.eigenvectors * Matrix3::from_diagonal(&roots) * eigen.eigenvectors.transpose())
             })
             .collect();
         let errors = runs.first().map_or(0, |run| run.shared.ncols());
@@ -62,7 +65,7 @@ impl Decorrelation {
         for (i, run) in runs.iter().enumerate() {
             for j in 0..errors {
                 let effect = Vector3::from_fn(|k, _| run.shared[(k, j)] / sd[i][k]);
-                let effect = blocks[i] * effect;
+                let effect = blocks[i][0] * effect;
                 (0..3).for_each(|k| scaled[(k * n + i, j)] = effect[k]);
             }
         }
@@ -85,25 +88,63 @@ impl Decorrelation {
         &self.sd
     }
 
+    /// What of each row's standard deviation it shares with others: the rest is that of [`Decorrelation::sd`].
+    pub fn shared_sd(&self) -> Vec<f64> {
+        let n = self.blocks.len();
+        // In units of noise `W = U s V'`, and 1 - shrinkage = 1/sqrt(1 + s^2).
+        let sizes = self.shrinkage.iter().map(|shrinkage| (1.0 - shrinkage).powi(-2) - 1.0);
+        let mut shared = self.directions.columns(0, self.shrinkage.len()).into_owned();
+        self.by_runs(&mut shared, 1);
+        for (mut column, size) in shared.column_iter_mut().zip(sizes) {
+            column *= size.sqrt();
+        }
+        (0..3 * n).map(|row| self.sd[row] * shared.row(row).norm()).collect()
+    }
+
     /// Makes the rows of these columns independent, each in its own unit still.
     pub fn apply(&self, columns: &mut DMatrix<f64>) {
+        self.in_units_of_noise(columns, |columns| {
+            self.by_runs(columns, 0);
+            self.along_directions(columns, |shrinkage| -shrinkage);
+        });
+    }
+
+    /// Gives independent rows their correlation back: the inverse of [`Decorrelation::apply`].
+    pub fn undo(&self, columns: &mut DMatrix<f64>) {
+        self.in_units_of_noise(columns, |columns| {
+            self.along_directions(columns, |shrinkage| shrinkage / (1.0 - shrinkage));
+            self.by_runs(columns, 1);
+        });
+    }
+
+    fn in_units_of_noise(&self, columns: &mut DMatrix<f64>, change: impl Fn(&mut DMatrix<f64>)) {
+        let scale = |columns: &mut DMatrix<f64>, by: fn(f64, f64) -> f64| {
+            for mut column in columns.column_iter_mut() {
+                column.iter_mut().zip(&self.sd).for_each(|(value, sd)| *value = by(*value, *sd));
+            }
+        };
+        scale(columns, |value, sd| value / sd);
+        change(columns);
+        scale(columns, |value, sd| value * sd);
+    }
+
+    fn by_runs(&self, columns: &mut DMatrix<f64>, root: usize) {
         let n = self.blocks.len();
         for mut column in columns.column_iter_mut() {
             for (i, block) in self.blocks.iter().enumerate() {
-                let own = block * Vector3::from_fn(|k, _| column[k * n + i] / self.sd[k * n + i]);
+                let own = block[root] * Vector3::from_fn(|k, _| column[k * n + i]);
                 (0..3).for_each(|k| column[k * n + i] = own[k]);
             }
         }
+    }
+
+    /// Adds this share of each direction's part.
+    fn along_directions(&self, columns: &mut DMatrix<f64>, share: fn(f64) -> f64) {
         let mut along = self.directions.tr_mul(columns);
         for (mut row, shrinkage) in along.row_iter_mut().zip(&self.shrinkage) {
-            row *= *shrinkage;
+            row *= share(*shrinkage);
         }
-        *columns -= &self.directions * along;
-        for mut column in columns.column_iter_mut() {
-            for (value, sd) in column.iter_mut().zip(&self.sd) {
-                *value *= sd;
-            }
-        }
+        *columns += &self.directions * along;
     }
 }
 
@@ -136,7 +177,14 @@ mod tests {
             }
         }
         let decorrelation = Decorrelation::new(&runs);
+        let before = covariance.clone();
         decorrelation.apply(&mut covariance);
+        let mut back = covariance.clone();
+        decorrelation.undo(&mut back);
+        assert!((back - &before).amax() < 1e-9 * before.amax());
+        for (row, shared_sd) in decorrelation.shared_sd().into_iter().enumerate() {
+            assert!((shared_sd.hypot(decorrelation.sd()[row]) - before[(row, row)].sqrt()).abs() < 1e-9);
+        }
         let mut covariance = covariance.transpose();
         decorrelation.apply(&mut covariance);
         for i in 0..3 * n {
