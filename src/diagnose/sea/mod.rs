@@ -116,7 +116,7 @@ const MIN_BINS: usize = 12;
 pub enum SeaError {
     /// Too little steady glide in the log, whatever the vehicle.
     #[error(
-        "the log is too short: {found} stretches of steady glide, at least {MIN_BINS} are needed; {steady} of its {samples} samples are steady glide, away from the surface, from turns and from moves of a motor, with pitch, ballast volume and density"
+        "too little steady glide: {found} stretches, at least {MIN_BINS} are needed; {steady} of its {samples} samples are steady glide, away from the surface, from turns and from moves of a motor, with pitch, ballast volume and density"
     )]
     TooShort {
         /// Stretches.
