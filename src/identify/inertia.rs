@@ -299,8 +299,8 @@ impl Steady {
         u * (self.steep_rad - self.attack_rad + self.at(u, 0.0).attack_rad).sin() / self.steep_rad.sin()
     }
 
-    /// Speed of a glider at this pitch and weight that has this vertical velocity \[m/s\], within what is looked for. Slower than
-    /// where the path steepens faster than the speed falls none is distinguished from another. None without a vertical velocity.
+    /// Speed of a glider at this pitch and weight that has this vertical velocity \[m/s\], within what is looked for. Below the speed
+    /// from which a slower glider sinks faster, its path being steeper, none is looked for. None without a vertical velocity.
     fn speed_at(&self, sink_m_s: f64) -> Option<f64> {
         let wanted = sink_m_s / self.sink_m_s;
         let (mut low, mut high) = (1.0, 2.0 - SLOWEST_BEGINNING);

@@ -88,7 +88,7 @@ impl Decorrelation {
         &self.sd
     }
 
-    /// What of each row's standard deviation it shares with others: the rest is that of [`Decorrelation::sd`].
+    /// Standard deviation of what each row shares with other runs; with [`Decorrelation::sd`], in quadrature, it is that of the reading.
     pub fn shared_sd(&self) -> Vec<f64> {
         let n = self.blocks.len();
         // In units of noise `W = U s V'`, and 1 - shrinkage = 1/sqrt(1 + s^2).
