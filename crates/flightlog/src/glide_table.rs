@@ -112,6 +112,7 @@ pub fn read_glide_table(path: &Path, columns: &Columns) -> Result<Vec<Observatio
             battery_forward_m: battery,
             sink_m_s: -up,
             sink_se_m_s: read(se)?,
+            sink_window_s: [0.0; 2],
             sink_rate_m_s2: 0.0,
             speed_m_s: speed,
             water_met_m_s2: f64::NAN,

@@ -201,3 +201,23 @@ fn half_of_an_oscillation_of_two_and_a_half_windows_remains() {
     assert!((highest - expected).abs() < 0.01, "{highest} against {expected}");
     assert!((expected - 0.5).abs() < 0.06);
 }
+
+/// Three samples see the even mean between the outer ones; many see the parabolic weights, whose standard deviation is `h / sqrt 5`.
+#[test]
+fn the_window_of_a_velocity_has_the_moments_of_its_weights() {
+    let sparse = [0.0, 20.0, 40.0, 50.0, 90.0];
+    let found = vertical_velocity(&sparse, &[0.0; 5], 4.0);
+    let [from, to] = found.window_s[1];
+    assert!((from + 20.0).abs() < 1e-9 && (to - 20.0).abs() < 1e-9, "{from} {to}");
+    // A rate that grows evenly is met at the middle of the window, whatever the spacing.
+    let grows: Vec<f64> = sparse.iter().map(|t| 0.5e-3 * t * t).collect();
+    let found = vertical_velocity(&sparse, &grows, 4.0);
+    for i in 1..4 {
+        let middle = sparse[i] + 0.5 * (found.window_s[i][0] + found.window_s[i][1]);
+        assert!((found.rate_dbar_s[i] - 1e-3 * middle).abs() < 1e-12);
+    }
+    let dense: Vec<f64> = (0..2000).map(|i| f64::from(i) * 0.01).collect();
+    let [from, to] = vertical_velocity(&dense, &[0.0; 2000], 4.0).window_s[1000];
+    let expected = 4.0 * (3.0f64 / 5.0).sqrt();
+    assert!((from + expected).abs() < 0.01 && (to - expected).abs() < 0.01, "{from} {to}");
+}

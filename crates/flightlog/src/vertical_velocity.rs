@@ -17,6 +17,9 @@ pub struct Velocity {
     pub rate_dbar_s: Vec<f64>,
     /// Its standard error from the noise of the pressure \[dbar/s\].
     pub se_dbar_s: Vec<f64>,
+    /// Between which times, counted from each sample, the rate is a mean \[s\]: the even window with the mean and the standard
+    /// deviation of the filter's own weights.
+    pub window_s: Vec<[f64; 2]>,
     /// Rate of change of that rate \[dbar/s2\], from the samples within `+-3 h`.
     pub acceleration_dbar_s2: Vec<f64>,
     /// Noise of one sample of pressure \[dbar\].
@@ -29,6 +32,7 @@ pub fn vertical_velocity(time_s: &[f64], pressure_dbar: &[f64], half_window_s: f
     let mut velocity = Velocity {
         rate_dbar_s: vec![f64::NAN; n],
         se_dbar_s: vec![f64::NAN; n],
+        window_s: vec![[0.0; 2]; n],
         acceleration_dbar_s2: vec![f64::NAN; n],
         noise_dbar: noise(time_s, pressure_dbar),
     };
@@ -44,6 +48,7 @@ pub fn vertical_velocity(time_s: &[f64], pressure_dbar: &[f64], half_window_s: f
         let (slope, spread) = slope(&time_s[low..=high], &pressure_dbar[low..=high]);
         velocity.rate_dbar_s[i] = slope;
         velocity.se_dbar_s[i] = velocity.noise_dbar / spread.sqrt();
+        velocity.window_s[i] = even_window(&time_s[low..=high], i - low);
     }
     let (mut low, mut high) = (1, 1);
     for i in 1..n.saturating_sub(1) {
@@ -89,6 +94,24 @@ fn slope(x: &[f64], y: &[f64]) -> (f64, f64) {
     }
     let spread = sxx - sx * sx / n;
     ((sxy - sx * sy / n) / spread, spread)
+}
+
+/// The even window that stands for the weights of a slope through these samples, counted from sample `at` \[s\].
+///
+/// The slope is the sum of `c_j p_j`, `c_j = (t_j - mean t) / sum (t - mean t)^2`: a weighted mean of the rate of `p`. Where the rate
+/// is `t`, `p` is `t^2 / 2`; where it is `t^2`, `p` is `t^3 / 3`: so the slopes of these two are the moments of the weights.
+fn even_window(time_s: &[f64], at: usize) -> [f64; 2] {
+    let n = time_s.len() as f64;
+    let mean = time_s.iter().map(|t| t - time_s[at]).sum::<f64>() / n;
+    let (mut spread, mut first, mut second) = (0.0, 0.0, 0.0);
+    for t in time_s.iter().map(|t| t - time_s[at]) {
+        spread += (t - mean).powi(2);
+        first += (t - mean) * t * t / 2.0;
+        second += (t - mean) * t * t * t / 3.0;
+    }
+    let centre = first / spread;
+    let half = (3.0 * (second / spread - centre * centre)).max(0.0).sqrt();
+    [centre - half, centre + half]
 }
 
 /// Noise of one sample, from the median of second differences: a normal variable's median size is 0.6745 sigma.

@@ -58,6 +58,7 @@ fn log(truth: &Truth, dives: u32, roll_mass: bool, rudder: bool, seed: u64) -> V
                     battery_forward_m: f64::NAN,
                     sink_m_s: -0.2 * pitch.signum(),
                     sink_se_m_s: 1e-3,
+                    sink_window_s: [0.0; 2],
                     sink_rate_m_s2: 0.0,
                     speed_m_s: f64::NAN,
                     water_met_m_s2: f64::NAN,

@@ -12,6 +12,11 @@
 //! on each stretch of a leg, with r, q0, q1 of greatest likelihood over the whole log: a pitch that is controlled from
 //! sample to sample stays as it was read, one that hunts slowly under noise is smoothed over minutes.
 //!
+//! A vertical velocity from the pressure is a mean over some time, and the pitch is taken as its mean over the same time
+//! ([`Observation::sink_window_s`]): read at moments, a pitch that hunts in six samples would lead to a velocity 15 % larger than
+//! the one measured, by `1 - sin x / x` with `x = 2 pi step / period`. Between two samples the path is the cubic through both
+//! pitches with both rates, which is the expectation where the rate is a random walk.
+//!
 //! Knows the readings of one instrument; no vehicle.
 
 use crate::log::Observation;
@@ -29,8 +34,8 @@ const FIRST_RATIOS: [f64; 6] = [0.0, 1e-4, 1e-2, 1.0, 1e2, 1e4];
 /// Fewest readings from which three variances are estimated.
 const LEAST_READINGS: usize = 50;
 
-/// Puts the smoothed pitch in the place of the one read; returns the variance of its error in each sample \[rad2\], and that of
-/// a reading.
+/// Puts the smoothed pitch, as a mean over the time of the vertical velocity, in the place of the one read; returns the variance
+/// of its error in each sample \[rad2\], and that of a reading.
 pub fn smooth(observations: &mut [Observation]) -> (Vec<f64>, f64) {
     let stretches = stretches(observations);
     let step_s = median_step_s(observations, &stretches);
@@ -45,9 +50,11 @@ pub fn smooth(observations: &mut [Observation]) -> (Vec<f64>, f64) {
     let variance = variance.max(LEAST_VARIANCE);
     let mut errors = vec![0.0; observations.len()];
     for (range, (time_s, read)) in stretches.iter().zip(&series) {
-        for (i, (pitch_rad, error)) in range.clone().zip(smoothed(time_s, read, ratios)) {
-            observations[i].pitch_rad = pitch_rad;
-            errors[i] = error * variance;
+        let found = smoothed(time_s, read, ratios);
+        let path = Path::new(time_s, &found);
+        for (k, i) in range.clone().enumerate() {
+            observations[i].pitch_rad = path.mean(k, observations[i].sink_window_s);
+            errors[i] = found[k].variance * variance;
         }
     }
     (errors, variance)
@@ -194,10 +201,24 @@ fn likelihood(series: &[(&[f64], &[f64])], ratios: Ratios) -> (f64, f64) {
     (-0.5 * (n * variance.ln() + log_determinant), variance)
 }
 
-/// Smoothed values of a stretch (Rauch, Tung and Striebel 1965) with the variances of their errors, in units of a reading's.
-fn smoothed(time_s: &[f64], read: &[f64], ratios: Ratios) -> Vec<(f64, f64)> {
+/// The smoothed pitch at a reading, its rate, and the variance of the pitch's error in units of a reading's.
+#[derive(Clone, Copy)]
+struct Smoothed {
+    pitch_rad: f64,
+    rate_rad_s: f64,
+    variance: f64,
+}
+
+impl Smoothed {
+    fn of(state: &State) -> Smoothed {
+        Smoothed { pitch_rad: state.mean[0], rate_rad_s: state.mean[1], variance: state.cov[0].max(0.0) }
+    }
+}
+
+/// Smoothed values of a stretch (Rauch, Tung and Striebel 1965).
+fn smoothed(time_s: &[f64], read: &[f64], ratios: Ratios) -> Vec<Smoothed> {
     if read.len() < 3 {
-        return read.iter().map(|read| (*read, 1.0)).collect();
+        return read.iter().map(|read| Smoothed { pitch_rad: *read, rate_rad_s: 0.0, variance: 1.0 }).collect();
     }
     let mut predicted = Vec::with_capacity(read.len());
     let mut filtered: Vec<State> = Vec::with_capacity(read.len());
@@ -211,7 +232,7 @@ fn smoothed(time_s: &[f64], read: &[f64], ratios: Ratios) -> Vec<(f64, f64)> {
         filtered.push(state);
     }
     let mut later = filtered[read.len() - 1];
-    let mut found = vec![(later.mean[0], later.cov[0])];
+    let mut found = vec![Smoothed::of(&later)];
     for i in (0..read.len() - 1).rev() {
         let (here, next) = (filtered[i], predicted[i + 1]);
         let h = time_s[i + 1] - time_s[i];
@@ -236,10 +257,52 @@ fn smoothed(time_s: &[f64], read: &[f64], ratios: Ratios) -> Vec<(f64, f64)> {
             ];
             later = State { mean, cov };
         }
-        found.push((later.mean[0], later.cov[0].max(0.0)));
+        found.push(Smoothed::of(&later));
     }
     found.reverse();
     found
+}
+
+/// The smoothed path of a stretch and its integral from the first reading.
+struct Path<'a> {
+    time_s: &'a [f64],
+    at: &'a [Smoothed],
+    integral: Vec<f64>,
+}
+
+impl<'a> Path<'a> {
+    fn new(time_s: &'a [f64], at: &'a [Smoothed]) -> Self {
+        let mut path = Path { time_s, at, integral: vec![0.0; at.len()] };
+        for i in 1..at.len() {
+            path.integral[i] = path.integral[i - 1] + path.from_reading(i - 1, 1.0);
+        }
+        path
+    }
+
+    /// Mean of the path over a window counted from reading `i`; where the path does not reach as far, the pitch at its middle.
+    fn mean(&self, i: usize, [from_s, to_s]: [f64; 2]) -> f64 {
+        let here = &self.at[i];
+        let (from, to) = (self.time_s[i] + from_s, self.time_s[i] + to_s);
+        if to <= from || from < self.time_s[0] || to > self.time_s[self.time_s.len() - 1] {
+            return here.pitch_rad + 0.5 * (from_s + to_s) * here.rate_rad_s;
+        }
+        (self.integral_to(to) - self.integral_to(from)) / (to - from)
+    }
+
+    fn integral_to(&self, time_s: f64) -> f64 {
+        let i = self.time_s.partition_point(|t| *t <= time_s).clamp(1, self.time_s.len() - 1) - 1;
+        let share = (time_s - self.time_s[i]) / (self.time_s[i + 1] - self.time_s[i]);
+        self.integral[i] + self.from_reading(i, share)
+    }
+
+    /// Integral of the cubic from reading `i` over a share of the time to the next.
+    fn from_reading(&self, i: usize, u: f64) -> f64 {
+        let (a, b, h) = (&self.at[i], &self.at[i + 1], self.time_s[i + 1] - self.time_s[i]);
+        let (u2, u3, u4) = (u * u, u.powi(3), u.powi(4));
+        let pitches = (u - u3 + u4 / 2.0) * a.pitch_rad + (u3 - u4 / 2.0) * b.pitch_rad;
+        let rates = (u2 / 2.0 - 2.0 * u3 / 3.0 + u4 / 4.0) * a.rate_rad_s + (u4 / 4.0 - u3 / 3.0) * b.rate_rad_s;
+        h * (pitches + h * rates)
+    }
 }
 
 #[cfg(test)]
@@ -265,17 +328,17 @@ mod tests {
         let (time_s, read): (Vec<f64>, Vec<f64>) = read.into_iter().unzip();
         let series: Vec<(&[f64], &[f64])> = time_s.chunks(200).zip(read.chunks(200)).collect();
         let (ratios, variance) = most_likely(&series, 8.0);
-        let found: Vec<(f64, f64)> = series.iter().flat_map(|(time_s, read)| smoothed(time_s, read, ratios)).collect();
-        let error = rms(found.iter().zip(&truth).map(|((found, _), truth)| found - truth));
+        let found: Vec<Smoothed> = series.iter().flat_map(|(time_s, read)| smoothed(time_s, read, ratios)).collect();
+        let error = rms(found.iter().zip(&truth).map(|(found, truth)| found.pitch_rad - truth));
         // Covariance of the error with the smoothed value, relative to the variance of the value within the legs.
-        let mean = found.iter().map(|(found, _)| found).sum::<f64>() / 1600.0;
+        let mean = found.iter().map(|found| found.pitch_rad).sum::<f64>() / 1600.0;
         let (mut with, mut of) = (0.0, 0.0);
-        for ((found, _), truth) in found.iter().zip(&truth) {
-            with += (found - truth) * (found - mean);
-            of += (found - mean).powi(2);
+        for (found, truth) in found.iter().zip(&truth) {
+            with += (found.pitch_rad - truth) * (found.pitch_rad - mean);
+            of += (found.pitch_rad - mean).powi(2);
         }
         assert!((with / of).abs() < 0.05, "the error goes with the value by {}", with / of);
-        (error, variance.sqrt(), rms(found.iter().map(|(_, v)| (v * variance).sqrt())))
+        (error, variance.sqrt(), rms(found.iter().map(|found| (found.variance * variance).sqrt())))
     }
 
     #[test]
@@ -289,5 +352,29 @@ mod tests {
     fn a_pitch_that_is_read_well_stays_as_read() {
         let (error, ..) = through(0.02, 120.0, 1e-4);
         assert!(error < 1.2e-4, "{error}");
+    }
+
+    /// The mean of a sine over `+-h` is `sin x / x` of it, `x = omega h`; an irregular window has its mean at its middle.
+    #[test]
+    fn a_hunting_pitch_is_the_mean_over_the_time_of_the_velocity() {
+        let (period_s, step_s) = (133.0, 20.0);
+        let omega = std::f64::consts::TAU / period_s;
+        let time_s: Vec<f64> = (0..60).map(|i| step_s * f64::from(i)).collect();
+        let at: Vec<Smoothed> = time_s
+            .iter()
+            .map(|t| Smoothed { pitch_rad: (omega * t).sin(), rate_rad_s: omega * (omega * t).cos(), variance: 0.0 })
+            .collect();
+        let path = Path::new(&time_s, &at);
+        for (from_s, to_s) in [(-20.0, 20.0), (-7.0, 31.0), (-3.0, 5.0)] {
+            let (middle, half) = (0.5 * (from_s + to_s), 0.5 * (to_s - from_s));
+            let x: f64 = omega * half;
+            for i in [3, 17, 40] {
+                let expected = (omega * (time_s[i] + middle)).sin() * x.sin() / x;
+                let found = path.mean(i, [from_s, to_s]);
+                assert!((found - expected).abs() < 2e-3, "{found} against {expected} over {from_s} to {to_s} s");
+            }
+        }
+        // Beyond the path there is no mean: the first reading stays as it is.
+        assert_eq!(path.mean(0, [-20.0, 20.0]), at[0].pitch_rad);
     }
 }

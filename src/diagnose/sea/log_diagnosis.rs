@@ -285,6 +285,7 @@ mod tests {
                 battery_forward_m: f64::NAN,
                 sink_m_s: glide.vertical_velocity_m_s + 0.03 * noise(0.0),
                 sink_se_m_s: 0.002,
+                sink_window_s: [0.0; 2],
                 sink_rate_m_s2: 0.0,
                 speed_m_s: glide.speed_m_s + 0.02 * noise(1.0),
                 water_met_m_s2: f64::NAN,

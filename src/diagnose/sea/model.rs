@@ -246,6 +246,7 @@ mod tests {
             battery_forward_m: f64::NAN,
             sink_m_s: 0.15,
             sink_se_m_s: 0.002,
+            sink_window_s: [0.0; 2],
             sink_rate_m_s2: 0.0,
             speed_m_s: 0.35,
             water_met_m_s2: f64::NAN,
