@@ -285,6 +285,11 @@ pub trait Problem {
         false
     }
 
+    /// A parameter of the baseline after a step along its slopes. One that is positive by its nature moves by a factor.
+    fn stepped(&self, _place: usize, value: f64, step: f64) -> f64 {
+        value + step
+    }
+
     /// Whether a fit may go to this point: where physics has no such baseline it takes a shorter step.
     fn admits(&self, _point: &Point) -> bool {
         true

@@ -215,8 +215,8 @@ impl Fitted {
     pub(super) fn moved(&self, problem: &impl Problem, step: &DVector<f64>) -> Point {
         let mut point = self.point.clone();
         let mut steps = step.iter();
-        for (value, step) in point.baseline.iter_mut().zip(&mut steps) {
-            *value += step;
+        for (place, (value, step)) in point.baseline.iter_mut().zip(&mut steps).enumerate() {
+            *value = problem.stepped(place, *value, *step);
         }
         for member in &self.included {
             for (value, step) in point.candidates[*member].iter_mut().zip(&mut steps) {

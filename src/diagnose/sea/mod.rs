@@ -88,8 +88,8 @@ pub enum Lift {
 /// was simulated from steady glides.
 const INERTIA_SHARE: (&str, &str) = ("inertia_share", "1");
 
-/// Difference of a fitted coefficient of the polar from the vehicle's, relative to that, from which on a warning is due.
-const FAR_FROM_BELIEF: f64 = 2.0;
+/// Ratio of a fitted coefficient of the polar to the vehicle's, or the reverse, from which on a warning is due.
+const FAR_FROM_BELIEF: f64 = 3.0;
 
 /// What to do where a lift slope runs away, or a scale of the pitch stands beside it.
 const PITCH_OR_LIFT: &str = "a lift slope and a scale of the pitch cannot be distinguished by vertical velocity and speed: hold the slope at an outside value (--pin-lift=A)";
@@ -402,7 +402,14 @@ impl SeaProblem {
         let mut warnings: Vec<String> = Vec::new();
         for (i, ((name, unit), index)) in self.baseline.iter().zip(&self.baseline_index).enumerate() {
             let belief = *believed.at(*index);
-            let is_far = |value: f64| (value - belief).abs() > FAR_FROM_BELIEF * belief.abs().max(0.1) || value <= 0.0;
+            let is_far = |value: f64| {
+                let ratio = value / belief;
+                if belief > 0.0 {
+                    !(1.0 / FAR_FROM_BELIEF..=FAR_FROM_BELIEF).contains(&ratio)
+                } else {
+                    (value - belief).abs() > (FAR_FROM_BELIEF - 1.0) * belief.abs().max(0.1)
+                }
+            };
             let (value, when) = match (alone.baseline[i], named.baseline[i]) {
                 (_, value) if is_far(value) => (value, ""),
                 // A drag that only the misfit drove away has come back with its cause; a lift slope says more.
