@@ -274,7 +274,7 @@ impl<'a> Path<'a> {
     fn new(time_s: &'a [f64], at: &'a [Smoothed]) -> Self {
         let mut path = Path { time_s, at, integral: vec![0.0; at.len()] };
         for i in 1..at.len() {
-            path.integral[i] = path.integral[i - 1] + path.from_reading(i - 1, 1.0);
+            path.integral[i] = path.integral[i - 1] + path.since_reading(i - 1, 1.0);
         }
         path
     }
@@ -292,11 +292,11 @@ impl<'a> Path<'a> {
     fn integral_to(&self, time_s: f64) -> f64 {
         let i = self.time_s.partition_point(|t| *t <= time_s).clamp(1, self.time_s.len() - 1) - 1;
         let share = (time_s - self.time_s[i]) / (self.time_s[i + 1] - self.time_s[i]);
-        self.integral[i] + self.from_reading(i, share)
+        self.integral[i] + self.since_reading(i, share)
     }
 
     /// Integral of the cubic from reading `i` over a share of the time to the next.
-    fn from_reading(&self, i: usize, u: f64) -> f64 {
+    fn since_reading(&self, i: usize, u: f64) -> f64 {
         let (a, b, h) = (&self.at[i], &self.at[i + 1], self.time_s[i + 1] - self.time_s[i]);
         let (u2, u3, u4) = (u * u, u.powi(3), u.powi(4));
         let pitches = (u - u3 + u4 / 2.0) * a.pitch_rad + (u3 - u4 / 2.0) * b.pitch_rad;

@@ -1,5 +1,7 @@
 //! The diagnosis of a whole log: consistency first, then mechanisms in what is left.
 
+use std::borrow::Cow;
+
 use super::consistency::{self, DensityError};
 use super::empirical;
 use super::{DiagnosisSettings, SeaError, SeaProblem, trim};
@@ -59,36 +61,31 @@ pub fn diagnose_log(
         let (problem, outcome) = in_full(problem);
         problem.with_trim_as_cause(outcome)
     };
-    let (problem, baseline, mut outcome) = match error {
-        None => {
-            let (problem, baseline) = as_read(observations, assumed)?;
-            let (problem, outcome) = decided(problem);
-            (problem, baseline, outcome)
-        }
-        Some(error) => {
-            let (problem, baseline) = as_read(&consistency::corrected(observations, error, carried_kg_m3), assumed)?;
-            let (problem, mut outcome) = decided(problem);
-            // The density as it was read may fit no glide at all: then there is no misfit to compare with.
-            if let Ok((raw, _)) = as_read(observations, false) {
-                put_before(&mut outcome, &problem, &raw);
-            }
-            let evidence = problem.evidence(&outcome.after.point);
-            outcome.diagnosis.causes.insert(0, density_cause(&outcome, &evidence, error, carried_kg_m3));
-            outcome.diagnosis.verdict = match outcome.diagnosis.verdict {
-                Verdict::None | Verdict::Explained => Verdict::Explained,
-                Verdict::PartlyExplained | Verdict::Unexplained => Verdict::PartlyExplained,
-            };
-            (problem, baseline, outcome)
-        }
+    let used = match error {
+        None => Cow::Borrowed(observations),
+        Some(error) => Cow::Owned(consistency::corrected(observations, error, carried_kg_m3)),
     };
-    if error.is_none() {
+    let (problem, baseline) = as_read(&used, assumed)?;
+    let (problem, mut outcome) = decided(problem);
+    if let Some(error) = error {
+        // The density as it was read may fit no glide at all: then there is no misfit to compare with.
+        if let Ok((raw, _)) = as_read(observations, false) {
+            put_before(&mut outcome, &problem, &raw);
+        }
+        let evidence = problem.evidence(&outcome.after.point);
+        outcome.diagnosis.causes.insert(0, density_cause(&outcome, &evidence, error, carried_kg_m3));
+        outcome.diagnosis.verdict = match outcome.diagnosis.verdict {
+            Verdict::None | Verdict::Explained => Verdict::Explained,
+            Verdict::PartlyExplained | Verdict::Unexplained => Verdict::PartlyExplained,
+        };
+    } else {
         name_what_density_hides(&mut outcome, &problem, &checks);
     }
     if problem.has_speed() {
         name_what_scales_hide(&mut outcome);
     }
     if assumed {
-        trim::report(&mut outcome, &baseline);
+        trim::report(&mut outcome, &baseline, &used);
     }
     outcome.diagnosis.rejected.extend(unweighed(&checks, &outcome, &problem));
     outcome.diagnosis.consistency = checks;
@@ -296,6 +293,24 @@ mod tests {
             });
         }
         observations
+    }
+
+    /// Water of 1025 to 1027 kg/m3: a glider ballasted for either end is 51 g from neutral in the mean, and neutral there.
+    #[test]
+    fn a_glider_that_is_neutral_in_some_water_of_the_log_has_no_offset() {
+        let vehicle = Vehicle::load("slocum-049").expect("a vehicle").glide_parameters();
+        let mut log = flight(&vehicle, 0.0);
+        let n = log.len() as f64;
+        for (i, sample) in log.iter_mut().enumerate() {
+            *sample =
+                Observation { density_kg_m3: 1025.0 + 2.0 * i as f64 / (n - 1.0), pressure_dbar: 10.0, ..*sample };
+        }
+        let baseline = Trim::Neutral.baseline(&vehicle, &log);
+        let per_kg_m3 = baseline.mass_kg() / 1026.0;
+        for (offset_kg_m3, beyond_kg_m3) in [(0.0, 0.0), (0.9, 0.0), (-0.9, 0.0), (1.5, 0.5), (-1.5, 0.5)] {
+            let beyond_kg = trim::from_neutral_kg(offset_kg_m3 * per_kg_m3, &baseline, &log);
+            assert!((beyond_kg - beyond_kg_m3 * per_kg_m3).abs() < 2e-4, "{offset_kg_m3}: {beyond_kg}");
+        }
     }
 
     #[test]
