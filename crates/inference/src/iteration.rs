@@ -202,12 +202,18 @@ impl<'a> Iteration<'a> {
     ///
     /// For nested fits the change of the predictions has the covariance of the one less that of the other.
     pub(super) fn sizes(&self, others: &[usize], tested: &[usize]) -> Vec<f64> {
+        self.sizes_less(others, tested, 0.0)
+    }
+
+    /// The sizes less some of their standard errors. Nothing is larger than the misfit that it is in: where noise is slow a curve
+    /// fitted to it can be.
+    fn sizes_less(&self, others: &[usize], tested: &[usize], standard_errors: f64) -> Vec<f64> {
         let change = self.change(others, tested);
         let misfits = self.evidence.column_as_read(&self.evidence.residual);
-        // Nothing is larger than the misfit that it is in: where noise is slow a curve fitted to it can be.
         let of = |quantity: &super::evidence::Quantity| {
-            let misfit = super::holdout::rms(&misfits, quantity.rows.clone());
-            change.size(&quantity.rows.clone().collect::<Vec<_>>()).min(misfit)
+            let rows: Vec<usize> = quantity.rows.clone().collect();
+            let size = change.size(&rows) - standard_errors * change.se_of_size(&rows);
+            size.clamp(0.0, super::holdout::rms(&misfits, quantity.rows.clone()))
         };
         self.evidence.quantities.iter().map(of).collect()
     }
@@ -259,12 +265,7 @@ impl<'a> Iteration<'a> {
 
     /// The same less what chance may have added: below the true sizes in 95 of 100.
     pub(super) fn least_sizes(&self, others: &[usize], tested: &[usize]) -> Vec<f64> {
-        let change = self.change(others, tested);
-        let error =
-            |quantity: &super::evidence::Quantity| change.se_of_size(&quantity.rows.clone().collect::<Vec<_>>());
-        let sizes = self.sizes(others, tested);
-        let quantities = self.evidence.quantities.iter();
-        sizes.iter().zip(quantities).map(|(size, quantity)| (size - ONE_SIDED * error(quantity)).max(0.0)).collect()
+        self.sizes_less(others, tested, ONE_SIDED)
     }
 
     /// Whether something that no name explains is there beside the others: a curve that chance does not bring, that is

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::consistency::{self, DensityError};
 use super::empirical;
-use super::{DiagnosisSettings, SeaError, SeaProblem, trim};
+use super::{DiagnosisSettings, SeaError, SeaProblem, trim, unknown_temperature};
 use crate::diagnose::engine;
 use crate::diagnose::findings::{Cause, Check, Checked, Verdict};
 use crate::diagnose::holdout;
@@ -51,12 +51,13 @@ pub fn diagnose_log(
     if checks.iter().any(|check| check.outcome == Checked::Wrong) {
         return Err(SeaError::Inconsistent(checks));
     }
+    let temperature_is_suggested = unknown_temperature::is_unknown(vehicle, observations);
     let as_read = |observations: &[Observation], trim_is_assumed: bool| {
         let baseline = trim.baseline(vehicle, observations);
-        let settings = DiagnosisSettings { trim_is_assumed, ..settings.clone() };
+        let settings = DiagnosisSettings { trim_is_assumed, temperature_is_suggested, ..settings.clone() };
         SeaProblem::new(observations, &baseline, settings).map(|problem| (problem, baseline))
     };
-    let assumed = trim == Trim::Neutral;
+    let assumed = trim == Trim::Neutral || temperature_is_suggested;
     let decided = |problem: SeaProblem| {
         let (problem, outcome) = in_full(problem);
         problem.with_trim_as_cause(outcome)
@@ -65,6 +66,7 @@ pub fn diagnose_log(
         None => Cow::Borrowed(observations),
         Some(error) => Cow::Owned(consistency::corrected(observations, error, carried_kg_m3)),
     };
+    let used = if temperature_is_suggested { Cow::Owned(unknown_temperature::suggested(vehicle, &used)) } else { used };
     let (problem, baseline) = as_read(&used, assumed)?;
     let (problem, mut outcome) = decided(problem);
     if let Some(error) = error {
@@ -84,8 +86,13 @@ pub fn diagnose_log(
     if problem.has_speed() {
         name_what_scales_hide(&mut outcome);
     }
-    if assumed {
+    if trim == Trim::Neutral {
         trim::report(&mut outcome, &baseline, &used);
+    } else if temperature_is_suggested {
+        trim::report_beyond(&mut outcome, unknown_temperature::most_kg(&baseline));
+    }
+    if temperature_is_suggested {
+        outcome.diagnosis.warnings.push(unknown_temperature::WARNING.to_owned());
     }
     outcome.diagnosis.rejected.extend(unweighed(&checks, &outcome, &problem));
     outcome.diagnosis.consistency = checks;
@@ -244,18 +251,20 @@ mod tests {
 
     /// Forty legs of steady glides whose density was read too low by `bias_kg_m3`.
     fn flight(p: &Parameters<f64>, bias_kg_m3: f64) -> Vec<Observation> {
+        flight_in(p, bias_kg_m3, |_| p.reference_temperature_C)
+    }
+
+    /// The same in water of a temperature by its pressure \[dbar\].
+    fn flight_in(p: &Parameters<f64>, bias_kg_m3: f64, temperature: impl Fn(f64) -> f64) -> Vec<Observation> {
         let mut observations = Vec::new();
         for i in 0..1600u32 {
             let (leg, within) = (i / 40, f64::from(i % 40));
             let descends = leg % 2 == 0;
             let pressure_dbar = 10.0 + 4.0 * if descends { within } else { 40.0 - within };
-            let density_kg_m3 = 1025.0 + 4.5e-3 * pressure_dbar;
-            let water = Surroundings {
-                density_kg_m3,
-                pressure_Pa: pressure_dbar * DBAR_PA,
-                temperature_C: p.reference_temperature_C,
-                time_s: 0.0,
-            };
+            let temperature_C = temperature(pressure_dbar);
+            let density_kg_m3 = 1025.0 + 4.5e-3 * pressure_dbar - 0.15 * (temperature_C - p.reference_temperature_C);
+            let water =
+                Surroundings { density_kg_m3, pressure_Pa: pressure_dbar * DBAR_PA, temperature_C, time_s: 0.0 };
             let sign = if descends { -1.0 } else { 1.0 };
             let pitch_rad = sign * (20.0 + f64::from(leg % 5) * 3.0).to_radians();
             let ballast_m3 = sign * 2e-4;
@@ -267,7 +276,7 @@ mod tests {
                 time_s: 15.0 * f64::from(i),
                 pressure_dbar,
                 pressure_rate_dbar_s: 0.0,
-                temperature_C: p.reference_temperature_C,
+                temperature_C,
                 density_kg_m3: density_kg_m3 - bias_kg_m3,
                 teos10_density_kg_m3: density_kg_m3,
                 teos10_surface_density_kg_m3: 1025.0,
@@ -293,6 +302,26 @@ mod tests {
             });
         }
         observations
+    }
+
+    /// 8 K above the reference at the surface, 4 K below it at 170 dbar: 7e-5 1/K are 42 g of buoyancy, of which the log says nothing.
+    #[test]
+    fn a_log_without_temperature_names_no_offset_that_its_temperature_makes() {
+        let slocum = Vehicle::load("slocum-049").expect("a vehicle").glide_parameters();
+        let truth = Parameters { hull_thermal_expansion_per_K: 7e-5, ..slocum };
+        let warm = |pressure_dbar: f64| truth.reference_temperature_C + 8.0 - 12.0 * pressure_dbar / 170.0;
+        let log = flight_in(&truth, 0.0, warm);
+        let diagnose = |vehicle: &Parameters<f64>, log: &[Observation]| {
+            let found = diagnose_log(vehicle, Trim::Vehicle, log, DiagnosisSettings::default());
+            found.expect("a diagnosis").outcome.diagnosis
+        };
+        let without: Vec<Observation> =
+            log.iter().map(|o| Observation { temperature_C: f64::NAN, teos10_density_kg_m3: f64::NAN, ..*o }).collect();
+        let found = diagnose(&truth, &without);
+        assert_eq!(found.verdict, Verdict::None, "{:?}", found.causes);
+        assert!(found.warnings.iter().any(|warning| warning == unknown_temperature::WARNING));
+        // A vehicle that is not known to expand has its fault named: the log does not fit it.
+        assert_ne!(diagnose(&slocum, &without).verdict, Verdict::None);
     }
 
     /// Water of 1025 to 1027 kg/m3: a glider ballasted for either end is 51 g from neutral in the mean, and neutral there.

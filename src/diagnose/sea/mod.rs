@@ -22,6 +22,7 @@ mod salinity;
 mod shear;
 mod trim;
 mod turns;
+mod unknown_temperature;
 mod vehicle_log;
 
 use crate::dynamics::empirical::ActsOn;
@@ -52,6 +53,8 @@ pub struct DiagnosisSettings {
     pub lift: Lift,
     /// Whether the trim was assumed, not stated: then it is fitted as part of the baseline, whatever mechanisms are tried.
     pub trim_is_assumed: bool,
+    /// Whether the samples' temperature is only suggested by their density: then the hull's expansion is part of the baseline.
+    pub temperature_is_suggested: bool,
     /// Which misfit is worth acting on.
     pub relevance: Relevance,
     /// Most bins; the bins are as long as that needs.
@@ -64,6 +67,7 @@ impl Default for DiagnosisSettings {
             use_speed: true,
             lift: Lift::Fitted,
             trim_is_assumed: false,
+            temperature_is_suggested: false,
             relevance: Relevance::default(),
             max_bins: 900,
         }
@@ -237,7 +241,10 @@ impl SeaProblem {
         let past = history::Columns::new(&bins, observations, parameters);
         let names: &[&str] =
             if settings.lift == Lift::Held { &["b", "c_per_rad2"] } else { &["a_per_rad", "b", "c_per_rad2"] };
-        let names = names.iter().chain(settings.trim_is_assumed.then_some(&trim::PARAMETER));
+        let names = names
+            .iter()
+            .chain(settings.trim_is_assumed.then_some(&trim::PARAMETER))
+            .chain(settings.temperature_is_suggested.then_some(&unknown_temperature::PARAMETER));
         let baseline_index: Vec<usize> = names.filter_map(|name| parameter_index(name)).collect();
         let mut baseline: Vec<_> = baseline_index.iter().map(|i| (PARAMETERS[*i].name, PARAMETERS[*i].unit)).collect();
         let shear = if past.knows_shear() {
@@ -318,6 +325,10 @@ impl SeaProblem {
         self.parts.is_quasi_steady()
     }
 
+    fn fits_expansion(&self) -> bool {
+        self.baseline.iter().any(|(name, _)| *name == unknown_temperature::PARAMETER)
+    }
+
     /// Takes what these data could show for candidates, with these jumps.
     fn look_for(&mut self, jumps: &[Jump]) {
         (self.candidates, self.shapes) = (Vec::new(), Vec::new());
@@ -333,6 +344,10 @@ impl SeaProblem {
             }
             // What an assumed trim is fitted for, another density does as well.
             if self.fits_trim() && trim::OFFSETS.contains(&candidate.name) {
+                continue;
+            }
+            // A temperature that the density suggests has no errors of its own.
+            if self.fits_expansion() && ["thermal_expansion", "thermal_lag"].contains(&candidate.name) {
                 continue;
             }
             // Beside a polar that is fitted it does what a scale of the pressure does, and stands in the group of that.

@@ -73,11 +73,20 @@ impl SeaProblem {
 /// the log, within the tolerance of ballasting, or nothing is wrong without the offset, it is no fault: nobody has said for which water
 /// it was ballasted.
 pub(super) fn report(outcome: &mut Outcome, baseline: &Parameters<f64>, observations: &[Observation]) {
+    let ballasting_kg = BALLASTING_KG_M3 * baseline.mass_kg() / SEA_WATER_KG_M3;
+    report_unless(outcome, |offset_kg| from_neutral_kg(offset_kg, baseline, observations) > ballasting_kg);
+}
+
+/// The same of an offset from a weight that was stated, and that may be off by this much as the water's temperature is not known.
+pub(super) fn report_beyond(outcome: &mut Outcome, most_kg: f64) {
+    report_unless(outcome, |offset_kg| offset_kg.abs() > most_kg);
+}
+
+fn report_unless(outcome: &mut Outcome, is_fault: impl Fn(f64) -> bool) {
     let diagnosis = &mut outcome.diagnosis;
     let Some(place) = diagnosis.causes.iter().position(|cause| cause.cause == MECHANISM) else { return };
     let Some(offset) = diagnosis.causes[place].parameters.get(PARAMETER).cloned() else { return };
-    let ballasting_kg = BALLASTING_KG_M3 * baseline.mass_kg() / SEA_WATER_KG_M3;
-    if from_neutral_kg(offset.value, baseline, observations) <= ballasting_kg || diagnosis.wrong.is_empty() {
+    if !is_fault(offset.value) || diagnosis.wrong.is_empty() {
         diagnosis.causes.remove(place);
         if diagnosis.causes.is_empty() {
             // They would stand in the place of what is no cause any more.

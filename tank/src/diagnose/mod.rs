@@ -15,6 +15,7 @@ pub mod mechanisms;
 mod model;
 mod problem;
 mod reduced;
+mod repeats;
 #[cfg(test)]
 mod tests;
 mod zero_runs;
@@ -91,7 +92,8 @@ impl Diagnoses {
         let mut data = data.clone();
         let wrong_temperature = consistency::temperatures(&mut data);
         let problem = TankProblem::new(&data, hulls, relevance);
-        let outcome = diagnose_in_full(&problem);
+        let mut outcome = diagnose_in_full(&problem);
+        repeats::add(&mut outcome, &data, &problem);
         let mut diagnoses = findings::write(&data, &problem, &outcome, hulls);
         if let Some(cause) = wrong_temperature {
             let all = diagnoses.campaign.iter_mut();

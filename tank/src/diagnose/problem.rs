@@ -169,8 +169,17 @@ impl<'a> TankProblem<'a> {
     pub fn independent_residuals(&self, residual: &DVector<f64>, sd: &[f64]) -> DVector<f64> {
         let mut rows = DMatrix::from_column_slice(residual.len(), 1, residual.as_slice());
         self.decorrelation.apply(&mut rows);
-        let own = sd.iter().zip(self.decorrelation.shared_sd()).map(|(sd, shared)| (sd * sd - shared * shared).sqrt());
-        DVector::from_iterator(residual.len(), rows.iter().zip(own).map(|(row, own)| row / own))
+        DVector::from_iterator(residual.len(), rows.iter().zip(self.own_sd(sd)).map(|(row, own)| row / own))
+    }
+
+    /// Of standard deviations of the readings the part that runs do not share.
+    pub fn own_sd(&self, sd: &[f64]) -> Vec<f64> {
+        sd.iter().zip(self.decorrelation.shared_sd()).map(|(sd, shared)| (sd * sd - shared * shared).sqrt()).collect()
+    }
+
+    /// Makes the rows of columns of readings independent.
+    pub fn make_independent(&self, columns: &mut DMatrix<f64>) {
+        self.decorrelation.apply(columns);
     }
 
     /// The values of all terms for a run at a point.

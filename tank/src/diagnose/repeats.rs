@@ -1,0 +1,195 @@
+//! Runs at one setting against the model: where their means miss it by more than they scatter about each other.
+//!
+//! The engine estimates the noise from what no curve explains. Where runs are few a misfit of no simple shape is taken for noise.
+//! Repeats know better: they scatter by the noise alone (Draper and Smith, Applied Regression Analysis, 2.1). Rows are made
+//! independent first, since the runs of one zero err together; the test is then that of ordinary least squares, of the model against one
+//! mean for each setting. Of the misfit's size the least that 95 % allow must be relevant.
+//!
+//! Knows rows and their settings; no mechanisms.
+
+use glidepolar_inference::regression::f_p_value;
+use glidepolar_inference::{Evidence, Outcome, Problem, Unexplained, Verdict, Wrong};
+use nalgebra::{DMatrix, DVector};
+
+use super::data::Data;
+use super::problem::TankProblem;
+
+/// Probability by chance, corrected for the quantities, below which a misfit that nothing explains is one: as for a curve.
+const CLEARLY_WRONG: f64 = 1e-4;
+
+/// Standard errors below the size, one-sided 95 %.
+const ONE_SIDED: f64 = 1.645;
+
+/// A column of which less than this is left beside the others says nothing more.
+const NOTHING_LEFT: f64 = 1e-6;
+
+/// Where the repeats tell of a misfit, adds it to what was said: a verdict `none` becomes `unexplained`.
+pub fn add(outcome: &mut Outcome, data: &Data, problem: &TankProblem<'_>) {
+    if outcome.diagnosis.unexplained.is_some() {
+        return;
+    }
+    let found = misfits(outcome, data, problem);
+    let Some(clearest) = found.iter().min_by(|a, b| a.p_value.total_cmp(&b.p_value)) else { return };
+    let diagnosis = &mut outcome.diagnosis;
+    let left = diagnosis.left.iter().filter(|left| left.quantity == clearest.quantity);
+    diagnosis.unexplained = Some(Unexplained {
+        quantity: clearest.quantity.clone(),
+        rms: clearest.rms,
+        depends_on: left.map(|left| left.depends_on.clone()).collect(),
+    });
+    diagnosis.verdict = if diagnosis.causes.is_empty() { Verdict::Unexplained } else { Verdict::PartlyExplained };
+    diagnosis.wrong.extend(found);
+}
+
+/// The quantities whose means miss the model with what was named.
+fn misfits(outcome: &Outcome, data: &Data, problem: &TankProblem<'_>) -> Vec<Wrong> {
+    let evidence = problem.evidence(&outcome.after.point);
+    let settings = settings(data, problem.order());
+    let of = |k: usize| misfit(outcome, problem, &evidence, &settings, k);
+    (0..evidence.quantities.len()).filter_map(of).collect()
+}
+
+fn misfit(
+    outcome: &Outcome,
+    problem: &TankProblem<'_>,
+    evidence: &Evidence,
+    settings: &[usize],
+    k: usize,
+) -> Option<Wrong> {
+    let quantity = &evidence.quantities[k];
+    let (first, n) = (quantity.rows.start, settings.len());
+    let sd = DVector::from_column_slice(&problem.own_sd(&outcome.after.sd)[quantity.rows.clone()]);
+    let scaled = |columns: &DMatrix<f64>| {
+        let mut rows = columns.rows(first, n).into_owned();
+        rows.row_iter_mut().zip(&sd).for_each(|(mut row, sd)| row /= *sd);
+        rows
+    };
+    let mut model = scaled(&evidence.baseline);
+    for member in &outcome.fitted {
+        let more = scaled(&evidence.candidates[*member]);
+        model = DMatrix::from_columns(&model.column_iter().chain(more.column_iter()).collect::<Vec<_>>());
+    }
+    let mut means = DMatrix::zeros(evidence.residual.len(), settings.iter().max()? + 1);
+    settings.iter().enumerate().for_each(|(i, setting)| means[(first + i, *setting)] = 1.0);
+    problem.make_independent(&mut means);
+    let residual = evidence.residual.rows(first, n).component_div(&sd);
+
+    let test = LackOfFit::new(&model, &scaled(&means), &residual)?;
+    let p_value = (evidence.quantities.len() as f64 * test.p_value).min(1.0);
+    // In units of the noise of a run; of the coefficient by the noise of the readings.
+    let noise = (sd.norm_squared() / n as f64).sqrt() * test.repeat_square.sqrt();
+    let limit = problem.relevance(quantity, noise);
+    (p_value < CLEARLY_WRONG && test.least_size() * noise > limit).then(|| Wrong {
+        quantity: quantity.name.to_owned(),
+        regime: "settings, by their repeats".to_owned(),
+        rms: glidepolar_inference::holdout::rms(&outcome.after.residual, quantity.rows.clone()),
+        expected_rms: noise,
+        size: test.size() * noise,
+        relevant_above: limit,
+        p_value,
+    })
+}
+
+/// For each run in this order the number of its setting: hull, angle and speed that were asked for.
+fn settings(data: &Data, order: &[usize]) -> Vec<usize> {
+    let key = |run: usize| {
+        let run = &data.runs[run];
+        let speed = run.point.nominal_speed_m_s.map(f64::to_bits);
+        (run.hull, run.point.nominal_yaw_deg.to_bits(), speed)
+    };
+    let mut known = std::collections::BTreeMap::new();
+    order
+        .iter()
+        .map(|run| {
+            let next = known.len();
+            *known.entry(key(*run)).or_insert(next)
+        })
+        .collect()
+}
+
+/// A model against one mean for each setting.
+struct LackOfFit {
+    rows: usize,
+    misfit_dof: f64,
+    /// Ratio of the mean squares.
+    ratio: f64,
+    /// Mean square of the repeats about their means.
+    repeat_square: f64,
+    p_value: f64,
+}
+
+impl LackOfFit {
+    /// Of independent rows of one variance; none without repeats, or where the model has a mean for each setting.
+    fn new(model: &DMatrix<f64>, means: &DMatrix<f64>, residual: &DVector<f64>) -> Option<LackOfFit> {
+        let mut basis: Vec<DVector<f64>> = Vec::new();
+        let mut left = residual.clone();
+        let mut take = |columns: &DMatrix<f64>, left: &mut DVector<f64>| {
+            let before = basis.len();
+            for column in columns.column_iter() {
+                let mut direction = column.into_owned();
+                let size = direction.norm();
+                // Twice is enough (Giraud, Langou and Rozloznik 2005).
+                for _ in 0..2 {
+                    basis.iter().for_each(|known| direction.axpy(-known.dot(&direction), known, 1.0));
+                }
+                if direction.norm() > NOTHING_LEFT * size && basis.len() < residual.len() {
+                    direction.normalize_mut();
+                    left.axpy(-direction.dot(left), &direction, 1.0);
+                    basis.push(direction);
+                }
+            }
+            basis.len() - before
+        };
+        let of_model = take(model, &mut left);
+        let beside_model = left.norm_squared();
+        let misfit_dof = take(means, &mut left);
+        let repeat_dof = residual.len() - of_model - misfit_dof;
+        if misfit_dof == 0 || repeat_dof == 0 {
+            return None;
+        }
+        let [misfit_dof, repeat_dof] = [misfit_dof, repeat_dof].map(|dof| dof as f64);
+        let repeat_square = left.norm_squared() / repeat_dof;
+        let ratio = (beside_model - left.norm_squared()).max(0.0) / misfit_dof / repeat_square;
+        let p_value = f_p_value(ratio, misfit_dof, repeat_dof);
+        Some(LackOfFit { rows: residual.len(), misfit_dof, ratio, repeat_square, p_value })
+    }
+
+    /// Rms of the misfit over the rows in units of the repeats' scatter, the share of the noise removed.
+    fn size(&self) -> f64 {
+        (self.excess().max(0.0) / self.rows as f64).sqrt()
+    }
+
+    /// The same less what chance may have added: the excess has about the variance of a noncentral chi-square, `2 (dof + 2 excess)`.
+    fn least_size(&self) -> f64 {
+        let excess = self.excess().max(0.0);
+        let least = excess - ONE_SIDED * (2.0 * (self.misfit_dof + 2.0 * excess)).sqrt();
+        (least.max(0.0) / self.rows as f64).sqrt()
+    }
+
+    fn excess(&self) -> f64 {
+        (self.ratio - 1.0) * self.misfit_dof
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A textbook's figures: Draper and Smith's steps by hand. Straight line through (1; 1, 3), (2; 2, 4), (3; 8, 10).
+    #[test]
+    fn a_straight_line_against_the_means_of_its_repeats() {
+        let x = [1.0, 1.0, 2.0, 2.0, 3.0, 3.0];
+        let y = DVector::from_row_slice(&[1.0, 3.0, 2.0, 4.0, 8.0, 10.0]);
+        let model = DMatrix::from_fn(6, 2, |i, j| if j == 0 { 1.0 } else { x[i] });
+        let means = DMatrix::from_fn(6, 3, |i, j| f64::from(u8::from(i / 2 == j)));
+        let test = LackOfFit::new(&model, &means, &y).expect("repeats");
+        // Means 2, 3, 9; line -7/3 + 3.5 x has 7/6, 14/3, 49/6: misfit 2 (25/36 + 100/36 + 25/36) = 25/3; pure error 6 on 3.
+        assert!((test.repeat_square - 2.0).abs() < 1e-12);
+        assert!((test.ratio - 25.0 / 6.0).abs() < 1e-12, "{}", test.ratio);
+        // F on 1 and 3: t on 3 squared, P(|t| > s) = 1 - 2/pi (atan(u) + u/(1 + u^2)), u = s/sqrt 3.
+        let u = (test.ratio / 3.0).sqrt();
+        let expected = 1.0 - 2.0 / std::f64::consts::PI * (u.atan() + u / (1.0 + u * u));
+        assert!((test.p_value - expected).abs() < 1e-9, "{} against {expected}", test.p_value);
+        assert!(LackOfFit::new(&means, &means, &y).is_none());
+    }
+}
