@@ -107,9 +107,11 @@ const PIECE_ROWS: usize = 50_000;
 
 /// What a log is prepared by that is flown with this vehicle.
 pub fn settings(vehicle: &Vehicle, density_kg_m3: Option<f64>) -> PreparationSettings {
+    let parameters = vehicle.glide_parameters();
     PreparationSettings {
         density_kg_m3,
-        gravity_m_s2: vehicle.glide_parameters().gravity_m_s2,
+        gravity_m_s2: parameters.gravity_m_s2,
+        needs_temperature: parameters.hull_thermal_expansion_per_K != 0.0,
         ..PreparationSettings::default()
     }
 }

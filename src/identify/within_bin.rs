@@ -274,7 +274,7 @@ fn around(samples: &[Observation], i: usize) -> &[Observation] {
 }
 
 /// Density as a hull feels it that yields to pressure itself.
-fn felt_density_kg_m3(o: &Observation) -> f64 {
+pub(crate) fn felt_density_kg_m3(o: &Observation) -> f64 {
     o.density_kg_m3 / (1.0 + USUAL_COMPRESSIBILITY_PER_PA * DBAR_PA * o.pressure_dbar)
 }
 

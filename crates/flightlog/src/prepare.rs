@@ -195,6 +195,7 @@ impl Preparation {
             return;
         }
         self.fill_slow_channels(&mut log);
+        let has_temperature = self.has_temperature(&mut log);
         let water = teos10(&log);
         let density = density_kg_m3(&log, &water, &s);
         let pressure = log.column(Channel::Pressure);
@@ -208,6 +209,7 @@ impl Preparation {
         self.counters.stretch += 1;
 
         let (mut dropped, turns_before) = (0, self.turns_only.len());
+        let mut without_temperature = 0;
         let on_legs: usize = legs.iter().map(|leg| leg.end - leg.first).sum();
         let with_motors =
             legs.iter().map(|leg| moving[leg.first..leg.end].iter().filter(|m| **m).count()).sum::<usize>();
@@ -236,6 +238,8 @@ impl Preparation {
                 }
                 let under_way = (pitch_rad < 0.0) == leg.descends && (sink_m_s > 0.0) == leg.descends;
                 let is_clear = time[i] - start_s >= s.after_turn_s && end_s - time[i] >= s.before_turn_s;
+                let temperature_C = log.at(Channel::Temperature, i);
+                without_temperature += usize::from(is_usable && !has_temperature[i]);
                 let battery = log.at(Channel::BatteryPosition, i);
                 // A Seaglider counts its pitch mass positive nose up, that is aft.
                 let battery_forward_m = if battery.is_finite() { battery } else { -log.at(Channel::PitchMass, i) };
@@ -243,7 +247,7 @@ impl Preparation {
                     time_s: time[i] - self.first_time_s,
                     pressure_dbar: pressure[i],
                     pressure_rate_dbar_s: velocity.rate_dbar_s[i],
-                    temperature_C: log.at(Channel::Temperature, i),
+                    temperature_C,
                     density_kg_m3: density[i],
                     teos10_density_kg_m3: water[i][0],
                     teos10_surface_density_kg_m3: water[i][1],
@@ -265,15 +269,37 @@ impl Preparation {
                     stretch,
                     motor_moving: log.at(Channel::MotorMoving, i) > 0.5,
                     since_move_s: log.at(Channel::SinceMove, i),
-                    steady: is_usable && under_way && is_clear && !moving[i] && pressure[i] > s.surface_dbar,
+                    steady: is_usable
+                        && has_temperature[i]
+                        && under_way
+                        && is_clear
+                        && !moving[i]
+                        && pressure[i] > s.surface_dbar,
                 };
                 if is_usable { &mut *out } else { &mut self.turns_only }.push(observation);
             }
             self.counters.leg += 1;
         }
         self.notes.add("rows on a leg without pitch, ballast volume, density or vertical velocity, left out", dropped);
+        self.notes.add(
+            "rows without temperature, of a hull that expands with it: not compared with a steady glide",
+            without_temperature,
+        );
         let turns = self.turns_only.len() - turns_before;
         self.notes.add("of these rows, with heading and pitch: used for turn rates alone", turns);
+    }
+
+    /// In which rows the temperature that a hull feels is known. In a stretch without any the vehicle's reference stands for it; in a
+    /// single row the reference would be off by all of the difference. What lies between known ones is drawn straight, so that the speed
+    /// can be followed through it.
+    fn has_temperature(&self, log: &mut FlightLog) -> Vec<bool> {
+        let is_known: Vec<bool> = log.column(Channel::Temperature).iter().map(|value| value.is_finite()).collect();
+        if !self.settings.needs_temperature || !is_known.contains(&true) {
+            return vec![true; log.len()];
+        }
+        let time = log.column(Channel::Time).to_vec();
+        fill(&time, log.column_mut(Channel::Temperature), f64::INFINITY);
+        is_known
     }
 
     fn fill_slow_channels(&self, log: &mut FlightLog) {

@@ -7,6 +7,8 @@ pub struct PreparationSettings {
     pub density_kg_m3: Option<f64>,
     /// Acceleration of gravity \[m/s2\].
     pub gravity_m_s2: f64,
+    /// Whether the hull expands with temperature: then a sample without one is no steady glide to be compared, where others have one.
+    pub needs_temperature: bool,
     /// Half window of the filter for vertical velocity \[s\].
     pub half_window_s: f64,
     /// Least height of a leg \[dbar\].
@@ -31,6 +33,7 @@ impl Default for PreparationSettings {
         PreparationSettings {
             density_kg_m3: None,
             gravity_m_s2: 9.81,
+            needs_temperature: false,
             half_window_s: 4.0,
             least_leg_dbar: 4.0,
             surface_dbar: 5.0,

@@ -212,9 +212,8 @@ fn the_window_of_a_velocity_has_the_moments_of_its_weights() {
     // A rate that grows evenly is met at the middle of the window, whatever the spacing.
     let grows: Vec<f64> = sparse.iter().map(|t| 0.5e-3 * t * t).collect();
     let found = vertical_velocity(&sparse, &grows, 4.0);
-    for i in 1..4 {
-        let middle = sparse[i] + 0.5 * (found.window_s[i][0] + found.window_s[i][1]);
-        assert!((found.rate_dbar_s[i] - 1e-3 * middle).abs() < 1e-12);
+    for ((time_s, [from, to]), rate) in sparse.iter().zip(&found.window_s).zip(&found.rate_dbar_s).skip(1).take(3) {
+        assert!((rate - 1e-3 * (time_s + 0.5 * (from + to))).abs() < 1e-12);
     }
     let dense: Vec<f64> = (0..2000).map(|i| f64::from(i) * 0.01).collect();
     let [from, to] = vertical_velocity(&dense, &[0.0; 2000], 4.0).window_s[1000];

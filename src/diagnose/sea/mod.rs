@@ -226,7 +226,9 @@ impl SeaProblem {
         for bin in &mut bins {
             let smoothed = &pitch_variance[bin.first..bin.first + bin.samples];
             model::add_pitch_error(bin, attitude::variance_of_mean(smoothed, read_variance).sqrt());
-            model::add_weighing_error(parameters, bin);
+            let with_neighbours = around(&usable, bin);
+            let sampling_kg = model::sampling_error_kg(parameters, &usable[with_neighbours]);
+            model::add_mass_error(parameters, bin, model::WEIGHING_ERROR_KG.hypot(sampling_kg));
         }
         if bins.len() < MIN_BINS {
             return Err(SeaError::TooFew { found: bins.len() });
@@ -528,6 +530,14 @@ fn take_rate_of_leg(usable: &mut [Observation]) {
             .fold((0.0, 0.0), |(sum, n), rate| (sum + rate, n + 1.0));
         leg.iter_mut().for_each(|o| o.pressure_rate_dbar_s = sum / n);
     }
+}
+
+/// The samples of a bin, and the one before and after of the same leg.
+fn around(samples: &[Observation], bin: &Bin) -> std::ops::Range<usize> {
+    let end = bin.first + bin.samples;
+    let is_alike = |i: usize| samples.get(i).is_some_and(|o| o.leg == bin.mean.leg);
+    let first = if bin.first > 0 && is_alike(bin.first - 1) { bin.first - 1 } else { bin.first };
+    first..if is_alike(end) { end + 1 } else { end }
 }
 
 fn is_usable(o: &Observation) -> bool {

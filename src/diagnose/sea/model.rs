@@ -5,7 +5,8 @@ use num_dual::{Derivative, DualSVec64};
 
 use crate::dynamics::{Parameters, parameter_index};
 use crate::glide::SteadyGlider;
-use crate::identify::{Bin, Inside, median_step_s};
+use crate::identify::{Bin, Inside, felt_density_kg_m3, median_step_s};
+use crate::log::Observation;
 
 /// Parameters that are varied in one pass; more take another pass.
 const DIRECTIONS_OF_A_PASS: usize = 24;
@@ -171,11 +172,26 @@ pub fn steady(parameters: &Parameters<f64>, bins: &[Bin]) -> Vec<bool> {
 
 /// Adds to the errors of a bin what the uncertainty of its net mass makes of them. By the balance along the path,
 /// `dw/dm = g sin xi w / (2 D)`: it grows without bound towards neutral.
-pub fn add_weighing_error(parameters: &Parameters<f64>, bin: &mut Bin) {
+pub fn add_mass_error(parameters: &Parameters<f64>, bin: &mut Bin, error_kg: f64) {
     let sin = path_rad(bin).sin();
     let per_kg = parameters.gravity_m_s2 * sin * bin.mean.sink_m_s.abs() / (2.0 * drag_N(parameters, bin));
-    bin.sink_sd_m_s = bin.sink_sd_m_s.hypot(per_kg * WEIGHING_ERROR_KG);
-    bin.speed_sd_m_s = bin.speed_sd_m_s.hypot(per_kg * WEIGHING_ERROR_KG / sin);
+    bin.sink_sd_m_s = bin.sink_sd_m_s.hypot(per_kg * error_kg);
+    bin.speed_sd_m_s = bin.speed_sd_m_s.hypot(per_kg * error_kg / sin);
+}
+
+/// Error of a glider's mean net mass over these samples as the water between two of them is not known \[kg\].
+///
+/// Where the density changes by `drho` within a step of `h`, it may do so at once and at any moment: the mean over the step is known
+/// to `drho / sqrt 12`. The vertical velocity of the first and the last sample reaches into the steps beside them: give one sample more at each end.
+pub fn sampling_error_kg(parameters: &Parameters<f64>, samples: &[Observation]) -> f64 {
+    let (mut square, mut lasts_s) = (0.0, 0.0);
+    for pair in samples.windows(2) {
+        let step_s = pair[1].time_s - pair[0].time_s;
+        square += ((felt_density_kg_m3(&pair[1]) - felt_density_kg_m3(&pair[0])) * step_s).powi(2) / 12.0;
+        lasts_s += step_s;
+    }
+    let volume_m3 = parameters.mass_kg() / samples.first().map_or(f64::INFINITY, |o| o.density_kg_m3);
+    if lasts_s > 0.0 { volume_m3 * square.sqrt() / lasts_s } else { 0.0 }
 }
 
 /// Adds to the errors of a bin what the error of its mean pitch makes of them. By the balance along the path the speed goes

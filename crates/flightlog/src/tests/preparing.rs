@@ -258,3 +258,32 @@ fn rows_without_density_show_turns_and_nothing_else() {
     assert!(preparation.notes().sentences().iter().any(|note| note.contains("used for turn rates alone")));
     assert!(preparation.take_turns_only().is_empty());
 }
+
+/// A cell that is empty for longer than is drawn straight: a hull that expands would be weighed at its reference there, 47 g off in
+/// water 12 K colder.
+#[test]
+fn a_hull_that_expands_is_not_compared_where_its_temperature_is_missing() {
+    let mut log = saw_tooth(2);
+    let temperature: Vec<f64> =
+        (0..log.len()).map(|i| if (400..550).contains(&i) { f64::NAN } else { 3.0 + 1e-3 * i as f64 }).collect();
+    log.set(Channel::Temperature, temperature);
+    let prepared = |needs_temperature: bool, log: FlightLog| {
+        let settings = PreparationSettings { needs_temperature, ..PreparationSettings::default() };
+        let mut preparation = Preparation::new(settings);
+        let mut out = Vec::new();
+        preparation.push(log, &mut out);
+        preparation.finish(&mut out);
+        (out, preparation.notes().sentences())
+    };
+    let is_missing = |o: &&Observation| (400.0..550.0).contains(&o.time_s);
+    let (found, notes) = prepared(true, log.clone());
+    assert!(
+        found.iter().filter(is_missing).all(|o| !o.steady && (o.temperature_C - 3.0 - 1e-3 * o.time_s).abs() < 1e-9)
+    );
+    assert!(notes.iter().any(|note| note.starts_with("150 rows without temperature")), "{notes:?}");
+    // A hull that does not expand needs none.
+    let (found, notes) = prepared(false, log);
+    assert!(
+        found.iter().filter(is_missing).any(|o| o.steady) && !notes.iter().any(|note| note.contains("temperature"))
+    );
+}
