@@ -5,8 +5,6 @@ use crate::diagnose::evidence::Candidate;
 use crate::diagnose::findings::Verdict;
 use crate::diagnose::{Outcome, engine};
 use crate::dynamics::Parameters;
-use crate::identify::surroundings;
-use crate::log::Observation;
 use crate::mechanisms::AT_SEA;
 
 /// The parameter that a fitted trim is.
@@ -69,24 +67,13 @@ impl SeaProblem {
     }
 }
 
-/// Reports a ballast offset against a baseline that was assumed to be neutral as the trim. Where the glider is neutral in some water of
-/// the log, within the tolerance of ballasting, or nothing is wrong without the offset, it is no fault: nobody has said for which water
-/// it was ballasted.
-pub(super) fn report(outcome: &mut Outcome, baseline: &Parameters<f64>, observations: &[Observation]) {
-    let ballasting_kg = BALLASTING_KG_M3 * baseline.mass_kg() / SEA_WATER_KG_M3;
-    report_unless(outcome, |offset_kg| from_neutral_kg(offset_kg, baseline, observations) > ballasting_kg);
-}
-
-/// The same of an offset from a weight that was stated, and that may be off by this much as the water's temperature is not known.
-pub(super) fn report_beyond(outcome: &mut Outcome, most_kg: f64) {
-    report_unless(outcome, |offset_kg| offset_kg.abs() > most_kg);
-}
-
-fn report_unless(outcome: &mut Outcome, is_fault: impl Fn(f64) -> bool) {
+/// Reports a ballast offset against a baseline that was assumed, as the trim; one of no more than this, or where nothing is wrong without
+/// it, is no fault of the glider.
+pub(super) fn report(outcome: &mut Outcome, most_kg: f64) {
     let diagnosis = &mut outcome.diagnosis;
     let Some(place) = diagnosis.causes.iter().position(|cause| cause.cause == MECHANISM) else { return };
     let Some(offset) = diagnosis.causes[place].parameters.get(PARAMETER).cloned() else { return };
-    if !is_fault(offset.value) || diagnosis.wrong.is_empty() {
+    if offset.value.abs() <= most_kg || diagnosis.wrong.is_empty() {
         diagnosis.causes.remove(place);
         if diagnosis.causes.is_empty() {
             // They would stand in the place of what is no cause any more.
@@ -102,12 +89,7 @@ fn report_unless(outcome: &mut Outcome, is_fault: impl Fn(f64) -> bool) {
     diagnosis.trim = Some(offset);
 }
 
-/// By how much an offset leaves the glider from neutral at ballast volume zero, in the water of the steady samples that suits it best
-/// \[kg\]: zero where it is neutral in some of it.
-pub(super) fn from_neutral_kg(offset_kg: f64, baseline: &Parameters<f64>, observations: &[Observation]) -> f64 {
-    let steady = observations.iter().filter(|o| o.steady);
-    let net = steady.map(|o| baseline.net_mass_kg(0.0, &surroundings(baseline, o))).filter(|kg| kg.is_finite());
-    // The mean water, of which the assumption speaks, counts as well.
-    let [least, most] = net.fold([0.0, 0.0], |[least, most]: [f64; 2], kg| [least.min(kg), most.max(kg)]);
-    (-most - offset_kg).max(offset_kg + least).max(0.0)
+/// Net mass to which a glider is ballasted \[kg\].
+pub(super) fn ballasting_kg(baseline: &Parameters<f64>) -> f64 {
+    BALLASTING_KG_M3 * baseline.mass_kg() / SEA_WATER_KG_M3
 }
