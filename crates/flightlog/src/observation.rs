@@ -38,8 +38,8 @@ pub struct Observation {
     pub sink_m_s: f64,
     /// Its standard error from the noise of the pressure \[m/s\].
     pub sink_se_m_s: f64,
-    /// Between which times, counted from this sample's, it is a mean \[s\].
-    pub sink_window_s: [f64; 2],
+    /// Between which times, counted from this sample's, it is a mean \[s\]; a microsecond is enough, and a long log has many.
+    pub sink_window_s: [f32; 2],
     /// Rate of change of the downward velocity \[m/s2\].
     pub sink_rate_m_s2: f64,
     /// Measured speed through the water \[m/s\].
@@ -86,7 +86,7 @@ impl Observation {
             battery_forward_m: of(|o| o.battery_forward_m),
             sink_m_s: of(|o| o.sink_m_s),
             sink_se_m_s: of(|o| o.sink_se_m_s),
-            sink_window_s: [of(|o| o.sink_window_s[0]), of(|o| o.sink_window_s[1])],
+            sink_window_s: [of(|o| o.sink_window_s[0].into()) as f32, of(|o| o.sink_window_s[1].into()) as f32],
             sink_rate_m_s2: of(|o| o.sink_rate_m_s2),
             speed_m_s: of(|o| o.speed_m_s),
             water_met_m_s2: of(|o| o.water_met_m_s2),

@@ -260,7 +260,7 @@ impl Preparation {
                     battery_forward_m,
                     sink_m_s,
                     sink_se_m_s: velocity.se_dbar_s[i] * per_dbar,
-                    sink_window_s: velocity.window_s[i],
+                    sink_window_s: velocity.window_s[i].map(|seconds| seconds as f32),
                     sink_rate_m_s2: velocity.acceleration_dbar_s2[i] * per_dbar,
                     speed_m_s: log.at(Channel::Speed, i),
                     water_met_m_s2: met[i],

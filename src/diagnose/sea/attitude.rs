@@ -53,7 +53,7 @@ pub fn smooth(observations: &mut [Observation]) -> (Vec<f64>, f64) {
         let found = smoothed(time_s, read, ratios);
         let path = Path::new(time_s, &found);
         for (k, i) in range.clone().enumerate() {
-            observations[i].pitch_rad = path.mean(k, observations[i].sink_window_s);
+            observations[i].pitch_rad = path.mean(k, observations[i].sink_window_s.map(f64::from));
             errors[i] = found[k].variance * variance;
         }
     }
