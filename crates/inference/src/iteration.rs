@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::evidence::{Candidate, Evidence, Point, Problem};
 use super::fitted::{Fitted, side_by_side};
 use super::holdout;
+use super::relevance::ONE_SIDED;
 use super::score::{CLEARLY_WRONG, Score, chance};
 use super::smooth;
 use super::subset_search::{MARGIN, Regressor, SubsetSearch};
@@ -32,9 +33,6 @@ pub(super) struct Iteration<'a> {
     columns: DMatrix<f64>,
     prior: Vec<(f64, f64)>,
 }
-
-/// Standard errors of a one-sided interval: 95 %.
-const ONE_SIDED: f64 = 1.645;
 
 /// Share of its largest effect on any row from which on a mechanism acts on a row.
 const ACTS: f64 = 0.1;

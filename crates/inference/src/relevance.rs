@@ -8,6 +8,9 @@
 /// increases the error of a prediction by half a per cent.
 pub const SHARE_OF_SCATTER: f64 = 0.1;
 
+/// Standard errors of a one-sided interval, 95 %: of a size the least that it allows must be relevant.
+pub const ONE_SIDED: f64 = 1.645;
+
 /// Limits of relevance that a user stated, by the name of the quantity.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Relevance {

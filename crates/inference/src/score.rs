@@ -220,7 +220,7 @@ pub(crate) const SIGNIFICANT: f64 = 0.01;
 /// Probability below which a misfit is called one where nothing explains it. In worlds with nothing hidden (virtual-sea, seeds
 /// 9100 to 9249) a probability below 0.01 comes in one log of ten, one below 1e-4 in one of twenty-five: no model of the
 /// noise holds further out.
-pub(crate) const CLEARLY_WRONG: f64 = 1e-4;
+pub const CLEARLY_WRONG: f64 = 1e-4;
 
 /// Probability that chance alone explains this much.
 pub(crate) fn chance(gain: f64, df: usize) -> f64 {

@@ -8,17 +8,13 @@
 //! Knows rows and their settings; no mechanisms.
 
 use glidepolar_inference::regression::f_p_value;
+use glidepolar_inference::relevance::ONE_SIDED;
+use glidepolar_inference::score::CLEARLY_WRONG;
 use glidepolar_inference::{Evidence, Outcome, Problem, Unexplained, Verdict, Wrong};
 use nalgebra::{DMatrix, DVector};
 
 use super::data::Data;
 use super::problem::TankProblem;
-
-/// Probability by chance, corrected for the quantities, below which a misfit that nothing explains is one: as for a curve.
-const CLEARLY_WRONG: f64 = 1e-4;
-
-/// Standard errors below the size, one-sided 95 %.
-const ONE_SIDED: f64 = 1.645;
 
 /// A column of which less than this is left beside the others says nothing more.
 const NOTHING_LEFT: f64 = 1e-6;
