@@ -194,6 +194,19 @@ fn a_glide_is_steady_after_it_has_pitched_into_its_leg() {
     assert_eq!(first, Some(447.0));
 }
 
+/// The mirror of the last test: the pitch of the first leg turns over a minute before its depth does.
+#[test]
+fn a_glide_is_steady_until_it_pitches_out_of_its_leg() {
+    let mut log = saw_tooth(1);
+    let n = log.len();
+    let pitch = |i: usize| if i < 240 { -0.45 } else { (-0.45 + 0.015 * (i - 240) as f64).min(0.45) };
+    log.set(Channel::Pitch, (0..n).map(pitch).collect());
+    let (found, _) = prepared(log);
+    let last = found.iter().rfind(|o| o.leg == 0 && o.steady).map(|o| o.time_s);
+    // Within 0.05 rad of it for 3 s, less 8 s.
+    assert_eq!(last, Some(235.0));
+}
+
 #[test]
 fn a_pitch_that_drifts_along_its_leg_is_steady_all_the_same() {
     let steady = |log: FlightLog| prepared(log).0.iter().filter(|o| o.steady).count();
