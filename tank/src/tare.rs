@@ -3,7 +3,8 @@
 //! Each channel over the dynamic pressure is a short series in the sine of the drift angle; the axial force also in the
 //! logarithm of the speed, since friction does not go with its square. As many terms as the angles and speeds support, and
 //! at least what a strut has by its symmetry: an axial force that is even in the angle, a side force and a moment that go
-//! with its sine.
+//! with its sine. A strut that was tared straight ahead alone is taken to feel its drag along the flow, as a round one does,
+//! give or take as much.
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -33,6 +34,8 @@ struct Channel {
     terms: Vec<Term>,
     /// How many of them the tare runs show.
     shown: usize,
+    /// Degrees of freedom of its errors.
+    dof: f64,
     fit: Regression,
     /// What a change of force in each run does to the terms.
     response: DMatrix<f64>,
@@ -72,6 +75,12 @@ pub struct TareRun {
 /// of form, -0.25 where it is friction of a turbulent chord (the ITTC-57 line at a Reynolds number of 3e5). Even between the two,
 /// the root of the mean square is 0.25/sqrt 3.
 const FRICTION_EXPONENT: f64 = 0.144;
+/// Side force over dynamic pressure and sine of the angle of a strut that was tared straight ahead alone, over its axial force: one
+/// for a round strut, whose drag is along the flow at every angle (independence of direction), and its standard deviation, as
+/// large. A streamlined strut has more, as its lift slope is to its drag; no tare straight ahead tells.
+const SIDE_OVER_AXIAL: f64 = 1.0;
+/// A belief is a row of its own, of which the fit must not doubt more than is believed: its own variance, as a share.
+const SMALL_SHARE: f64 = 1e-6;
 /// Angles and speeds closer than this are one.
 const SAME_DEG: f64 = 0.3;
 const SAME_SPEED: f64 = 0.05;
@@ -81,15 +90,22 @@ impl Tare {
     pub fn fit(runs: &[TareRun], zero_dof: f64) -> Option<Tare> {
         let programme = Programme::new(runs);
         let reference_speed_m_s = crate::series::median(&runs.iter().map(|run| run.speed_m_s).collect::<Vec<_>>());
+        let axial_m2 = crate::series::median(&per_pressure(runs, 0));
         let channel = |index: usize| {
-            let (terms, prior) = programme.terms(index);
-            let fit = fit(index, &terms, prior, runs, reference_speed_m_s, zero_dof)?;
+            let (terms, belief) = programme.terms(index, axial_m2);
+            let fit = fit(index, &terms, belief, runs, reference_speed_m_s, zero_dof)?;
             let mut response = fit.gain.columns(0, runs.len()).into_owned();
             for (mut column, run) in response.column_iter_mut().zip(runs) {
                 column /= run.dynamic_pressure_Pa;
             }
             let root = influence::root(&fit.covariance);
-            Some(Channel { shown: terms.len() - usize::from(prior), terms, fit, response, root })
+            // What is believed of the side force outweighs what a few runs show of its level.
+            let dof = if belief.is_some_and(|belief| belief.is_shared) {
+                fit.parameter_dof[terms.len() - 1]
+            } else {
+                fit.dof as f64
+            };
+            Some(Channel { shown: terms.len() - usize::from(belief.is_some()), terms, dof, fit, response, root })
         };
         let channels = [channel(0)?, channel(1)?, channel(2)?];
         let yaw_deg = || runs.iter().map(|run| run.yaw_rad.to_degrees());
@@ -97,7 +113,7 @@ impl Tare {
         let mut warnings = Vec::new();
         match programme.angles {
             1 if programme.at_zero => warnings.push(
-                "the strut was tared straight ahead alone: its side force and yaw moment at drift angles are still in CL and CM, and an axial force that grows with the angle in CD; tare at the largest angles of the sweep as well",
+                "the strut was tared straight ahead alone: its side force at drift angles is taken to be that of a round strut, give or take as much, and intervals allow for that; what a streamlined strut has beyond it is still in CL and CM, its yaw moment in CM, and an axial force that grows with the angle in CD; tare at the largest angles of the sweep as well",
             ),
             1 => warnings.push(
                 "the strut was tared at one angle alone: its side force and yaw moment are taken to go with the sine of the angle; tare at several angles of both sides",
@@ -109,7 +125,7 @@ impl Tare {
                 "there are no more tare runs than terms of the strut's force: how far tare runs scatter is not known, and intervals take them to scatter within themselves alone; repeat a tare run",
             );
         }
-        let is_ahead_alone = programme.angles == 1 && programme.at_zero;
+        let is_ahead_alone = programme.is_ahead_alone();
         Some(Tare { channels, reference_speed_m_s, runs: runs.len(), between_deg, is_ahead_alone, warnings })
     }
 
@@ -156,7 +172,7 @@ impl Tare {
 
     /// Degrees of freedom of a channel's errors.
     pub fn dof(&self, channel: usize) -> f64 {
-        self.channels[channel].fit.dof as f64
+        self.channels[channel].dof
     }
 
     /// Parameters of a channel.
@@ -189,14 +205,15 @@ impl Programme {
         }
     }
 
-    /// The terms of one channel: what a strut must have, and more of them where two runs more than terms judge the scatter. The
-    /// last one, where so stated, has a prior.
-    fn terms(&self, channel: usize) -> (Vec<Term>, bool) {
+    /// The terms of one channel: what a strut must have, and more of them where two runs more than terms judge the scatter; and
+    /// what is believed of the last one where these runs cannot show it.
+    fn terms(&self, channel: usize, axial_m2: f64) -> (Vec<Term>, Option<Belief>) {
         let constant: Term = |_| 1.0;
         let sine: Term = |x| x.sine;
         let mut terms = match (channel, self.angles) {
             (0, _) if self.sizes >= 2 => vec![constant, |x: Argument| x.sine * x.sine],
             (0, _) => vec![constant],
+            (1, 1) if self.at_zero => vec![constant, sine],
             (_, 1) if self.at_zero => vec![constant],
             (_, 1) => vec![sine],
             _ => vec![constant, sine],
@@ -207,51 +224,84 @@ impl Programme {
         if is_shown(odd.0, &terms) {
             terms.push(odd.1);
         }
-        let has_prior = channel == 0 && !is_shown(self.speeds >= 2, &terms);
+        let side = SIDE_OVER_AXIAL * axial_m2;
+        let belief = match channel {
+            0 if !is_shown(self.speeds >= 2, &terms) => {
+                Some(Belief { value: 0.0, sd: FRICTION_EXPONENT * axial_m2.abs(), is_shared: false })
+            }
+            1 if self.is_ahead_alone() => Some(Belief { value: side, sd: side.abs(), is_shared: true }),
+            _ => None,
+        };
         if channel == 0 {
             terms.push(|x| x.log_speed);
         }
-        (terms, has_prior)
+        (terms, belief)
+    }
+
+    fn is_ahead_alone(&self) -> bool {
+        self.angles == 1 && self.at_zero
     }
 }
 
-/// Fits one channel; where the last term has a prior, a row below those of the runs states it.
+/// What is believed of a term that the runs do not show, over the dynamic pressure.
+#[derive(Debug, Clone, Copy)]
+struct Belief {
+    value: f64,
+    sd: f64,
+    /// Whether its error is apart from the scatter of the runs, which says nothing of it.
+    is_shared: bool,
+}
+
+/// Fits one channel; a row below those of the runs states what is believed of the last term.
 fn fit(
     channel: usize,
     terms: &[Term],
-    has_prior: bool,
+    belief: Option<Belief>,
     runs: &[TareRun],
     reference_speed_m_s: f64,
     zero_dof: f64,
 ) -> Option<Regression> {
     let n = runs.len();
-    let rows = n + usize::from(has_prior);
+    let rows = n + usize::from(belief.is_some());
     let argument =
         |run: &TareRun| Argument { sine: run.yaw_rad.sin(), log_speed: (run.speed_m_s / reference_speed_m_s).ln() };
-    let per_pressure = |value: f64, run: &TareRun| value / run.dynamic_pressure_Pa;
     let mut zeros = Influence::stacked(runs.iter().map(|run| &run.zero_influence), channel).on;
     for (mut row, run) in zeros.row_iter_mut().zip(runs) {
         row /= run.dynamic_pressure_Pa;
     }
-    let observed: Vec<f64> = runs.iter().map(|run| per_pressure(run.force[channel], run)).collect();
+    let mut observed = per_pressure(runs, channel);
     let mut variance = run_variance::share(
         &runs.iter().map(|run| run.variance[channel] / run.dynamic_pressure_Pa.powi(2)).collect::<Vec<_>>(),
         &runs.iter().map(|run| run.nominal_speed_m_s).collect::<Vec<_>>(),
     );
-    let usual = crate::series::median(&observed);
-    variance.extend(has_prior.then(|| (FRICTION_EXPONENT * usual).powi(2).max(f64::MIN_POSITIVE)));
+    let mut shared = vec![Shared { influence: zeros.resize_vertically(rows, 0.0), dof: zero_dof }];
+    if let Some(Belief { value, sd, is_shared }) = belief {
+        observed.push(value);
+        let own = if is_shared { SMALL_SHARE } else { 1.0 };
+        variance.push((own * sd * sd).max(f64::MIN_POSITIVE));
+        if is_shared {
+            let mut influence = DMatrix::zeros(rows, 1);
+            influence[(n, 0)] = sd;
+            shared.push(Shared { influence, dof: f64::INFINITY });
+        }
+    }
     let last = terms.len() - 1;
     let problem = Problem {
         design: DMatrix::from_fn(rows, terms.len(), |i, j| match runs.get(i) {
             Some(run) => terms[j](argument(run)),
             None => f64::from(u8::from(j == last)),
         }),
-        observed: DVector::from_fn(rows, |i, _| observed.get(i).copied().unwrap_or(0.0)),
+        observed: DVector::from_vec(observed),
         variance: DVector::from_vec(variance),
-        shared: vec![Shared { influence: zeros.resize_vertically(rows, 0.0), dof: zero_dof }],
+        shared,
     };
     let given = Scatter::Given { dof: run_variance::OWN_DOF as usize * n };
     problem.solve(if rows > terms.len() { Scatter::BetweenRuns } else { given })
+}
+
+/// A channel's force in each run over the dynamic pressure.
+fn per_pressure(runs: &[TareRun], channel: usize) -> Vec<f64> {
+    runs.iter().map(|run| run.force[channel] / run.dynamic_pressure_Pa).collect()
 }
 
 #[cfg(test)]
@@ -301,7 +351,9 @@ mod tests {
     #[test]
     fn one_tare_angle_is_used_and_what_it_leaves_open_is_said() {
         let ahead = tared_at(&[0.0]);
-        assert!((at(&ahead, 8.0) - Vector3::new(2.4, 0.0, 0.0)).norm() < 1e-9);
+        // A round strut's drag is along the flow.
+        let side = 2.4 * 8f64.to_radians().sin();
+        assert!((at(&ahead, 8.0) - Vector3::new(2.4, side, 0.0)).norm() < 1e-9);
         assert!(ahead.warnings[0].contains("straight ahead alone") && ahead.warnings[1].contains("repeat a tare run"));
         let aside = tared_at(&[-8.0, -8.0]);
         // The side force goes with the sine; of the axial force only the level at that angle is known.
@@ -319,6 +371,18 @@ mod tests {
         assert!(tare.root(2).norm() < 1e-9);
         let expected = (1e-6f64 / 4.0).sqrt() / PRESSURE_PA;
         assert!((tare.considered_root(2).norm() / expected - 1.0).abs() < 1e-6);
+    }
+
+    /// Whatever the runs scatter, the side force is believed to within its own size, with the quantile of a known variance.
+    #[test]
+    fn the_side_force_that_a_tare_straight_ahead_cannot_show_is_in_the_error() {
+        for tare in [tared_at(&[0.0]), tared_at(&[0.0; 2]), tared_at(&[0.0; 6])] {
+            let motion = Motion::straight(SPEED_M_S, 8f64.to_radians(), 0.0);
+            let gradient = tare.gradient(1, &motion, PRESSURE_PA / (0.5 * SPEED_M_S * SPEED_M_S));
+            let sd = tare.root(1).tr_mul(&gradient).norm();
+            assert!((sd / (2.4 * 8f64.to_radians().sin()) - 1.0).abs() < 1e-3, "{sd}");
+            assert!(tare.dof(1) > 1e4, "{}", tare.dof(1));
+        }
     }
 
     /// Three runs straight ahead at three speeds show no term of friction; the strut's error at other speeds is what friction allows.

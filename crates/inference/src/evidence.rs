@@ -51,6 +51,9 @@ pub struct Evidence {
     pub residual: DVector<f64>,
     /// Sensitivity of the modelled value to each baseline parameter: rows by parameters.
     pub baseline: DMatrix<f64>,
+    /// The same with no candidate at work, where that differs: whether a candidate is needed is asked of a baseline without
+    /// it. A law that multiplies one parameter tells it from another that does the same, which the baseline alone cannot.
+    pub baseline_without: Option<DMatrix<f64>>,
     /// What is believed of the baseline beforehand: for each parameter its believed value less the present one, and the
     /// standard deviation of that belief.
     pub prior: Vec<(f64, f64)>,
@@ -182,6 +185,12 @@ pub trait Problem {
     /// set aside.
     fn rows_per_column(&self) -> f64 {
         6.0
+    }
+
+    /// Standard deviation of the logarithm of the stated variances, as the least that the noise can have. Infinite where they
+    /// are no more than weights.
+    fn stated_variance_known_to(&self) -> f64 {
+        f64::INFINITY
     }
 
     /// Least advantage on held-out data, in standard errors, for a mechanism to stay.

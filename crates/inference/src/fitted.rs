@@ -394,6 +394,7 @@ pub(super) fn noises(problem: &impl Problem, evidence: &Evidence, included: &[us
             noise::estimate(
                 evidence.series(quantity),
                 Lasting::MinutesAndHours,
+                problem.stated_variance_known_to(),
                 &residual,
                 &explained.rows(rows.start, rows.len()).into_owned(),
             )

@@ -98,6 +98,7 @@ fn subset(evidence: &Evidence, kept: &[usize]) -> Evidence {
         },
         residual: DVector::zeros(0),
         baseline: DMatrix::zeros(0, 0),
+        baseline_without: None,
         prior: evidence.prior.clone(),
         candidates: Vec::new(),
         shared: DMatrix::zeros(kept.len(), 0),

@@ -70,6 +70,9 @@ impl<'a> Iteration<'a> {
     pub(super) fn new(candidates: &'a [Candidate], fitted: &'a Fitted) -> Self {
         let mut evidence = fitted.evidence.clone();
         evidence.residual = fitted.without_candidates(candidates);
+        if let Some(without) = evidence.baseline_without.take() {
+            evidence.baseline = without;
+        }
         evidence.prior.truncate(evidence.baseline.ncols());
         let mut regressors: Vec<Regressor> = Vec::new();
         let mut parts_of_all: Vec<DMatrix<f64>> = Vec::new();

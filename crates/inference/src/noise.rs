@@ -194,8 +194,15 @@ pub enum Lasting {
 }
 
 /// The noise of greatest restricted likelihood. `residual` is what the present model leaves, `explained` the
-/// sensitivities to everything that could explain it.
-pub fn estimate(series: Series<'_>, lasting: Lasting, residual: &DVector<f64>, explained: &DMatrix<f64>) -> Noise {
+/// sensitivities to everything that could explain it. `stated_known_to` is the standard deviation of the logarithm of the
+/// stated variance as the least that the white part has; infinite where the rows alone say it.
+pub fn estimate(
+    series: Series<'_>,
+    lasting: Lasting,
+    stated_known_to: f64,
+    residual: &DVector<f64>,
+    explained: &DMatrix<f64>,
+) -> Noise {
     let n = residual.len();
     let mut steps: Vec<f64> =
         series.time_s.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
@@ -204,7 +211,7 @@ pub fn estimate(series: Series<'_>, lasting: Lasting, residual: &DVector<f64>, e
     let columns = stacked(explained, residual);
 
     let white = Shape { shares: [0.0; 2], log_times: [0.0; 2] };
-    let at = |shape: &Shape| profile(series, &shape.noise(stated, step_s), &columns);
+    let at = |shape: &Shape| profile(series, &shape.noise(stated, step_s), stated_known_to, &columns);
     let Some((mut likelihood, mut scale)) = at(&white) else {
         return white.noise(stated, step_s);
     };
@@ -315,7 +322,7 @@ pub fn orthonormal(mut columns: DMatrix<f64>) -> DMatrix<f64> {
 }
 
 /// Restricted log-likelihood of a shape with its best scale, and that scale. The last column is the residual.
-fn profile(series: Series<'_>, shape: &Noise, columns: &DMatrix<f64>) -> Option<(f64, f64)> {
+fn profile(series: Series<'_>, shape: &Noise, stated_known_to: f64, columns: &DMatrix<f64>) -> Option<(f64, f64)> {
     let (n, k) = (columns.nrows(), columns.ncols() - 1);
     let mut columns = columns.clone();
     let log_determinant = whiten(series, shape, &mut columns);
@@ -326,10 +333,35 @@ fn profile(series: Series<'_>, shape: &Noise, columns: &DMatrix<f64>) -> Option<
     let log_gram = 2.0 * cholesky.l_dirty().diagonal().iter().map(|value| value.ln()).sum::<f64>();
     let free = n.checked_sub(k).filter(|free| *free > 0)? as f64;
     let squares = products[(k, k)] - explained_squares;
-    let scale = (squares / free).max(f64::MIN_POSITIVE);
+    let scale = most_likely_scale(squares, free, shape.white, stated_known_to);
+    let below = ((scale * shape.white).ln().min(0.0) / stated_known_to).powi(2);
     // The explained columns' own scale, not the noise's, so the determinant of the Gram matrix scales out.
-    let log_likelihood = -0.5 * (free * scale.ln() + log_determinant + log_gram + free);
+    let log_likelihood = -0.5 * (free * scale.ln() + squares / scale + log_determinant + log_gram + below);
     log_likelihood.is_finite().then_some((log_likelihood, scale))
+}
+
+/// The scale of greatest likelihood of a sum of squares with `free` degrees of freedom, beside the belief that the white
+/// part, `white` of the scale, is no smaller than stated. A few rows can leave next to nothing by chance; a stated variance
+/// that comes from within each row has degrees of freedom of its own.
+fn most_likely_scale(squares: f64, free: f64, white: f64, stated_known_to: f64) -> f64 {
+    let by_rows = (squares / free).max(f64::MIN_POSITIVE);
+    let start = (by_rows * white).ln();
+    if start >= 0.0 || !start.is_finite() || stated_known_to.is_infinite() {
+        return by_rows;
+    }
+    // With u = ln(scale white) the slope (squares white e^-u - free)/2 - u/sd^2 falls and is convex: Newton's steps from the
+    // left of its zero stay there.
+    let precision = stated_known_to.powi(-2);
+    let mut u = start;
+    for _ in 0..50 {
+        let of_rows = 0.5 * squares.max(f64::MIN_POSITIVE) * white * (-u).exp();
+        let step = (of_rows - 0.5 * free - precision * u) / (of_rows + precision);
+        u += step;
+        if step.abs() < 1e-9 {
+            break;
+        }
+    }
+    u.exp() / white
 }
 
 #[cfg(test)]
@@ -398,6 +430,7 @@ mod tests {
             let found = estimate(
                 Series { time_s: &time_s, stated_sd: &stated_sd, place: &[] },
                 Lasting::MinutesAndHours,
+                f64::INFINITY,
                 &residual,
                 &trend,
             );
@@ -406,5 +439,20 @@ mod tests {
         }
         assert!((sds / truth.sd(0.003) - 1.0).abs() < 0.1, "sd {sds}");
         assert!((times - 600f64.ln()).abs() < 0.5, "correlation time {}", times.exp());
+    }
+
+    #[test]
+    fn few_rows_do_not_make_a_noise_far_below_the_stated_one_and_many_do() {
+        let scale = |squares: f64, free: f64| most_likely_scale(squares, free, 1.0, 0.5);
+        // Where the slope is nought, by hand: squares/u = free + 8 ln u.
+        for (squares, free) in [(0.04, 4.0), (0.5, 10.0), (30.0, 300.0)] {
+            let found = scale(squares, free);
+            assert!((squares / found - free - 8.0 * found.ln()).abs() < 1e-6, "{squares} {free}: {found}");
+        }
+        assert!(scale(0.04, 4.0) > 0.5);
+        assert!(scale(30.0, 300.0) < 0.12);
+        // A noise that was stated too small is judged by the rows alone, and so is one that nobody vouches for.
+        assert_eq!(scale(8.0, 4.0), 2.0);
+        assert_eq!(most_likely_scale(0.04, 4.0, 1.0, f64::INFINITY), 0.01);
     }
 }

@@ -223,6 +223,6 @@ pub(crate) const SIGNIFICANT: f64 = 0.01;
 pub const CLEARLY_WRONG: f64 = 1e-4;
 
 /// Probability that chance alone explains this much.
-pub(crate) fn chance(gain: f64, df: usize) -> f64 {
+pub fn chance(gain: f64, df: usize) -> f64 {
     ChiSquared::new(df as f64).map_or(1.0, |distribution| distribution.sf(gain.max(0.0)))
 }

@@ -112,6 +112,7 @@ impl Problem for Toy {
             place: Vec::new(),
             residual,
             baseline: DMatrix::from_element(ROWS, 1, 1.0),
+            baseline_without: None,
             prior: vec![(0.0, 1e6)],
             candidates: self.columns.iter().map(|c| DMatrix::from_column_slice(ROWS, 1, c.as_slice())).collect(),
             shared: DMatrix::zeros(ROWS, 0),

@@ -220,6 +220,7 @@ impl Problem for SeaProblem {
             place: covariates::places(&row_bins),
             residual,
             baseline,
+            baseline_without: None,
             prior: self.prior(point),
             candidates,
             shared,

@@ -34,6 +34,9 @@ const RELEVANT_SHARE: f64 = 0.01;
 const PART_UNEXPLAINED: f64 = 0.1;
 /// Relative change of the size of an exact law that is never one size: the square of what is left is 4 % of the effect, as at sea.
 const LARGE_CHANGE: f64 = 0.2;
+/// Standard deviation of the logarithm of a run's variance by its own record: sqrt(2/n) with n = 8 degrees of freedom, as many as
+/// the lowest cosines have from which it is judged.
+const RECORDS_KNOWN_TO: f64 = 0.5;
 /// Standard errors by which the height of a bump of drag must be known, as at sea: one that is broader than the range of Froude
 /// numbers has any height, and is a slope.
 const HEIGHT_KNOWN: f64 = 6.0;
@@ -411,6 +414,18 @@ impl<'a> TankProblem<'a> {
         (0..self.data.runs.len()).map(|run| self.force(run)[channel].abs()).fold(f64::MIN_POSITIVE, f64::max)
     }
 
+    /// Puts the slopes of a run's row against the baseline's parameters in their places.
+    fn put_baseline(&self, columns: &mut DMatrix<f64>, row: usize, run: usize, slopes: &[f64; model::TERMS]) {
+        let common = 4 * self.data.hulls.len();
+        for j in 0..4 {
+            columns[(row, 4 * self.data.runs[run].hull + j)] = slopes[j];
+        }
+        columns[(row, common)] = slopes[Term::MomentCentre.place()];
+        for (j, term) in self.strut.iter().enumerate() {
+            columns[(row, common + 1 + j)] = slopes[term.place()];
+        }
+    }
+
     /// Residuals and sensitivities with rows whose errors are independent.
     fn independent(
         &self,
@@ -483,6 +498,11 @@ impl Problem for TankProblem<'_> {
 
     fn rows_per_column(&self) -> f64 {
         2.0
+    }
+
+    /// A run is no quieter than its own record shows.
+    fn stated_variance_known_to(&self) -> f64 {
+        RECORDS_KNOWN_TO
     }
 
     fn least_advantage(&self) -> f64 {
@@ -559,21 +579,24 @@ impl Problem for TankProblem<'_> {
         let mut baseline = DMatrix::zeros(3 * n, self.baseline.len());
         let mut candidates: Vec<DMatrix<f64>> =
             self.candidates.iter().map(|candidate| DMatrix::zeros(3 * n, candidate.neutral.len())).collect();
-        let common = 4 * self.data.hulls.len();
+        let none = self.candidates.iter().map(|candidate| candidate.neutral.clone()).collect();
+        let without = Point { baseline: point.baseline.clone(), candidates: none };
+        let is_any_at_work = without.candidates != point.candidates;
+        let mut baseline_without = is_any_at_work.then(|| baseline.clone());
         for (i, &run) in self.order.iter().enumerate() {
             let data = &self.data.runs[run];
             let reduced = model::reduced(&self.settings[run], &self.values(run, point));
+            if let Some(columns) = &mut baseline_without {
+                let reduced = model::reduced(&self.settings[run], &self.values(run, &without));
+                for (k, (_, slopes)) in reduced.iter().enumerate() {
+                    self.put_baseline(columns, k * n + i, run, slopes);
+                }
+            }
             let added = self.added(run, point);
             for (k, (value, slopes)) in reduced.iter().enumerate() {
                 let row = k * n + i;
                 residual[row] = data.point.coefficients[k] - value - added[k];
-                for j in 0..4 {
-                    baseline[(row, 4 * data.hull + j)] = slopes[j];
-                }
-                baseline[(row, common)] = slopes[Term::MomentCentre.place()];
-                for (j, term) in self.strut.iter().enumerate() {
-                    baseline[(row, common + 1 + j)] = slopes[term.place()];
-                }
+                self.put_baseline(&mut baseline, row, run, slopes);
                 for (shape, columns) in self.shapes.iter().zip(&mut candidates) {
                     for (j, parameter) in shape.mechanism().parameters.iter().enumerate() {
                         if let Some(place) = self.place_of(shape, j, run) {
@@ -600,6 +623,7 @@ impl Problem for TankProblem<'_> {
             }
         }
         let residual = self.independent(residual, &mut baseline, &mut candidates);
+        baseline_without.iter_mut().for_each(|columns| self.decorrelation.apply(columns));
         let of_run =
             |value: &dyn Fn(usize) -> f64| self.order.iter().map(|run| value(*run)).collect::<Vec<_>>().repeat(3);
         Evidence {
@@ -611,6 +635,7 @@ impl Problem for TankProblem<'_> {
             place: Vec::new(),
             residual,
             baseline,
+            baseline_without,
             prior: (0..self.baseline.len()).map(|j| (self.start[j] - point.baseline[j], self.belief[j])).collect(),
             candidates,
             // What runs share of the errors of zeros, tare and calibration is in their covariance.

@@ -5,7 +5,7 @@ use glidepolar_hull::coefficients::BalanceForce;
 
 use glidepolar_inference::Problem as _;
 
-use super::data::SteadyData;
+use super::data::{SteadyData, Tared};
 use super::model::{WAVE_TOP, WAVE_WIDTH};
 use super::*;
 use crate::virtual_tank::{Options as Tank, write_campaign};
@@ -13,9 +13,13 @@ use crate::{Options, Results, reduce_campaign};
 
 /// Three hulls of the good tank at several speeds.
 fn campaign(seed: u64) -> Results {
+    campaign_of(&["LDR8.5", "LDR10.5", "LDR12.5"], seed)
+}
+
+fn campaign_of(hulls: &[&str], seed: u64) -> Results {
     let folder = tempfile::tempdir().expect("a folder");
     let runs = folder.path().join("runs");
-    let hulls = ["LDR8.5", "LDR10.5", "LDR12.5"].map(str::to_owned).to_vec();
+    let hulls = hulls.iter().map(|hull| (*hull).to_owned()).collect();
     let tank = Tank { seed, hulls, statics_only: true, size_mb: Some(6.0), ..Tank::default() };
     write_campaign(&runs, &tank).expect("a campaign");
     reduce_campaign(&runs, &Options { range_deg: 10.0, strict: false }, &|_| ()).expect("a reduction")
@@ -183,4 +187,23 @@ fn a_slope_of_the_drag_with_speed_is_no_bump() {
     add(&mut results, |run| [0.03 * run.pressure_Pa * area * (1.0 - (speed(run) / fastest).powi(2)), 0.0, 0.0]);
     let found = diagnosed(results);
     assert!(!names(&found).contains(&"free_surface"), "{:?}", names(&found));
+}
+
+/// Beside the drag of a strut that was never tared the hull's own is hardly known, and an exponent of it is told by how the drag
+/// goes with the speed all the same.
+#[test]
+fn friction_is_found_beside_a_strut_that_was_never_tared() {
+    let mut results = campaign_of(&["LDR10.5"], 56);
+    results.steady.tared = Tared::Never;
+    let areas: Vec<f64> = results.steady.hulls.iter().map(|hull| hull.frontal_area_m2()).collect();
+    add(&mut results, |run| {
+        let exponent = -0.06;
+        let growth = (speed(run) / 2.0).powf(2.0 * exponent) - 1.0;
+        let drag_N = 0.12 * growth * run.pressure_Pa * areas[run.hull];
+        [drag_N * run.point.alpha_rad().cos(), drag_N * run.point.alpha_rad().sin(), 0.0]
+    });
+    let found = diagnosed(results);
+    assert_eq!(names(&found), ["reynolds_drag"]);
+    let size = &found.causes[0].parameters["drag_exponent"];
+    assert!(size.ci95[0] < -0.06 && -0.06 < size.ci95[1], "{size:?}");
 }
