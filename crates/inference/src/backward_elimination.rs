@@ -63,8 +63,9 @@ impl Fitted {
             self.drop_what_does_not_predict(problem, baseline);
             let had = note(self, &had, Why::PredictsNoBetter);
             self.drop_what_chance_explains(problem, baseline);
-            self.drop_what_is_hardly_known(problem, baseline);
             let had = note(self, &had, Why::ByChance);
+            self.drop_what_is_hardly_known(problem, baseline);
+            let had = note(self, &had, Why::HardlyKnown);
             refuted = refuted.or(self.drop_what_needs_other_sizes(problem, baseline));
             self.drop_what_differs_on_halves(problem, baseline);
             self.drop_what_one_leg_shows(problem, baseline);

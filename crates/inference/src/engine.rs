@@ -200,9 +200,8 @@ impl Fitted {
             |member: &usize, whys: &[Why]| dropped.iter().any(|(gone, why)| gone == member && whys.contains(why));
         // What chance or no gain on held-out data took out has no place to be filled.
         let mut asked = self.clone();
-        while let Some(place) =
-            asked.included.iter().position(|member| is_gone_for(member, &[Why::ByChance, Why::PredictsNoBetter]))
-        {
+        let says_nothing = [Why::ByChance, Why::HardlyKnown, Why::PredictsNoBetter];
+        while let Some(place) = asked.included.iter().position(|member| is_gone_for(member, &says_nothing)) {
             asked = asked.without(problem, baseline, place);
         }
         let is_refused = |member: &usize| {

@@ -142,6 +142,9 @@ pub enum Why {
     ByChance,
     /// These data cannot separate it from a named mechanism or from the baseline's own parameters.
     Equivalent,
+    /// Its size is known to so few standard errors that another law might do as well.
+    #[serde(rename = "equivalent")]
+    HardlyKnown,
 }
 
 /// The size of a mechanism on one half of the data.

@@ -241,7 +241,7 @@ pub(super) fn rejected(
             };
             let mut remark = if !stands_in.is_empty() {
                 format!("cannot be distinguished from {} in these data", stands_in.join(", "))
-            } else if why == Why::ByChance {
+            } else if why == Why::ByChance && p_value >= SIGNIFICANT {
                 format!("explains no more than chance would beside what is named (p = {p_value:.2})")
             } else {
                 format!("explains a part (p = {p_value:.1e}), but {}", reason(why))
@@ -267,8 +267,9 @@ fn reason(why: Why) -> &'static str {
         Why::SizeVaries => "needs another size in another regime",
         Why::SizeImpossible => "needs a size that nature does not have",
         Why::SpoilsQuantity => "makes another quantity worse on held-out data",
-        Why::ByChance => "no more than chance would",
+        Why::ByChance => "by the scatter between legs or runs, or among so many, no more than chance would",
         Why::Equivalent => "others explain the same part",
+        Why::HardlyKnown => "its size is known to so few standard errors that a law that resembles it might do as well",
     }
 }
 

@@ -176,7 +176,7 @@ fn a_size_that_is_hardly_known_gets_no_name() {
         assert!(unnamed.causes.is_empty(), "seed {seed}: {:?}", unnamed.causes);
         let why: Vec<Why> =
             unnamed.rejected.iter().filter(|other| other.cause == "leak").map(|other| other.why).collect();
-        assert_eq!(why, [Why::ByChance], "seed {seed}");
+        assert_eq!(why, [Why::HardlyKnown], "seed {seed}");
     }
 }
 

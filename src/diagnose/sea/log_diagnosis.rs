@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::consistency::{self, DensityError};
 use super::empirical;
-use super::{DiagnosisSettings, SeaError, SeaProblem, trim, unknown_temperature};
+use super::{DiagnosisSettings, SeaError, SeaProblem, stated_polar, trim, unknown_temperature};
 use crate::diagnose::engine;
 use crate::diagnose::findings::{Cause, Check, Checked, Verdict};
 use crate::diagnose::holdout;
@@ -67,7 +67,15 @@ pub fn diagnose_log(
         Some(error) => Cow::Owned(consistency::corrected(observations, error, carried_kg_m3)),
     };
     let used = if temperature_is_suggested { Cow::Owned(unknown_temperature::suggested(vehicle, &used)) } else { used };
-    let (problem, baseline) = as_read(&used, assumed)?;
+    let (mut problem, baseline) = as_read(&used, assumed)?;
+    let contradicts_polar = settings.polar_se != [None; 3] && {
+        let free = problem.with_polar_errors([None; 3]);
+        let is_contradicted = stated_polar::is_contradicted(&free, settings.polar_se);
+        if is_contradicted {
+            problem = free;
+        }
+        is_contradicted
+    };
     let (problem, mut outcome) = decided(problem);
     if let Some(error) = error {
         // The density as it was read may fit no glide at all: then there is no misfit to compare with.
@@ -91,6 +99,9 @@ pub fn diagnose_log(
         let by_ballasting = if trim == Trim::Neutral { trim::ballasting_kg(&baseline) } else { 0.0 };
         let by_temperature = if temperature_is_suggested { unknown_temperature::most_kg(&baseline) } else { 0.0 };
         trim::report(&mut outcome, by_ballasting.max(by_temperature));
+    }
+    if contradicts_polar {
+        outcome.diagnosis.warnings.push(stated_polar::WARNING.to_owned());
     }
     if temperature_is_suggested {
         outcome.diagnosis.warnings.push(unknown_temperature::WARNING.to_owned());
@@ -323,6 +334,39 @@ mod tests {
         assert!(found.warnings.iter().any(|warning| warning == unknown_temperature::WARNING));
         // A vehicle that is not known to expand has its fault named: the log does not fit it.
         assert_ne!(diagnose(&slocum, &without).verdict, Verdict::None);
+    }
+
+    /// Vertical velocity alone: the lift slope is known to what the vehicle states of it, unless the log shows another polar.
+    #[test]
+    fn errors_that_the_vehicle_states_of_its_polar_are_used_unless_the_log_contradicts_them() {
+        let truth = Vehicle::load("slocum-049").expect("a vehicle").glide_parameters();
+        let log = flight(&truth, 0.0);
+        let stated = 0.01;
+        let diagnose = |vehicle: &Parameters<f64>, polar_se: [Option<f64>; 3]| {
+            let settings = DiagnosisSettings { use_speed: false, polar_se, ..DiagnosisSettings::default() };
+            diagnose_log(vehicle, Trim::Vehicle, &log, settings).expect("a diagnosis")
+        };
+        let contradicts = |found: &SeaDiagnosis| {
+            found.outcome.diagnosis.warnings.iter().any(|warning| warning == stated_polar::WARNING)
+        };
+        let se_of_a = |found: &SeaDiagnosis| {
+            let before = &found.outcome.before;
+            before.covariance[(0, 0)].sqrt() / before.point.baseline[0]
+        };
+        let (free, used) = (diagnose(&truth, [None; 3]), diagnose(&truth, [Some(stated); 3]));
+        assert!(!contradicts(&free) && !contradicts(&used));
+        assert!(
+            se_of_a(&used) < 1.01 * stated && se_of_a(&free) > 3.0 * stated,
+            "{} {}",
+            se_of_a(&used),
+            se_of_a(&free)
+        );
+        assert_eq!(used.outcome.diagnosis.verdict, Verdict::None);
+        // Twice the drag, stated to 1 %.
+        let other = Parameters { b: 2.0 * truth.b, ..truth };
+        let refuted = diagnose(&other, [Some(stated); 3]);
+        assert!(contradicts(&refuted));
+        assert_eq!(refuted.outcome.before.point, diagnose(&other, [None; 3]).outcome.before.point);
     }
 
     #[test]

@@ -20,6 +20,7 @@ mod model;
 mod problem;
 mod salinity;
 mod shear;
+mod stated_polar;
 mod trim;
 mod turns;
 mod unknown_temperature;
@@ -51,6 +52,8 @@ pub struct DiagnosisSettings {
     pub use_speed: bool,
     /// What is done about the lift slope.
     pub lift: Lift,
+    /// Standard errors of `a`, `b` and `c` as the vehicle states them, over their values; none where it states none.
+    pub polar_se: [Option<f64>; 3],
     /// Whether the trim was assumed, not stated: then it is fitted as part of the baseline, whatever mechanisms are tried.
     pub trim_is_assumed: bool,
     /// Whether the samples' temperature is only suggested by their density: then the hull's expansion is part of the baseline.
@@ -66,6 +69,7 @@ impl Default for DiagnosisSettings {
         DiagnosisSettings {
             use_speed: true,
             lift: Lift::Fitted,
+            polar_se: [None; 3],
             trim_is_assumed: false,
             temperature_is_suggested: false,
             relevance: Relevance::default(),
@@ -160,6 +164,7 @@ pub struct SeaProblem {
     with_speed: Vec<usize>,
     parameters: Parameters<f64>,
     lift: Lift,
+    polar_se: [Option<f64>; 3],
     relevance: Relevance,
     baseline: Vec<(&'static str, &'static str)>,
     baseline_index: Vec<usize>,
@@ -268,6 +273,7 @@ impl SeaProblem {
             with_speed,
             parameters: *parameters,
             lift: settings.lift,
+            polar_se: settings.polar_se,
             relevance: settings.relevance,
             baseline,
             baseline_index,

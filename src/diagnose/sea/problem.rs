@@ -231,6 +231,11 @@ impl Problem for SeaProblem {
 }
 
 impl SeaProblem {
+    /// The same problem with other standard errors of the vehicle's polar, over its values; none where nothing is stated.
+    pub(super) fn with_polar_errors(&self, polar_se: [Option<f64>; 3]) -> SeaProblem {
+        SeaProblem { polar_se, ..self.clone() }
+    }
+
     /// What the vehicle's own polar says of the polar. It keeps a baseline that lacks the true cause from running off to a polar
     /// that no hull has. What is positive is believed by its logarithm, linearised at this point: `ln(v / v0) / sd` has the slope
     /// `1 / (v sd)`.
@@ -241,7 +246,8 @@ impl SeaProblem {
             .map(|(place, (index, value))| {
                 let belief = *believed.at(*index);
                 let name = PARAMETERS[*index].name;
-                let sd_ln = PRIOR_SD_LN.iter().find(|(known, _)| *known == name).map_or(1.0, |(_, sd)| *sd);
+                let of_polar = PRIOR_SD_LN.iter().zip(self.polar_se).find(|((known, _), _)| *known == name);
+                let sd_ln = of_polar.map_or(1.0, |((_, sd), stated)| stated.map_or(*sd, |stated| stated.min(*sd)));
                 match (self.lift, name) {
                     (Lift::Known { se_per_rad }, "a_per_rad") => (belief - value, se_per_rad),
                     (_, unknown_temperature::PARAMETER) => {

@@ -1,7 +1,7 @@
 //! A log against a vehicle, as a user asks for it: what is known of the lift slope, the trim that suits the vehicle, the
 //! diagnosis, the extended vehicle. Commands, tests and benchmarks call the same functions. Knows no files.
 
-use super::{DiagnosisSettings, Lift, SeaDiagnosis, SeaError, diagnose_log};
+use super::{DiagnosisSettings, Lift, SeaDiagnosis, SeaError, diagnose_log, stated_polar};
 use crate::diagnose::{Point, Problem, Relevance};
 use crate::dynamics::parameter_index;
 use crate::identify::external_values::{built_up_lift_slope, held_lift_slope, is_any_slocum, is_fitted_better};
@@ -69,7 +69,9 @@ pub fn diagnose_vehicle(
         }
         None => Lift::Fitted,
     };
-    let settings = DiagnosisSettings { lift, relevance: request.relevance.clone(), ..DiagnosisSettings::default() };
+    let relevance = request.relevance.clone();
+    let polar_se = stated_polar::errors(&vehicle);
+    let settings = DiagnosisSettings { lift, polar_se, relevance, ..DiagnosisSettings::default() };
     let mut found = diagnose_log(&vehicle.glide_parameters(), trim, observations, settings)?;
     found.outcome.diagnosis.warnings.extend(warnings);
     found.turns = super::turns::add(&mut found.outcome.diagnosis, &vehicle, observations);
