@@ -31,9 +31,7 @@ pub fn diagnose(problem: &impl Problem) -> (Diagnosis, Point) {
 /// The diagnosis of a problem with what it rests on.
 pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
     let candidates = problem.candidates();
-    let start = problem.start();
-    let mut baseline = Fitted::new(problem, start, Vec::new());
-    baseline.converge(problem);
+    let baseline = Fitted::baseline(problem);
 
     // Mechanisms alone first: far from the truth the model bends, and a curve would take up the bend. Once they have done
     // what they can, what is left decides whether a curve was needed after all.
@@ -96,8 +94,7 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
 
 /// The baseline alone, and where it misses the data.
 pub fn baseline(problem: &impl Problem) -> (Stage, Vec<Wrong>) {
-    let mut baseline = Fitted::new(problem, problem.start(), Vec::new());
-    baseline.converge(problem);
+    let baseline = Fitted::baseline(problem);
     let wrong = wrong(problem, &baseline);
     (baseline.stage(baseline.held_out()), wrong)
 }
@@ -111,8 +108,7 @@ pub fn decided(
     nuisance: Option<usize>,
     curve: Option<String>,
 ) -> Outcome {
-    let mut baseline = Fitted::new(problem, problem.start(), Vec::new());
-    baseline.converge(problem);
+    let baseline = Fitted::baseline(problem);
     let mut present = Fitted::new(problem, point.clone(), included.to_vec());
     present.converge(problem);
     report(problem, &baseline, &present, curve, &[], nuisance)

@@ -176,6 +176,11 @@ pub trait Problem {
     /// Where to begin: the baseline as it is believed, every candidate neutral.
     fn start(&self) -> Point;
 
+    /// Other points to begin from where the fit from [`Problem::start`] ends far from what is believed.
+    fn other_starts(&self) -> Vec<Point> {
+        Vec::new()
+    }
+
     /// Of which quantity the error of a cause is reported.
     fn headline(&self) -> Headline {
         Headline::First

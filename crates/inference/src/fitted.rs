@@ -12,7 +12,7 @@ use super::findings::HalfSize;
 use super::gram::Gram;
 use super::holdout::{self, least_squares};
 use super::outcome::Stage;
-use super::score::{longest_correlation_s, whiten, whiten_with_prior};
+use super::score::{SIGNIFICANT, chance, longest_correlation_s, whiten, whiten_with_prior};
 use crate::noise::{self, Lasting, Noise};
 
 /// Steps of Gauss and Newton to one fit.
@@ -20,6 +20,9 @@ const MAX_FIT_STEPS: usize = 12;
 
 /// Alternations of fit and noise.
 const MAX_NOISE_ROUNDS: usize = 4;
+
+/// Other points from which a baseline is fitted, those first that leave least as they are.
+const MOST_STARTS: usize = 3;
 
 /// Versions of one mechanism whose traces are kept out of the noise.
 const MAX_VERSIONS_IN_NOISE: usize = 3;
@@ -59,6 +62,32 @@ impl Fitted {
         let evidence = believing(problem, problem.evidence(&point), &point, &included);
         let noises = noises(problem, &evidence, &included);
         Fitted { point, included, evidence, noises }
+    }
+
+    /// The baseline alone, fitted. A fit that ends where nobody believes it to be may have gone to a minimum of its own: then it is made
+    /// from other points as well, and the one that leaves least stands.
+    pub(super) fn baseline(problem: &impl Problem) -> Self {
+        let from = |start: Point| {
+            let mut baseline = Fitted::new(problem, start, Vec::new());
+            baseline.converge(problem);
+            baseline
+        };
+        let first = from(problem.start());
+        if first.agrees_with_beliefs() {
+            return first;
+        }
+        let start_of = |point: Point| (objective(&believing(problem, problem.evidence(&point), &point, &[])), point);
+        let mut starts: Vec<(f64, Point)> = problem.other_starts().into_iter().map(start_of).collect();
+        starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let others = starts.into_iter().take(MOST_STARTS).map(|(_, point)| from(point));
+        let left = |fitted: &Fitted| objective(&fitted.evidence);
+        others.fold(first, |best, other| if left(&other) < left(&best) { other } else { best })
+    }
+
+    /// Whether the fitted parameters, taken together, lie where they were believed to be.
+    fn agrees_with_beliefs(&self) -> bool {
+        let prior = &self.evidence.prior;
+        prior.is_empty() || chance(belief_squares(&self.evidence), prior.len()) >= SIGNIFICANT
     }
 
     /// The fit and its noise, each with the other as it is, until the sum of squares no longer falls.
@@ -422,8 +451,20 @@ pub(super) fn weighted_squares(evidence: &Evidence, noises: &[Noise]) -> f64 {
 pub(super) fn weighted(evidence: &Evidence, noises: &[Noise], values: &DVector<f64>) -> f64 {
     let mut column = DMatrix::from_column_slice(values.len(), 1, values.as_slice());
     whiten(evidence, noises, &mut column);
-    let belief: f64 = evidence.prior.iter().map(|(belief, sd)| (belief / sd).powi(2)).sum();
-    column.norm_squared() + belief
+    column.norm_squared() + belief_squares(evidence)
+}
+
+/// Less the logarithm of the likelihood of what is left with white noise of any size, and of the beliefs, up to a constant.
+fn objective(evidence: &Evidence) -> f64 {
+    let of = |quantity: &super::evidence::Quantity| {
+        quantity.rows.len() as f64 * holdout::rms(&evidence.residual, quantity.rows.clone()).ln()
+    };
+    evidence.quantities.iter().map(of).sum::<f64>() + 0.5 * belief_squares(evidence)
+}
+
+/// Squares of how far the parameters are from what is believed, in units of its standard deviations.
+fn belief_squares(evidence: &Evidence) -> f64 {
+    evidence.prior.iter().map(|(belief, sd)| (belief / sd).powi(2)).sum()
 }
 
 pub(super) fn side_by_side(rows: usize, parts: &[&DMatrix<f64>]) -> DMatrix<f64> {

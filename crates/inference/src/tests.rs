@@ -310,3 +310,66 @@ fn a_pair_that_explains_as_much_is_reported_beside_the_named_one() {
         assert!(reported, "seed {seed}: beside {named:?} no {other:?} in {:?}", found.alternatives);
     }
 }
+
+/// A toy whose baseline is the frequency of a wave: squares have a minimum of their own between any two beats.
+struct Wave {
+    toy: Toy,
+    others: Vec<f64>,
+}
+
+/// Believed and true frequency; 2.5 % of the belief is its standard deviation.
+const BELIEVED: f64 = 0.02;
+const TRUE: f64 = 0.0315;
+
+impl Wave {
+    fn of(frequency: f64, row: usize) -> [f64; 2] {
+        let (sine, cosine) = (frequency * row as f64).sin_cos();
+        [20.0 * sine, 20.0 * row as f64 * cosine]
+    }
+
+    fn at(&self, frequency: f64) -> Point {
+        Point { baseline: vec![frequency], ..self.toy.start() }
+    }
+}
+
+impl Problem for Wave {
+    fn baseline(&self) -> &[(&'static str, &'static str)] {
+        &[("frequency", "1")]
+    }
+
+    fn candidates(&self) -> &[Candidate] {
+        self.toy.candidates()
+    }
+
+    fn start(&self) -> Point {
+        self.at(BELIEVED)
+    }
+
+    fn other_starts(&self) -> Vec<Point> {
+        self.others.iter().map(|frequency| self.at(*frequency)).collect()
+    }
+
+    fn evidence(&self, point: &Point) -> Evidence {
+        let frequency = point.baseline[0];
+        let mut evidence = self.toy.evidence(&Point { baseline: vec![3.0], ..point.clone() });
+        for row in 0..ROWS {
+            let [value, slope] = Wave::of(frequency, row);
+            evidence.residual[row] -= value;
+            evidence.baseline[(row, 0)] = slope;
+        }
+        evidence.prior = vec![(BELIEVED - frequency, 0.025 * BELIEVED)];
+        evidence
+    }
+}
+
+#[test]
+fn a_fit_that_ends_far_from_what_is_believed_is_made_from_other_points() {
+    for seed in 600..610 {
+        let toy = || Toy::new(seed, |row, _| Wave::of(TRUE, row)[0]);
+        let fitted = |others: Vec<f64>| engine::baseline(&Wave { toy: toy(), others }).0.point.baseline[0];
+        let off = |frequency: f64| (frequency / TRUE - 1.0).abs();
+        assert!(off(fitted(Vec::new())) > 0.1, "seed {seed}: {}", fitted(Vec::new()));
+        let found = fitted(vec![0.025, 0.0317, 0.04]);
+        assert!(off(found) < 0.01, "seed {seed}: {found}");
+    }
+}

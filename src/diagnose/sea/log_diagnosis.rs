@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::consistency::{self, DensityError};
 use super::empirical;
-use super::{DiagnosisSettings, SeaError, SeaProblem, stated_polar, trim, unknown_temperature};
+use super::{DiagnosisSettings, Lift, SeaError, SeaProblem, stated_polar, trim, unknown_temperature};
 use crate::diagnose::engine;
 use crate::diagnose::findings::{Cause, Check, Checked, Verdict};
 use crate::diagnose::holdout;
@@ -35,6 +35,9 @@ const WATER_COMPRESSIBILITY_PER_PA: f64 = 4.4e-10;
 /// What is said of a log in which inertia does not show.
 const QUASI_STEADY: &str = "the log follows a glide without inertia better than one with it: the baseline is taken without, as a simulated log may be";
 
+/// What is said where the vehicle's lift slope lets a cause be seen.
+const SLOPE_HELD: &str = "a fitted lift slope goes far from the vehicle's and leaves something unexplained; held at the vehicle's it does not, and predicts as well: it is held";
+
 /// Diagnoses a log against a vehicle.
 ///
 /// # Errors
@@ -52,9 +55,9 @@ pub fn diagnose_log(
         return Err(SeaError::Inconsistent(checks));
     }
     let temperature_is_suggested = unknown_temperature::is_unknown(vehicle, observations);
-    let as_read = |observations: &[Observation], trim_is_assumed: bool| {
+    let as_read = |observations: &[Observation], trim_is_assumed: bool, lift: Lift| {
         let baseline = trim.baseline(vehicle, observations);
-        let settings = DiagnosisSettings { trim_is_assumed, temperature_is_suggested, ..settings.clone() };
+        let settings = DiagnosisSettings { trim_is_assumed, temperature_is_suggested, lift, ..settings.clone() };
         SeaProblem::new(observations, &baseline, settings).map(|problem| (problem, baseline))
     };
     let assumed = trim == Trim::Neutral || temperature_is_suggested;
@@ -67,19 +70,17 @@ pub fn diagnose_log(
         Some(error) => Cow::Owned(consistency::corrected(observations, error, carried_kg_m3)),
     };
     let used = if temperature_is_suggested { Cow::Owned(unknown_temperature::suggested(vehicle, &used)) } else { used };
-    let (mut problem, baseline) = as_read(&used, assumed)?;
-    let contradicts_polar = settings.polar_se != [None; 3] && {
-        let free = problem.with_polar_errors([None; 3]);
-        let is_contradicted = stated_polar::is_contradicted(&free, settings.polar_se);
-        if is_contradicted {
-            problem = free;
-        }
-        is_contradicted
+    let (problem, baseline) = as_read(&used, assumed, settings.lift)?;
+    let (problem, outcome, uses_stated_polar) = with_stated_polar(problem, settings.polar_se, decided);
+    let held = || as_read(&used, assumed, Lift::Held).ok().map(|(held, _)| decided(held));
+    let (problem, mut outcome, slope_is_held) = match is_hidden_by_a_far_slope(&problem, &outcome).then(held).flatten()
+    {
+        Some((held, of_held)) if explains_as_well(&held, &of_held, &outcome) => (held, of_held, true),
+        _ => (problem, outcome, false),
     };
-    let (problem, mut outcome) = decided(problem);
     if let Some(error) = error {
         // The density as it was read may fit no glide at all: then there is no misfit to compare with.
-        if let Ok((raw, _)) = as_read(observations, false) {
+        if let Ok((raw, _)) = as_read(observations, false, settings.lift) {
             put_before(&mut outcome, &problem, &raw);
         }
         let evidence = problem.evidence(&outcome.after.point);
@@ -100,7 +101,10 @@ pub fn diagnose_log(
         let by_temperature = if temperature_is_suggested { unknown_temperature::most_kg(&baseline) } else { 0.0 };
         trim::report(&mut outcome, by_ballasting.max(by_temperature));
     }
-    if contradicts_polar {
+    if slope_is_held {
+        outcome.diagnosis.warnings.push(SLOPE_HELD.to_owned());
+    }
+    if !uses_stated_polar {
         outcome.diagnosis.warnings.push(stated_polar::WARNING.to_owned());
     }
     if temperature_is_suggested {
@@ -115,6 +119,49 @@ pub fn diagnose_log(
     let problem = empirical::extend(problem, &mut outcome);
     let evidence = problem.evidence(&outcome.after.point);
     Ok(SeaDiagnosis { outcome, evidence, problem, baseline, turns: Vec::new() })
+}
+
+/// Whether something is wrong that no mechanism explains beside a lift slope that is far from the vehicle's: where no speed shows it, it
+/// may take up what a cause did.
+fn is_hidden_by_a_far_slope(problem: &SeaProblem, outcome: &Outcome) -> bool {
+    let is_left = matches!(outcome.diagnosis.verdict, Verdict::Unexplained | Verdict::PartlyExplained);
+    let points = [&outcome.before.point, &outcome.after.point];
+    is_left && !problem.has_speed() && points.iter().any(|point| problem.has_far_lift_slope(point))
+}
+
+/// Whether a diagnosis explains its log, and predicts held-out vertical velocity for certain no worse than another of the same log.
+fn explains_as_well(problem: &SeaProblem, outcome: &Outcome, other: &Outcome) -> bool {
+    let evidence = problem.evidence(&outcome.after.point);
+    let rows = evidence.quantities[0].rows.clone();
+    let gained = || holdout::reduction_interval(&evidence.block, rows, &outcome.after.held_out, &other.after.held_out);
+    outcome.diagnosis.verdict == Verdict::Explained
+        && outcome.after.held_out.len() == other.after.held_out.len()
+        && gained()[0] <= 0.0
+}
+
+/// Diagnoses a problem with the errors that the vehicle states of its polar; returns whether they are used.
+///
+/// A log may contradict them because the polar is another, or because of what is wrong. Where all is well with a polar of its own, or
+/// the stated one leaves something unexplained or does not stay within its errors, it is another.
+fn with_stated_polar(
+    problem: SeaProblem,
+    stated: [Option<f64>; 3],
+    decided: impl Fn(SeaProblem) -> (SeaProblem, Outcome),
+) -> (SeaProblem, Outcome, bool) {
+    let free = problem.with_polar_errors([None; 3]);
+    if stated == [None; 3] || !stated_polar::is_contradicted(&free, stated) {
+        let (problem, outcome) = decided(problem);
+        return (problem, outcome, true);
+    }
+    let (free, of_free) = decided(free);
+    if of_free.diagnosis.verdict != Verdict::None {
+        let (problem, outcome) = decided(problem);
+        let stays = stated_polar::stays_within(&problem, &outcome.after.point, stated);
+        if outcome.diagnosis.verdict == Verdict::Explained && stays {
+            return (problem, outcome, true);
+        }
+    }
+    (free, of_free, false)
 }
 
 /// Diagnoses a problem; once more, where the drag jumped, with the time of the jump looked for more closely.

@@ -418,6 +418,16 @@ impl SeaProblem {
         self.bins.len()
     }
 
+    /// Whether the lift slope of a point is far from what the vehicle says.
+    pub(super) fn has_far_lift_slope(&self, point: &Point) -> bool {
+        let mut believed = self.parameters;
+        let place = self.baseline.iter().position(|(name, _)| *name == "a_per_rad");
+        place.is_some_and(|i| {
+            let belief = *believed.at(self.baseline_index[i]);
+            belief > 0.0 && !(1.0 / FAR_FROM_BELIEF..=FAR_FROM_BELIEF).contains(&(point.baseline[i] / belief))
+        })
+    }
+
     /// What is to be doubted of the fit, in a sentence each: parameters of the baseline that lie far from what the vehicle says,
     /// `alone` or with what was `named`, and a scale of the pitch beside a lift slope that was fitted as well.
     pub fn warnings(&self, alone: &Point, named: &Point) -> Vec<String> {

@@ -29,6 +29,12 @@ const INERTIA_SHARE_SD: f64 = 1.0;
 /// that stays unexplained beside them: no sea is without.
 const PART_UNEXPLAINED: f64 = 0.1;
 
+/// Steps of the trim from which the baseline is fitted as well, to one prior standard deviation: a glider's net weight is 50 to 300 g,
+/// and may be less on a slow leg.
+const TRIM_STEP_KG: f64 = 0.02;
+/// See [`TRIM_STEP_KG`].
+const TRIM_STEPS: i32 = 10;
+
 /// Probability by chance, corrected for the number of mechanisms, above which none is named: of logs with nothing hidden
 /// one in a hundred may get a name.
 const MOST_CHANCE: f64 = 0.01;
@@ -61,6 +67,18 @@ impl Problem for SeaProblem {
                 .collect(),
             candidates: self.candidates.iter().map(|candidate| candidate.neutral.clone()).collect(),
         }
+    }
+
+    /// Where the trim was assumed the net weight may have another sign than it has.
+    fn other_starts(&self) -> Vec<Point> {
+        let start = self.start();
+        let place = self.baseline.iter().position(|(name, _)| *name == trim::PARAMETER);
+        let at = |step: i32| {
+            let mut other = start.clone();
+            other.baseline[place?] += f64::from(step) * TRIM_STEP_KG;
+            Some(other)
+        };
+        (-TRIM_STEPS..=TRIM_STEPS).filter(|step| *step != 0).filter_map(at).collect()
     }
 
     fn bends(&self) -> bool {

@@ -5,7 +5,7 @@ use glidepolar_inference::score::chance;
 use nalgebra::{DMatrix, DVector};
 
 use super::SeaProblem;
-use crate::diagnose::{Problem, engine};
+use crate::diagnose::{Point, Problem, engine};
 use crate::vehicle::Vehicle;
 
 /// The coefficients of a polar as the model names them.
@@ -29,24 +29,40 @@ pub(super) fn errors(vehicle: &Vehicle) -> [Option<f64>; 3] {
 /// Whether the polar that a log shows without them contradicts these stated errors: by the differences of the logarithms, with the
 /// covariance of the fit and of what is stated. `free` is the problem without them.
 pub(super) fn is_contradicted(free: &SeaProblem, stated: [Option<f64>; 3]) -> bool {
-    let start = free.start().baseline;
-    let places: Vec<(usize, f64)> = POLAR
-        .iter()
-        .zip(stated)
-        .filter_map(|(name, se)| Some((free.baseline().iter().position(|(known, _)| known == name)?, se?)))
-        .filter(|(place, _)| start[*place] > 0.0)
-        .collect();
-    if places.is_empty() {
-        return false;
-    }
     let (stage, _) = engine::baseline(free);
-    let fitted = &stage.point.baseline;
-    let difference = DVector::from_iterator(places.len(), places.iter().map(|(at, _)| (fitted[*at] / start[*at]).ln()));
-    let covariance = DMatrix::from_fn(places.len(), places.len(), |i, j| {
-        let ((at_i, se), (at_j, _)) = (places[i], places[j]);
-        let of_fit = stage.covariance[(at_i, at_j)] / (fitted[at_i] * fitted[at_j]);
-        if i == j { of_fit + se * se } else { of_fit }
+    let known = known(free, &stage.point, stated);
+    let covariance = DMatrix::from_fn(known.len(), known.len(), |i, j| {
+        let of_fit = stage.covariance[(known[i].place, known[j].place)] / (known[i].fitted * known[j].fitted);
+        if i == j { of_fit + known[i].se.powi(2) } else { of_fit }
     });
+    let difference = DVector::from_iterator(known.len(), known.iter().map(|one| one.difference));
     let Some(cholesky) = covariance.cholesky() else { return true };
-    chance(difference.dot(&cholesky.solve(&difference)), places.len()) < CONTRADICTED
+    !known.is_empty() && chance(difference.dot(&cholesky.solve(&difference)), known.len()) < CONTRADICTED
+}
+
+/// Whether the polar that was fitted beside what was found lies within these stated errors.
+pub(super) fn stays_within(problem: &SeaProblem, point: &Point, stated: [Option<f64>; 3]) -> bool {
+    let known = known(problem, point, stated);
+    let squares: f64 = known.iter().map(|one| (one.difference / one.se).powi(2)).sum();
+    known.is_empty() || chance(squares, known.len()) >= CONTRADICTED
+}
+
+/// A coefficient of which an error is stated.
+struct Known {
+    /// Its place in the baseline.
+    place: usize,
+    fitted: f64,
+    /// The logarithm of the fitted over the stated value, and the standard error of the stated one.
+    difference: f64,
+    se: f64,
+}
+
+fn known(problem: &SeaProblem, point: &Point, stated: [Option<f64>; 3]) -> Vec<Known> {
+    let start = problem.start().baseline;
+    let of = |(name, se): (&&str, Option<f64>)| {
+        let place = problem.baseline().iter().position(|(known, _)| known == name)?;
+        let (value, fitted) = (start[place], point.baseline[place]);
+        Some(Known { place, fitted, difference: (fitted / value).ln(), se: se? }).filter(|_| value > 0.0)
+    };
+    POLAR.iter().zip(stated).filter_map(of).collect()
 }
