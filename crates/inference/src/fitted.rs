@@ -18,6 +18,12 @@ use crate::noise::{self, Lasting, Noise};
 /// Steps of Gauss and Newton to one fit.
 const MAX_FIT_STEPS: usize = 12;
 
+/// Times that a quicker problem's steps come first.
+const MAX_QUICK_ROUNDS: usize = 4;
+
+/// Fall of the weighted sum of squares that ends a fit.
+const LEAST_FALL: f64 = 1e-3;
+
 /// Alternations of fit and noise.
 const MAX_NOISE_ROUNDS: usize = 4;
 
@@ -92,8 +98,9 @@ impl Fitted {
 
     /// The fit and its noise, each with the other as it is, until the sum of squares no longer falls.
     pub(super) fn converge(&mut self, problem: &impl Problem) {
+        let mut quicker = None;
         for _ in 0..MAX_NOISE_ROUNDS {
-            let moved = self.descend(problem);
+            let moved = self.descend_about(problem, &mut quicker);
             self.noises = noises(problem, &self.evidence, &self.included);
             if moved < 1e-2 {
                 return;
@@ -101,13 +108,51 @@ impl Fitted {
         }
     }
 
+    /// Gauss and Newton's steps, until the weighted sum of squares no longer falls; returns by how much it fell.
+    pub(super) fn descend(&mut self, problem: &impl Problem) -> f64 {
+        self.descend_about(problem, &mut None)
+    }
+
+    /// The same. Where there is a quicker problem about a point, its steps come first, and what it holds fixed is taken anew behind
+    /// them: the end is that of the problem itself. `quicker` is the one about this point, if it is known; it is that behind, too.
+    fn descend_about<P: Problem>(&mut self, problem: &P, quicker: &mut Option<P>) -> f64 {
+        let mut fallen = 0.0;
+        for _ in 0..MAX_QUICK_ROUNDS {
+            *quicker = quicker.take().or_else(|| problem.for_first_search(&self.point));
+            let Some(about_here) = quicker else { break };
+            let mut trial = self.clone();
+            if trial.step(about_here) < LEAST_FALL {
+                break;
+            }
+            // Where it was taken a quicker problem is the problem itself.
+            let Some(about_there) = problem.for_first_search(&trial.point) else { break };
+            trial.evidence = believing(problem, about_there.evidence(&trial.point), &trial.point, &trial.included);
+            let fall =
+                weighted_squares(&self.evidence, &self.noises) - weighted_squares(&trial.evidence, &trial.noises);
+            // Not so where what was held fixed matters.
+            if fall < LEAST_FALL {
+                break;
+            }
+            (*self, *quicker) = (trial, Some(about_there));
+            fallen += fall;
+        }
+        let by_problem = self.step(problem);
+        if by_problem > 0.0 {
+            *quicker = None;
+        }
+        fallen + by_problem
+    }
+
     /// Gauss and Newton's steps, shortened where a whole one makes things worse; returns by how much the weighted sum of
     /// squares fell.
-    pub(super) fn descend(&mut self, problem: &impl Problem) -> f64 {
+    fn step(&mut self, problem: &impl Problem) -> f64 {
         let mut fallen = 0.0;
         for _ in 0..MAX_FIT_STEPS {
             let columns = self.columns();
             let step = solve(&self.evidence, &self.noises, &columns, &self.evidence.residual);
+            if self.promised(&columns, &step) < LEAST_FALL {
+                break;
+            }
             let before = weighted_squares(&self.evidence, &self.noises);
             let mut fall = 0.0;
             for shortening in [1.0, 0.5, 0.25, 0.1, 0.03] {
@@ -123,11 +168,22 @@ impl Fitted {
                 }
             }
             fallen += fall;
-            if fall < 1e-3 {
+            if fall < LEAST_FALL {
                 break;
             }
         }
         fallen
+    }
+
+    /// By how much a step lets the weighted sum of squares fall where the model is straight.
+    fn promised(&self, columns: &DMatrix<f64>, step: &DVector<f64>) -> f64 {
+        let k = columns.ncols();
+        let mut all = DMatrix::zeros(columns.nrows(), k + 1);
+        all.columns_mut(0, k).copy_from(columns);
+        all.column_mut(k).copy_from(&self.evidence.residual);
+        let all = whiten_with_prior(&self.evidence, &self.noises, &all, k);
+        let target = all.column(k);
+        target.norm_squared() - (target - all.columns(0, k) * step).norm_squared()
     }
 
     /// Far from the truth the model bends, and its slopes mislead: there each mechanism is fitted in full, alone, by plain

@@ -87,7 +87,7 @@ impl Problem for SeaProblem {
 
     /// Thermoclines and inertia inside the bins are nine tenths of a flight, and change what a bin reads by little.
     fn for_first_search(&self, about: &Point) -> Option<Self> {
-        Some(SeaProblem { within: Some(self.within_at(about)), ..self.clone() })
+        self.within.is_none().then(|| SeaProblem { within: Some(self.within_at(about)), ..self.clone() })
     }
 
     fn has_regimes(&self) -> bool {

@@ -7,9 +7,11 @@
 //!
 //! Knows reduced runs; no files, no pages.
 
+mod candidates;
 mod consistency;
 mod data;
 mod drift;
+mod effects;
 mod findings;
 pub mod mechanisms;
 mod model;

@@ -7,14 +7,13 @@ use glidepolar_inference::decorrelation::{Decorrelation, RunErrors};
 use glidepolar_inference::relevance::Relevance;
 use glidepolar_inference::smooth::Kind;
 use glidepolar_inference::{Candidate, Covariate, Evidence, Headline, Point, Problem, Quantity};
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::data::{Data, SteadyData, Tared, ZeroTimes};
-use super::drift::{Days, Drift};
-use super::mechanisms::{IN_TANK, Law, Mechanism, Parameter, PriorSd, Reach};
-use super::model::{self, Setting, Term, Values};
+use super::data::{Data, SteadyData, Tared};
+use super::drift::Days;
+use super::mechanisms::{Law, Mechanism};
+use super::model::{self, Setting, Term};
 use super::reduced::{run_errors, settings, start_of};
-use super::zero_runs::allowed_rates;
 use crate::hull_results::HullResults;
 use crate::series::median;
 use crate::sweep::NAMES;
@@ -40,35 +39,25 @@ const RECORDS_KNOWN_TO: f64 = 0.5;
 /// Standard errors by which the height of a bump of drag must be known, as at sea: one that is broader than the range of Froude
 /// numbers has any height, and is a slope.
 const HEIGHT_KNOWN: f64 = 6.0;
-/// A run is not its own predecessor \[s\].
-const SAME_TIME_S: f64 = 1.0;
-/// Fewest different speeds, and fewest different Froude numbers, of which a bump of drag is no mere slope. Two speeds do not
-/// contradict any law of the speed.
-const FEWEST_SPEEDS: usize = 3;
-const FEWEST_FROUDE: usize = 5;
-/// Speeds closer than this are one \[1\].
-const SAME_SPEED: f64 = 0.05;
-/// Time constants from which the search for a settling zero starts \[h\].
-const TIME_CONSTANTS_H: [f64; 4] = [0.35, 0.6, 1.0, 2.0];
 
 /// Steady runs against the model.
 pub struct TankProblem<'a> {
-    data: &'a Data,
-    relevance: &'a Relevance,
+    pub(super) data: &'a Data,
+    pub(super) relevance: &'a Relevance,
     /// Runs in the order of time: indices into the data.
-    order: Vec<usize>,
-    settings: Vec<Setting>,
-    days: Days,
-    decorrelation: Arc<Decorrelation>,
-    baseline: Vec<(&'static str, &'static str)>,
-    start: Vec<f64>,
-    belief: Vec<f64>,
-    candidates: Vec<Candidate>,
-    shapes: Vec<Shape>,
+    pub(super) order: Vec<usize>,
+    pub(super) settings: Vec<Setting>,
+    pub(super) days: Days,
+    pub(super) decorrelation: Arc<Decorrelation>,
+    pub(super) baseline: Vec<(&'static str, &'static str)>,
+    pub(super) start: Vec<f64>,
+    pub(super) belief: Vec<f64>,
+    pub(super) candidates: Vec<Candidate>,
+    pub(super) shapes: Vec<Shape>,
     /// Terms of the strut that its tare leaves open, in the baseline.
-    strut: &'static [Term],
+    pub(super) strut: &'static [Term],
     /// For each run, what a whole share of the last load adds to CL, CD, CM.
-    before: Vec<Vector3<f64>>,
+    pub(super) before: Vec<Vector3<f64>>,
 }
 
 /// How a candidate acts.
@@ -183,247 +172,6 @@ impl<'a> TankProblem<'a> {
     /// Makes the rows of columns of readings independent.
     pub fn make_independent(&self, columns: &mut DMatrix<f64>) {
         self.decorrelation.apply(columns);
-    }
-
-    /// The values of all terms for a run at a point.
-    pub fn values(&self, run: usize, point: &Point) -> Values {
-        let mut values = model::neutral();
-        let hull = self.data.runs[run].hull;
-        values[..4].copy_from_slice(&point.baseline[4 * hull..4 * hull + 4]);
-        let common = 4 * self.data.hulls.len();
-        values[Term::MomentCentre.place()] = point.baseline[common];
-        for (i, term) in self.strut.iter().enumerate() {
-            values[term.place()] = point.baseline[common + 1 + i];
-        }
-        for (shape, sizes) in self.shapes.iter().zip(&point.candidates) {
-            for (i, parameter) in shape.mechanism().parameters.iter().enumerate() {
-                let Some(place) = self.place_of(shape, i, run) else { continue };
-                if parameter.term != Term::None && sizes[place] != parameter.neutral {
-                    values[parameter.term.place()] = sizes[place];
-                }
-            }
-        }
-        values
-    }
-
-    /// Where a candidate keeps the size that acts on a run; none where it does not.
-    fn place_of(&self, shape: &Shape, parameter: usize, run: usize) -> Option<usize> {
-        match shape {
-            Shape::All(_) => Some(parameter),
-            Shape::EachHull(m) => Some(m.parameters.len() * self.data.runs[run].hull + parameter),
-            Shape::Day(_, day) => (self.days.of_run(run) == Some(*day)).then_some(parameter),
-            Shape::Drift(..) | Shape::Before(_) | Shape::WithTare(..) => None,
-        }
-    }
-
-    /// What drifting zeros add to the coefficients of a run beside the model.
-    fn added(&self, run: usize, point: &Point) -> Vector3<f64> {
-        let mut sum = Vector3::zeros();
-        for (shape, sizes) in self.shapes.iter().zip(&point.candidates) {
-            if let Shape::Drift(_, channel) = shape
-                && sizes[0] != 0.0
-            {
-                let (net, _) = self.drift(run, *channel, sizes[1]);
-                sum += net * sizes[0];
-            }
-            if let Shape::Before(_) = shape {
-                sum += self.before[run] * sizes[0];
-            }
-            if let Shape::WithTare(_, channel) = shape {
-                sum += self.with_tare(run, *channel) * sizes[0];
-            }
-        }
-        sum
-    }
-
-    /// Effect of a zero that runs away at unit rate on a run's coefficients, and its slope against the time constant.
-    fn drift(&self, run: usize, channel: usize, time_constant_h: f64) -> (Vector3<f64>, Vector3<f64>) {
-        let data = &self.data.runs[run];
-        let drift = Drift { time_constant_h };
-        let reading = self.days.net(&drift, &data.zeros);
-        // Through the interaction, less what the tare took along.
-        let of_tare: Vec<(f64, f64)> =
-            self.data.tare_zeros.iter().map(|zeros: &ZeroTimes| self.days.net(&drift, zeros)).collect();
-        let force = [0, 1, 2].map(|to| {
-            let share = data.interaction[(to, channel)];
-            let tare = data.tare_weights[to].iter().zip(&of_tare);
-            let (by_rate, by_time) = tare.fold((0.0, 0.0), |sum, (w, t)| (sum.0 + w * t.0, sum.1 + w * t.1));
-            (share * (reading.0 - by_rate), share * (reading.1 - by_time))
-        });
-        let map = self.map(run);
-        (map * Vector3::from(force.map(|f| f.0)), map * Vector3::from(force.map(|f| f.1)))
-    }
-
-    /// Effect on a run's coefficients of a unit shift of a channel's reading in this run and in every run of the strut alone.
-    fn with_tare(&self, run: usize, channel: usize) -> Vector3<f64> {
-        let data = &self.data.runs[run];
-        let force = [0, 1, 2].map(|to| data.interaction[(to, channel)] * (1.0 - data.tare_weights[to].sum()));
-        self.map(run) * Vector3::from(force)
-    }
-
-    /// What the balance would show of the last load if it kept it whole, less what the zeros of the run took along, as CL, CD,
-    /// CM. Loads of other than steady runs are not known; a zero run leaves what was there.
-    fn loads_before(&self) -> Vec<Vector3<f64>> {
-        let readings: Vec<(f64, Vector3<f64>)> = self
-            .order
-            .iter()
-            .map(|run| {
-                // The balance carried the strut as well.
-                let force = self.force(*run) + self.data.runs[*run].strut;
-                let to_reading = self.data.runs[*run].interaction.try_inverse().unwrap_or_else(Matrix3::identity);
-                (self.data.runs[*run].zeros.time_s, to_reading * force)
-            })
-            .collect();
-        let last = |time_s: f64| {
-            // Over night a balance recovers.
-            let day = self.days.day_at(time_s);
-            let loaded = |at: f64| at < time_s - SAME_TIME_S && self.days.day_at(at) == day;
-            readings.iter().rev().find(|(at, _)| loaded(*at)).map_or(Vector3::zeros(), |(_, load)| *load)
-        };
-        (0..self.data.runs.len())
-            .map(|run| {
-                let data = &self.data.runs[run];
-                let of_zeros: Vector3<f64> =
-                    data.zeros.zeros.iter().map(|(time_s, weight)| last(*time_s) * *weight).sum();
-                self.map(run) * data.interaction * (last(data.zeros.time_s) - of_zeros)
-            })
-            .collect()
-    }
-
-    /// Force about the moment centre: AF, SF, YM.
-    fn force(&self, run: usize) -> Vector3<f64> {
-        let c = Vector3::from(self.data.runs[run].point.coefficients);
-        self.map(run).try_inverse().map_or_else(Vector3::zeros, |inverse| inverse * c)
-    }
-
-    /// AF, SF, YM about the moment centre to CL, CD, CM.
-    fn map(&self, run: usize) -> Matrix3<f64> {
-        let s = &self.settings[run];
-        let column = |axial_N: f64, side_N: f64, yaw_N_m: f64| {
-            let c = glidepolar_hull::coefficients::BalanceForce { axial_N, side_N, yaw_N_m }
-                .moved(s.mc_m, s.cb_m)
-                .in_wind_axes(s.yaw_rad)
-                .coefficients(s.pressure_Pa, s.area_m2, s.length_m);
-            Vector3::new(c.lift, c.drag, c.moment)
-        };
-        Matrix3::from_columns(&[column(1.0, 0.0, 0.0), column(0.0, 1.0, 0.0), column(0.0, 0.0, 1.0)])
-    }
-
-    fn find_candidates(&mut self) {
-        for mechanism in IN_TANK {
-            if self.why_not(mechanism).is_some() {
-                continue;
-            }
-            match mechanism.reach {
-                Reach::Campaign => {
-                    self.add(Shape::All(mechanism));
-                    // The strut's own runs are under way as well: what is at work there the tare has taken for the strut's.
-                    let is_tared = self.data.runs.iter().any(|run| !run.tare_weights[0].is_empty());
-                    if let [Parameter { term: Term::Zero(channel), .. }] = mechanism.parameters
-                        && is_tared
-                    {
-                        self.add(Shape::WithTare(mechanism, *channel));
-                    }
-                }
-                Reach::Hull => {
-                    self.add(Shape::All(mechanism));
-                    if self.data.hulls.len() > 1 {
-                        self.add(Shape::EachHull(mechanism));
-                    }
-                }
-                Reach::Day => {
-                    for day in 0..self.days.count() {
-                        if (0..self.data.runs.len()).any(|run| self.days.of_run(run) == Some(day)) {
-                            self.add(Shape::Day(mechanism, day));
-                        }
-                    }
-                }
-                Reach::Drift => (0..3).for_each(|channel| self.add(Shape::Drift(mechanism, channel))),
-                Reach::Before => self.add(Shape::Before(mechanism)),
-                Reach::Absorbed => {}
-            }
-        }
-    }
-
-    /// Why these runs cannot show a mechanism at all; none where they can.
-    pub fn why_not(&self, mechanism: &Mechanism) -> Option<&'static str> {
-        let runs = &self.data.runs;
-        let speeds: Vec<f64> = runs.iter().filter_map(|run| run.point.speed_m_s).collect();
-        let (low, high) = range(&speeds);
-        let one_speed = speeds.len() < runs.len() || high < low * (1.0 + SAME_SPEED);
-        let one_sided =
-            runs.iter().all(|run| run.point.yaw_deg > -0.5) || runs.iter().all(|run| run.point.yaw_deg < 0.5);
-        match mechanism.name {
-            "reynolds_drag" if one_speed => Some("all runs were made at one speed, and b absorbs it"),
-            "axial_force_zero" if one_speed => Some("all runs were made at one speed, and b absorbs it"),
-            "free_surface" if speeds.len() < runs.len() => Some("the speeds are not known"),
-            "free_surface" if self.distinct_froude() < FEWEST_FROUDE || distinct_speeds(&speeds) < FEWEST_SPEEDS => {
-                Some("too few speeds and lengths of hull: it is a slope with Reynolds number as well")
-            }
-            "wall_interference" if one_sided => Some("only one side was towed"),
-            "balance_hysteresis" if !self.data.is_raw => Some("the points came reduced, without their order"),
-            "balance_hysteresis" if !self.data.in_time => Some("the runs do not say when they were made"),
-            "zero_drift" if !self.data.is_raw => Some("the points came reduced, without their zeros"),
-            "zero_drift" if !self.data.in_time => Some("the runs do not say when they were made"),
-            "water_temperature" if self.days.count() < 2 => Some("all runs were made on one day"),
-            "port_starboard_asymmetry" | "interaction" if one_sided => Some("only one side was towed"),
-            _ => None,
-        }
-    }
-
-    fn distinct_froude(&self) -> usize {
-        distinct_speeds(&self.settings.iter().filter_map(|setting| setting.froude).collect::<Vec<_>>())
-    }
-
-    fn add(&mut self, shape: Shape) {
-        let mechanism = shape.mechanism();
-        let prior_sd = |parameter: &Parameter| match parameter.prior_sd {
-            PriorSd::Is(prior_sd) => prior_sd,
-            PriorSd::ShareOfChannel(channel, share) => share * self.largest(channel),
-        };
-        let copies = if matches!(shape, Shape::EachHull(_)) { self.data.hulls.len() } else { 1 };
-        let parameters: Vec<&Parameter> = (0..copies).flat_map(|_| mechanism.parameters).collect();
-        let mut candidate = Candidate {
-            name: mechanism.name,
-            parameters: parameters.iter().map(|p| (p.name, p.unit)).collect(),
-            neutral: parameters.iter().map(|p| p.neutral).collect(),
-            prior_sd: parameters.iter().map(|p| prior_sd(p)).collect(),
-            bounds: parameters.iter().map(|p| p.bounds).collect(),
-            least: f64::NEG_INFINITY,
-            shown: None,
-            version: None,
-        };
-        if let Shape::Drift(_, channel) = shape {
-            candidate.prior_sd[0] = 0.1 * self.largest(channel);
-            if let Some(allowed) = allowed_rates(self.data, &self.days, channel, &TIME_CONSTANTS_H) {
-                candidate.bounds[0] = allowed;
-            }
-            for time_constant_h in TIME_CONSTANTS_H {
-                candidate.neutral[1] = time_constant_h;
-                self.candidates.push(candidate.clone());
-                self.shapes.push(shape.clone());
-            }
-        } else {
-            self.candidates.push(candidate);
-            self.shapes.push(shape);
-        }
-    }
-
-    /// Largest magnitude of a channel's force about the moment centre.
-    fn largest(&self, channel: usize) -> f64 {
-        (0..self.data.runs.len()).map(|run| self.force(run)[channel].abs()).fold(f64::MIN_POSITIVE, f64::max)
-    }
-
-    /// Puts the slopes of a run's row against the baseline's parameters in their places.
-    fn put_baseline(&self, columns: &mut DMatrix<f64>, row: usize, run: usize, slopes: &[f64; model::TERMS]) {
-        let common = 4 * self.data.hulls.len();
-        for j in 0..4 {
-            columns[(row, 4 * self.data.runs[run].hull + j)] = slopes[j];
-        }
-        columns[(row, common)] = slopes[Term::MomentCentre.place()];
-        for (j, term) in self.strut.iter().enumerate() {
-            columns[(row, common + 1 + j)] = slopes[term.place()];
-        }
     }
 
     /// Residuals and sensitivities with rows whose errors are independent.
@@ -546,10 +294,9 @@ impl Problem for TankProblem<'_> {
     /// At two speeds the drag's dependence on speed is one number, which a zero, a transition and waves explain alike. Friction
     /// has its exponent by theory. What a tare leaves of a zero in its own runs is such a number in every channel.
     fn is_tested(&self, candidate: usize) -> bool {
-        let speeds: Vec<f64> = self.data.runs.iter().filter_map(|run| run.point.speed_m_s).collect();
         let shape = &self.shapes[candidate];
         let needs_three = shape.mechanism().name == "axial_force_zero" || matches!(shape, Shape::WithTare(..));
-        !needs_three || distinct_speeds(&speeds) >= FEWEST_SPEEDS
+        !needs_three || self.shows_laws_of_speed()
     }
 
     /// The fit in full may go where the slopes did not, beyond a bound. Walls speed the water up past a model across the tank: at
@@ -644,12 +391,4 @@ impl Problem for TankProblem<'_> {
             decorrelation: Some(Arc::clone(&self.decorrelation)),
         }
     }
-}
-
-fn distinct_speeds(speeds: &[f64]) -> usize {
-    crate::series::distinct(speeds.iter().copied(), |a, b| (a / b - 1.0).abs() < SAME_SPEED)
-}
-
-fn range(values: &[f64]) -> (f64, f64) {
-    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
 }
