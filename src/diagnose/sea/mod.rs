@@ -12,6 +12,7 @@ mod candidates;
 pub mod consistency;
 mod covariates;
 mod empirical;
+mod far_fits;
 mod flown;
 mod history;
 mod jumps;
@@ -19,6 +20,7 @@ mod log_diagnosis;
 mod model;
 mod problem;
 mod salinity;
+mod settings;
 mod shear;
 mod stated_polar;
 mod trim;
@@ -33,74 +35,20 @@ use crate::log::Observation;
 
 use super::engine;
 use super::evidence::{Candidate, Evidence, Point, Problem as _};
-use super::findings::{Check, Checked};
 use super::holdout;
 use super::outcome::Outcome;
 use super::relevance::Relevance;
-use crate::identify::unknown_shear::DIFFERENCE_M_S;
 use jumps::Jump;
 pub use log_diagnosis::{SeaDiagnosis, diagnose_log};
 use model::Directions;
 use nalgebra::DVector;
+pub use settings::{DiagnosisSettings, Lift, SeaError};
 use shear::UnknownShear;
 pub use vehicle_log::{LiftSlope, Request, VehicleLogError, diagnose_vehicle, extended};
-
-/// What is fitted to which data.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DiagnosisSettings {
-    /// Whether measured speed is used where there is any.
-    pub use_speed: bool,
-    /// What is done about the lift slope.
-    pub lift: Lift,
-    /// Standard errors of `a`, `b` and `c` as the vehicle states them, over their values; none where it states none.
-    pub polar_se: [Option<f64>; 3],
-    /// Whether the trim was assumed, not stated: then it is fitted as part of the baseline, whatever mechanisms are tried.
-    pub trim_is_assumed: bool,
-    /// Whether the samples' temperature is only suggested by their density: then the hull's expansion is part of the baseline.
-    pub temperature_is_suggested: bool,
-    /// Which misfit is worth acting on.
-    pub relevance: Relevance,
-    /// Most bins; the bins are as long as that needs.
-    pub max_bins: usize,
-}
-
-impl Default for DiagnosisSettings {
-    fn default() -> Self {
-        DiagnosisSettings {
-            use_speed: true,
-            lift: Lift::Fitted,
-            polar_se: [None; 3],
-            trim_is_assumed: false,
-            temperature_is_suggested: false,
-            relevance: Relevance::default(),
-            max_bins: 900,
-        }
-    }
-}
-
-/// What is done about the lift slope.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Lift {
-    /// It is fitted. Without measured speed the data hardly see it, and the belief in the vehicle's value decides.
-    Fitted,
-    /// It is fitted, the vehicle's value being known from outside with this standard error \[1/rad\].
-    Known {
-        /// The standard error.
-        se_per_rad: f64,
-    },
-    /// It is held at the vehicle's value.
-    Held,
-}
 
 /// The share of its inertia with which the glider follows its forces, and its unit: 1 by the vehicle's masses, 0 in a log that
 /// was simulated from steady glides.
 const INERTIA_SHARE: (&str, &str) = ("inertia_share", "1");
-
-/// Ratio of a fitted coefficient of the polar to the vehicle's, or the reverse, from which on a warning is due.
-const FAR_FROM_BELIEF: f64 = 3.0;
-
-/// What to do where a lift slope runs away, or a scale of the pitch stands beside it.
-const PITCH_OR_LIFT: &str = "a lift slope and a scale of the pitch cannot be distinguished by vertical velocity and speed: hold the slope at an outside value (--pin-lift=A)";
 
 /// Prior standard deviations that a mechanism's size may lie from neutral: what needs more than three standard deviations of what is believed
 /// resembles it only.
@@ -118,39 +66,6 @@ const MIN_SAMPLES: usize = 3;
 
 /// Fewest bins of a quantity from which a diagnosis is tried.
 const MIN_BINS: usize = 12;
-
-/// Why there is no diagnosis.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum SeaError {
-    /// Too little steady glide in the log, whatever the vehicle.
-    #[error(
-        "too little steady glide: {found} stretches, at least {MIN_BINS} are needed; {steady} of its {samples} samples are steady glide, away from the surface, from turns and from moves of a motor, with pitch, ballast volume and density"
-    )]
-    TooShort {
-        /// Stretches.
-        found: usize,
-        /// Samples of steady glide with all that is needed.
-        steady: usize,
-        /// All samples.
-        samples: usize,
-    },
-    /// Too little that the vehicle could glide.
-    #[error(
-        "only {found} stretches of steady glide fit the vehicle, at least {MIN_BINS} are needed; check that the vehicle's mass and volume are this glider's (`--trim neutral` takes it as neutral at ballast zero)"
-    )]
-    TooFew {
-        /// Bins that remained.
-        found: usize,
-    },
-    /// The log contradicts itself.
-    #[error("the log contradicts itself: {}", wrong(.0))]
-    Inconsistent(Vec<Check>),
-}
-
-fn wrong(checks: &[Check]) -> String {
-    let wrong = checks.iter().filter(|check| check.outcome == Checked::Wrong);
-    wrong.map(|check| format!("{}: {}", check.check, check.says)).collect::<Vec<_>>().join("; ")
-}
 
 /// A log against a vehicle.
 #[derive(Clone)]
@@ -416,58 +331,6 @@ impl SeaProblem {
     /// How many bins the log was reduced to.
     pub fn n_bins(&self) -> usize {
         self.bins.len()
-    }
-
-    /// Whether the lift slope of a point is far from what the vehicle says.
-    pub(super) fn has_far_lift_slope(&self, point: &Point) -> bool {
-        let mut believed = self.parameters;
-        let place = self.baseline.iter().position(|(name, _)| *name == "a_per_rad");
-        place.is_some_and(|i| {
-            let belief = *believed.at(self.baseline_index[i]);
-            belief > 0.0 && !(1.0 / FAR_FROM_BELIEF..=FAR_FROM_BELIEF).contains(&(point.baseline[i] / belief))
-        })
-    }
-
-    /// What is to be doubted of the fit, in a sentence each: parameters of the baseline that lie far from what the vehicle says,
-    /// `alone` or with what was `named`, and a scale of the pitch beside a lift slope that was fitted as well.
-    pub fn warnings(&self, alone: &Point, named: &Point) -> Vec<String> {
-        let mut believed = self.parameters;
-        let mut warnings: Vec<String> = Vec::new();
-        for (i, ((name, unit), index)) in self.baseline.iter().zip(&self.baseline_index).enumerate() {
-            let belief = *believed.at(*index);
-            let is_far = |value: f64| {
-                let ratio = value / belief;
-                if belief > 0.0 {
-                    !(1.0 / FAR_FROM_BELIEF..=FAR_FROM_BELIEF).contains(&ratio)
-                } else {
-                    (value - belief).abs() > (FAR_FROM_BELIEF - 1.0) * belief.abs().max(0.1)
-                }
-            };
-            let (value, when) = match (alone.baseline[i], named.baseline[i]) {
-                (_, value) if is_far(value) => (value, ""),
-                // A drag that only the misfit drove away has come back with its cause; a lift slope says more.
-                (value, _) if is_far(value) && *name == "a_per_rad" => (value, " as long as nothing is named"),
-                _ => continue,
-            };
-            let pitch = if *name == "a_per_rad" { format!("; {PITCH_OR_LIFT}") } else { String::new() };
-            let unit = if *unit == "1" { String::new() } else { format!(" {unit}") };
-            warnings.push(format!("`{name}` = {value:.3}{unit}{when} is far from the vehicle's {belief:.3}{pitch}"));
-        }
-        let is_scaled = self.candidates.iter().zip(&named.candidates).any(|(candidate, values)| {
-            candidate.name == "pitch_scale" && *values != candidate.neutral && self.lift == Lift::Fitted
-        });
-        if is_scaled && !warnings.iter().any(|warning| warning.ends_with(PITCH_OR_LIFT)) {
-            warnings.push(format!(
-                "the scale of the pitch rests on a lift slope that was fitted beside it: {PITCH_OR_LIFT}"
-            ));
-        }
-        let current_m_s = self.shear.difference_m_s(self.shear_coefficients(named));
-        if current_m_s > MOST_USUAL * DIFFERENCE_M_S {
-            warnings.push(format!(
-                "the fit needs a current that differs by {current_m_s:.2} m/s between the surface and the deepest, more than most seas have: something else may depend on depth and leg"
-            ));
-        }
-        warnings
     }
 
     /// The coefficients of the unknown shear at a point.
