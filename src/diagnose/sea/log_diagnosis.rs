@@ -72,7 +72,8 @@ pub fn diagnose_log(
     let used = if temperature_is_suggested { Cow::Owned(unknown_temperature::suggested(vehicle, &used)) } else { used };
     let (problem, baseline) = as_read(&used, assumed, settings.lift)?;
     let (problem, outcome, uses_stated_polar) = with_stated_polar(problem, settings.polar_se, decided);
-    let held = || as_read(&used, assumed, Lift::Held).ok().map(|(held, _)| decided(held));
+    let polar_se = if uses_stated_polar { settings.polar_se } else { [None; 3] };
+    let held = || as_read(&used, assumed, Lift::Held).ok().map(|(held, _)| decided(held.with_polar_errors(polar_se)));
     let (problem, mut outcome, slope_is_held) = match is_hidden_by_a_far_slope(&problem, &outcome).then(held).flatten()
     {
         Some((held, of_held)) if explains_as_well(&held, &of_held, &outcome) => (held, of_held, true),
@@ -414,6 +415,27 @@ mod tests {
         let refuted = diagnose(&other, [Some(stated); 3]);
         assert!(contradicts(&refuted));
         assert_eq!(refuted.outcome.before.point, diagnose(&other, [None; 3]).outcome.before.point);
+    }
+
+    /// A lift slope of three times the vehicle's, or a third, may hide a cause where something is left and no speed shows it.
+    #[test]
+    fn a_lift_slope_far_from_the_vehicles_is_asked_whether_it_hides_a_cause() {
+        let truth = Vehicle::load("slocum-049").expect("a vehicle").glide_parameters();
+        let log = flight(&truth, 0.0);
+        let hides = |use_speed: bool, verdict: Verdict, ratio: f64| {
+            let settings = DiagnosisSettings { use_speed, ..DiagnosisSettings::default() };
+            let SeaDiagnosis { problem, mut outcome, .. } =
+                diagnose_log(&truth, Trim::Vehicle, &log, settings).expect("a diagnosis");
+            outcome.diagnosis.verdict = verdict;
+            outcome.after.point.baseline[0] = ratio * truth.a_per_rad;
+            is_hidden_by_a_far_slope(&problem, &outcome)
+        };
+        for ratio in [0.3, 3.5] {
+            assert!(hides(false, Verdict::Unexplained, ratio) && hides(false, Verdict::PartlyExplained, ratio));
+            assert!(!hides(false, Verdict::None, ratio) && !hides(false, Verdict::Explained, ratio));
+            assert!(!hides(true, Verdict::Unexplained, ratio));
+        }
+        assert!(!hides(false, Verdict::Unexplained, 2.5));
     }
 
     #[test]
