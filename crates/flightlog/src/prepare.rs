@@ -12,12 +12,12 @@ use super::segment::{Leg, legs};
 use super::settings::PreparationSettings;
 use super::vertical_velocity::vertical_velocity;
 
-/// So near to the usual pitch of the first minutes of its leg a glider has turned into it, and to that of the last minutes it has
-/// not yet begun to turn out of it \[rad\].
+/// So near to the usual pitch of the first minutes of its leg a glider has turned into it, and so far from its steepest of the last
+/// moments it turns out of it \[rad\].
 const PITCHED_WITHIN_RAD: f64 = 0.05;
 
-/// These minutes \[s\]: turning takes one or two of them.
-const MINUTES_S: f64 = 300.0;
+/// These first minutes \[s\]: turning takes one or two of them.
+const FIRST_MINUTES_S: f64 = 300.0;
 
 /// Sea water where the log has no density: for which way a glider goes, not for how fast \[kg/m3\].
 const SEA_WATER_KG_M3: f64 = 1025.0;
@@ -222,7 +222,7 @@ impl Preparation {
         }
         for leg in &legs {
             self.counters.open_leg(leg.descends, &log, leg.first);
-            let (start_s, end_s) = pitched_between_s(&log, leg, s.surface_dbar);
+            let (start_s, end_s) = pitched_between_s(&log, leg, &s);
             let first = if leg.first == 0 { 0 } else { leg.first + 1 };
             for i in first..leg.end {
                 let water_kg_m3 = if density[i].is_finite() { density[i] } else { SEA_WATER_KG_M3 };
@@ -445,23 +445,25 @@ fn density_kg_m3(log: &FlightLog, teos10: &[[f64; 2]], settings: &PreparationSet
 }
 
 /// Between when a glider is pitched as it is on a leg \[s\]: when it has turned into the leg, with the pitch of its first minutes,
-/// and when it begins to turn out of it, with that of its last. A glider may do so before its ballast or its depth turns.
-fn pitched_between_s(log: &FlightLog, leg: &Leg, surface_dbar: f64) -> (f64, f64) {
+/// and when it begins to turn out of it. It may do so before its ballast or its depth turns, and may have changed its pitch on the way.
+fn pitched_between_s(log: &FlightLog, leg: &Leg, s: &PreparationSettings) -> (f64, f64) {
     let (time, pitch) = (log.column(Channel::Time), |i: usize| log.at(Channel::Pitch, i));
-    // No more than minutes: a pitch that drifts along the leg is another at its end, and steady all the same. What lies at the
-    // surface is no part of a glide.
-    let is_below = |i: &usize| log.at(Channel::Pressure, *i) > surface_dbar;
+    // What lies at the surface is no part of a glide.
+    let is_below = |i: &usize| log.at(Channel::Pressure, *i) > s.surface_dbar;
     let first = (leg.first..leg.end).find(is_below).unwrap_or(leg.first);
+    // No more than the first minutes: a pitch that drifts along the leg is another at its end, and steady all the same.
+    let end = first + time[first..leg.end].partition_point(|t| *t <= time[first] + FIRST_MINUTES_S);
+    let mut known: Vec<f64> = (first..end).map(pitch).filter(|pitch| pitch.is_finite()).collect();
+    let median_pitch = if known.is_empty() { f64::NAN } else { super::median(&mut known) };
+    let turned = (leg.first..end).find(|&i| (pitch(i) - median_pitch).abs() <= PITCHED_WITHIN_RAD);
+
+    // Back from where the pitch has turned over to the steepest of the time that a turn takes.
+    let steepness = |i: usize| if leg.descends { -pitch(i) } else { pitch(i) };
     let last = (leg.first..leg.end).rfind(is_below).unwrap_or(leg.end - 1);
-    let end_of_first = first + time[first..=last].partition_point(|t| *t <= time[first] + MINUTES_S);
-    let start_of_last = first + time[first..=last].partition_point(|t| *t < time[last] - MINUTES_S);
-    let is_pitched = |rows: std::ops::Range<usize>| {
-        let mut known: Vec<f64> = rows.map(pitch).filter(|pitch| pitch.is_finite()).collect();
-        let median_pitch = if known.is_empty() { f64::NAN } else { super::median(&mut known) };
-        move |i: &usize| (pitch(*i) - median_pitch).abs() <= PITCHED_WITHIN_RAD
-    };
-    let start = (leg.first..end_of_first).find(is_pitched(first..end_of_first)).unwrap_or(leg.first);
-    let end = (start_of_last..=last).rfind(is_pitched(start_of_last..last + 1)).unwrap_or(leg.end - 1);
+    let over = (leg.first..=last).rfind(|&i| steepness(i) > 0.0).unwrap_or(last);
+    let begin = leg.first + time[leg.first..=over].partition_point(|t| *t < time[over] - s.after_turn_s);
+    let steepest = (begin..=over).map(steepness).fold(f64::NAN, f64::max);
+    let held = (begin..=over).rfind(|&i| steepness(i) >= steepest - PITCHED_WITHIN_RAD).unwrap_or(last);
     // A leg that ends before its glider turns is cut there, whatever lies behind it.
-    (time[start], if end == last { time[leg.end - 1] } else { time[end] })
+    (time[turned.unwrap_or(leg.first)], if held == last { time[leg.end - 1] } else { time[held] })
 }

@@ -189,8 +189,8 @@ fn a_slope_of_the_drag_with_speed_is_no_bump() {
     assert!(!names(&found).contains(&"free_surface"), "{:?}", names(&found));
 }
 
-/// Beside the drag of a strut that was never tared the hull's own is hardly known, and an exponent of it is told by how the drag
-/// goes with the speed all the same.
+/// Without a tare the drags of hull and strut cannot be separated; an exponent of the hull's is identified from how the drag depends on
+/// speed all the same.
 #[test]
 fn friction_is_found_beside_a_strut_that_was_never_tared() {
     let mut results = campaign_of(&["LDR10.5"], 56);
