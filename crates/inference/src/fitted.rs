@@ -70,8 +70,8 @@ impl Fitted {
         Fitted { point, included, evidence, noises }
     }
 
-    /// The baseline alone, fitted. A fit that ends where nobody believes it to be may have gone to a minimum of its own: then it is made
-    /// from other points as well, and the one that leaves least stands.
+    /// The baseline alone, fitted. A fit that contradicts the prior may have ended in a local minimum: then it is repeated from other
+    /// points, and the one with the smallest objective is returned.
     pub(super) fn baseline(problem: &impl Problem) -> Self {
         let from = |start: Point| {
             let mut baseline = Fitted::new(problem, start, Vec::new());
@@ -79,7 +79,7 @@ impl Fitted {
             baseline
         };
         let first = from(problem.start());
-        if first.agrees_with_beliefs() {
+        if first.agrees_with_prior() {
             return first;
         }
         let start_of = |point: Point| (objective(&believing(problem, problem.evidence(&point), &point, &[])), point);
@@ -90,8 +90,8 @@ impl Fitted {
         others.fold(first, |best, other| if left(&other) < left(&best) { other } else { best })
     }
 
-    /// Whether the fitted parameters, taken together, lie where they were believed to be.
-    fn agrees_with_beliefs(&self) -> bool {
+    /// Whether the fitted parameters, taken together, agree with the prior.
+    fn agrees_with_prior(&self) -> bool {
         let prior = &self.evidence.prior;
         prior.is_empty() || chance(belief_squares(&self.evidence), prior.len()) >= SIGNIFICANT
     }
@@ -113,8 +113,8 @@ impl Fitted {
         self.descend_about(problem, &mut None)
     }
 
-    /// The same. Where there is a quicker problem about a point, its steps come first, and what it holds fixed is taken anew behind
-    /// them: the end is that of the problem itself. `quicker` is the one about this point, if it is known; it is that behind, too.
+    /// The same. Where there is a quicker problem about a point, its steps come first, and what it holds fixed is computed again after
+    /// them, so that the minimum is that of the problem itself. `quicker` is the one about this point, if known, before and after.
     fn descend_about<P: Problem>(&mut self, problem: &P, quicker: &mut Option<P>) -> f64 {
         let mut fallen = 0.0;
         for _ in 0..MAX_QUICK_ROUNDS {
@@ -124,12 +124,12 @@ impl Fitted {
             if trial.step(about_here) < LEAST_FALL {
                 break;
             }
-            // Where it was taken a quicker problem is the problem itself.
+            // At the point about which it was made a quicker problem equals the problem itself.
             let Some(about_there) = problem.for_first_search(&trial.point) else { break };
             trial.evidence = believing(problem, about_there.evidence(&trial.point), &trial.point, &trial.included);
             let fall =
                 weighted_squares(&self.evidence, &self.noises) - weighted_squares(&trial.evidence, &trial.noises);
-            // Not so where what was held fixed matters.
+            // No fall: what was held fixed matters here.
             if fall < LEAST_FALL {
                 break;
             }
@@ -150,7 +150,7 @@ impl Fitted {
         for _ in 0..MAX_FIT_STEPS {
             let columns = self.columns();
             let step = solve(&self.evidence, &self.noises, &columns, &self.evidence.residual);
-            if self.promised(&columns, &step) < LEAST_FALL {
+            if self.predicted_fall(&columns, &step) < LEAST_FALL {
                 break;
             }
             let before = weighted_squares(&self.evidence, &self.noises);
@@ -175,8 +175,8 @@ impl Fitted {
         fallen
     }
 
-    /// By how much a step lets the weighted sum of squares fall where the model is straight.
-    fn promised(&self, columns: &DMatrix<f64>, step: &DVector<f64>) -> f64 {
+    /// By how much a step lets the weighted sum of squares fall where the model is linear.
+    fn predicted_fall(&self, columns: &DMatrix<f64>, step: &DVector<f64>) -> f64 {
         let k = columns.ncols();
         let mut all = DMatrix::zeros(columns.nrows(), k + 1);
         all.columns_mut(0, k).copy_from(columns);

@@ -12,7 +12,7 @@ mod candidates;
 pub mod consistency;
 mod covariates;
 mod empirical;
-mod far_fits;
+mod fit_warnings;
 mod flown;
 mod history;
 mod jumps;

@@ -1,5 +1,4 @@
-//! What is to be doubted of a fit: a polar, a current, a scale of the pitch that are far from what is believed. Knows the fitted
-//! points; no samples.
+//! Warnings about a fit: a polar, a current, a scale of the pitch that are far from the prior. Knows the fitted points; no samples.
 
 use super::{Lift, MOST_USUAL, SeaProblem};
 use crate::diagnose::evidence::Point;
@@ -22,7 +21,7 @@ impl SeaProblem {
         })
     }
 
-    /// What is to be doubted of the fit, in a sentence each: parameters of the baseline that lie far from what the vehicle says,
+    /// Warnings about the fit, in a sentence each: parameters of the baseline that lie far from what the vehicle says,
     /// `alone` or with what was `named`, and a scale of the pitch beside a lift slope that was fitted as well.
     pub fn warnings(&self, alone: &Point, named: &Point) -> Vec<String> {
         let mut believed = self.parameters;
