@@ -61,16 +61,20 @@ pub fn diagnose_log(
         SeaProblem::new(observations, &baseline, settings).map(|problem| (problem, baseline))
     };
     let assumed = trim == Trim::Neutral || temperature_is_suggested;
-    let decided = |problem: SeaProblem| {
-        let (problem, outcome) = in_full(problem);
-        problem.with_trim_as_cause(outcome)
-    };
     let used = match error {
         None => Cow::Borrowed(observations),
         Some(error) => Cow::Owned(consistency::corrected(observations, error, carried_kg_m3)),
     };
     let used = if temperature_is_suggested { Cow::Owned(unknown_temperature::suggested(vehicle, &used)) } else { used };
     let (problem, baseline) = as_read(&used, assumed, settings.lift)?;
+    // The larger of the two: each is a bound, not a standard error.
+    let by_ballasting = if trim == Trim::Neutral { trim::ballasting_kg(&baseline) } else { 0.0 };
+    let by_temperature = if temperature_is_suggested { unknown_temperature::most_kg(&baseline) } else { 0.0 };
+    let most_trim_kg = by_ballasting.max(by_temperature);
+    let decided = |problem: SeaProblem| {
+        let (problem, outcome) = in_full(problem);
+        problem.with_trim_as_cause(outcome, most_trim_kg)
+    };
     let (problem, outcome, uses_stated_polar) = with_stated_polar(problem, settings.polar_se, decided);
     let polar_se = if uses_stated_polar { settings.polar_se } else { [None; 3] };
     let held = || as_read(&used, assumed, Lift::Held).ok().map(|(held, _)| decided(held.with_polar_errors(polar_se)));
@@ -97,10 +101,7 @@ pub fn diagnose_log(
         name_what_scales_hide(&mut outcome);
     }
     if assumed {
-        // The larger of the two: each is a bound, not a standard error.
-        let by_ballasting = if trim == Trim::Neutral { trim::ballasting_kg(&baseline) } else { 0.0 };
-        let by_temperature = if temperature_is_suggested { unknown_temperature::most_kg(&baseline) } else { 0.0 };
-        trim::report(&mut outcome, by_ballasting.max(by_temperature));
+        trim::report(&mut outcome, most_trim_kg);
     }
     if slope_is_held {
         outcome.diagnosis.warnings.push(SLOPE_HELD.to_owned());

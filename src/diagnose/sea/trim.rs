@@ -37,8 +37,8 @@ impl SeaProblem {
     /// the trim was stated.
     ///
     /// Which mechanisms have a name is decided beside a free trim: where it is assumed, the first of them to imitate a trim would have
-    /// its place. What is reported compares with the assumption.
-    pub(super) fn with_trim_as_cause(self, decided: Outcome) -> (SeaProblem, Outcome) {
+    /// its place. What is reported compares with the assumption. A trim of no more than `most_kg` says nothing of what is wrong.
+    pub(super) fn with_trim_as_cause(self, decided: Outcome, most_kg: f64) -> (SeaProblem, Outcome) {
         let mut problem = self;
         let Some(place) = problem.baseline.iter().position(|(name, _)| *name == PARAMETER) else {
             return (problem, decided);
@@ -59,7 +59,8 @@ impl SeaProblem {
         let trim = problem.candidates.iter().position(is_trim);
         let included: Vec<usize> = trim.into_iter().chain(decided.fitted.iter().map(|member| member + added)).collect();
         let curve = decided.diagnosis.unexplained.as_ref().and_then(|left| left.depends_on.first().cloned());
-        let mut outcome = engine::decided(&problem, &point, &included, trim, curve);
+        let no_fault = trim.filter(|_| trim_kg.abs() <= most_kg);
+        let mut outcome = engine::decided(&problem, &point, &included, no_fault, curve);
         outcome.diagnosis.unexplained = decided.diagnosis.unexplained;
         outcome.diagnosis.rejected = decided.diagnosis.rejected;
         outcome.refused = decided.refused.iter().map(|member| member + added).collect();
