@@ -64,6 +64,13 @@ pub struct Wrong {
     pub p_value: f64,
 }
 
+impl Wrong {
+    /// The regime of a misfit that only the effect of this cause shows.
+    pub fn regime_of(cause: &str) -> String {
+        format!("the effect of {}", cause.replace('_', " "))
+    }
+}
+
 /// The largest dependence of a quantity that remains beside the named causes, whether it is worth acting on or not.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Left {

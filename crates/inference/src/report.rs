@@ -323,7 +323,7 @@ fn wrong_by_cause(problem: &impl Problem, baseline: &Fitted, named: &Named) -> W
     let quantity = &evidence.quantities[most];
     Wrong {
         quantity: quantity.name.to_owned(),
-        regime: format!("the effect of {}", named.cause.cause.replace('_', " ")),
+        regime: Wrong::regime_of(&named.cause.cause),
         rms: holdout::rms(&misfits, quantity.rows.clone()),
         expected_rms: holdout::rms(&expected, quantity.rows.clone()),
         size: sizes[most],

@@ -1,8 +1,10 @@
 //! A trim that was assumed: part of the baseline while mechanisms are searched for, reported against the assumption.
 
+use glidepolar_inference::score::CLEARLY_WRONG;
+
 use super::{SeaProblem, Shape, Slopes, candidates};
 use crate::diagnose::evidence::Candidate;
-use crate::diagnose::findings::Verdict;
+use crate::diagnose::findings::{Verdict, Wrong};
 use crate::diagnose::{Outcome, engine};
 use crate::dynamics::Parameters;
 use crate::mechanisms::AT_SEA;
@@ -68,12 +70,16 @@ impl SeaProblem {
     }
 }
 
-/// Reports a ballast offset against a baseline that was assumed, as the trim; one of no more than this, or where nothing is wrong without
-/// it, is no fault of the glider.
+/// Reports a ballast offset against a baseline that was assumed, as the trim; one of no more than this, or that is not clear, is no fault
+/// of the glider.
 pub(super) fn report(outcome: &mut Outcome, most_kg: f64) {
     let diagnosis = &mut outcome.diagnosis;
     let Some(place) = diagnosis.causes.iter().position(|cause| cause.cause == MECHANISM) else { return };
     let Some(offset) = diagnosis.causes[place].parameters.get(PARAMETER).cloned() else { return };
+    let is_clear = diagnosis.causes[place].p_value <= CLEARLY_WRONG;
+    if !is_clear {
+        diagnosis.wrong.retain(|wrong| wrong.regime != Wrong::regime_of(MECHANISM));
+    }
     if offset.value.abs() <= most_kg || diagnosis.wrong.is_empty() {
         diagnosis.causes.remove(place);
         if diagnosis.causes.is_empty() {
