@@ -67,9 +67,7 @@ fn has_family(iteration: &Iteration<'_>, members: &[usize], member: usize) -> bo
 
 fn is_possible(problem: &impl Problem, iteration: &Iteration<'_>, members: &[usize]) -> bool {
     let point = iteration.point_of(members, problem);
-    let cannot_be = |member: &usize| {
-        problem.candidates()[*member].cannot_be(point.candidates[*member][0], problem.most_prior_sds())
-    };
+    let cannot_be = |member: &usize| problem.candidates()[*member].cannot_be(point.candidates[*member][0]);
     !members.iter().any(cannot_be)
 }
 

@@ -9,6 +9,7 @@ use super::fitted::Fitted;
 use super::holdout;
 use super::iteration::Iteration;
 use super::regimes;
+use super::replacements::in_place_of;
 use super::subset_search::MARGIN;
 
 /// Change of a mechanism's size from regime to regime, relative to it, from which on it is another mechanism; less may
@@ -252,16 +253,29 @@ impl Fitted {
     }
 
     /// What needs a size that nature does not have is something else that resembles it: it goes, whatever takes its place not
-    /// being asked for.
+    /// being asked for. So does what has an unusual size and is not the one explanation.
     pub(super) fn drop_what_cannot_be(&mut self, problem: &impl Problem, baseline: &Fitted) {
-        let is_impossible = |fitted: &Fitted, place: usize| {
+        let cannot_be = |fitted: &Fitted, place: usize| {
             let member = fitted.included[place];
             let (candidate, values) = (&problem.candidates()[member], &fitted.point.candidates[member]);
-            candidate.cannot_be(values[0], problem.most_prior_sds()) || !problem.exists(member, values)
+            candidate.is_impossible(values[0])
+                || !problem.exists(member, values)
+                || candidate.is_unusual(values[0]) && !fitted.is_the_one_explanation(problem, baseline, place)
         };
-        while let Some(place) = (0..self.included.len()).find(|place| is_impossible(self, *place)) {
+        while let Some(place) = (0..self.included.len()).find(|place| cannot_be(self, *place)) {
             *self = self.without(problem, baseline, place);
         }
+    }
+
+    /// Whether nothing of a usual size could stand in the place of a mechanism, and no curve is left beside it: a law that explains
+    /// all of a misfit as nothing else does is believed at a size that nobody has seen, a law that explains a part is not. What another
+    /// channel shows of its size it cannot contradict.
+    fn is_the_one_explanation(&self, problem: &impl Problem, baseline: &Fitted, place: usize) -> bool {
+        let candidates = problem.candidates();
+        let iteration = Iteration::new(candidates, self);
+        candidates[self.included[place]].shown.is_none()
+            && !iteration.is_anything_wrong(&self.included, &self.limits(problem))
+            && in_place_of(problem, baseline, self, place).is_empty()
     }
 
     /// A law that these data could not contradict has no name of its own.

@@ -109,6 +109,9 @@ pub struct Candidate {
     pub neutral: Vec<f64>,
     /// Prior standard deviation of each parameter about its neutral value.
     pub prior_sd: Vec<f64>,
+    /// Prior standard deviations within which the first parameter usually lies. Beyond them the belief falls off as a power, and
+    /// the mechanism must be the one explanation.
+    pub usual_sds: f64,
     /// Smallest and largest value that physics allows each parameter.
     pub bounds: Vec<(f64, f64)>,
     /// The least first parameter that nature has: what a fit puts below it is refused.
@@ -134,16 +137,49 @@ pub struct Version {
 }
 
 impl Candidate {
-    /// Whether nature does not have this value of the first parameter, or it lies too far from what is believed of it: further
-    /// than so many standard deviations.
-    pub fn cannot_be(&self, value: f64, most_prior_sds: f64) -> bool {
-        value < self.least || (value - self.shown.unwrap_or(self.neutral[0])).abs() > most_prior_sds * self.prior_sd[0]
+    /// Whether nature does not have this value of the first parameter.
+    pub fn is_impossible(&self, value: f64) -> bool {
+        value < self.least
+    }
+
+    /// Whether nature does not have this value of the first parameter, or it is unusual.
+    pub fn cannot_be(&self, value: f64) -> bool {
+        self.is_impossible(value) || self.is_unusual(value)
+    }
+
+    /// Whether a value of the first parameter lies further from what is believed of it than is usual.
+    pub fn is_unusual(&self, value: f64) -> bool {
+        (value - self.centre()).abs() > self.usual_sds * self.prior_sd[0]
     }
 
     /// Prior mean of each parameter less neutral, with its prior standard deviation.
     pub fn prior(&self) -> Vec<(f64, f64)> {
-        let shown = self.shown.map_or(0.0, |shown| shown - self.neutral[0]);
+        let shown = self.centre() - self.neutral[0];
         self.prior_sd.iter().enumerate().map(|(i, prior_sd)| (if i == 0 { shown } else { 0.0 }, *prior_sd)).collect()
+    }
+
+    /// The prior of the parameters near these values: mean less neutral and standard deviation of the normal one that has the same
+    /// density and slope there.
+    ///
+    /// A belief of what is usual is normal within `K = usual_sds` standard deviations. Beyond, its density falls as the power
+    /// `-K^2` of the distance: what the data show there is not drawn back, as a normal belief would draw it. With `k` standard
+    /// deviations, less twice the logarithm of the density is `K^2 (1 + 2 ln (k / K))`, the square `r^2` of a residual of slope
+    /// `K^2 / (k r)`. What another channel shows is no belief of what is usual, and stays normal.
+    pub fn prior_at(&self, values: &[f64]) -> Vec<(f64, f64)> {
+        let mut prior = self.prior();
+        if self.shown.is_none() && self.is_unusual(values[0]) {
+            let distance = values[0] - self.centre();
+            let (k, square) = (distance.abs() / self.prior_sd[0], self.usual_sds.powi(2));
+            let residual = (square * (1.0 + 2.0 * (k / self.usual_sds).ln())).sqrt();
+            let sd = self.prior_sd[0] * k * residual / square;
+            prior[0] = (values[0] - self.neutral[0] - distance.signum() * residual * sd, sd);
+        }
+        prior
+    }
+
+    /// What is believed of the first parameter.
+    fn centre(&self) -> f64 {
+        self.shown.unwrap_or(self.neutral[0])
     }
 }
 
@@ -212,11 +248,6 @@ pub trait Problem {
     fn least_known(&self, candidate: usize) -> f64 {
         let _ = candidate;
         0.0
-    }
-
-    /// Prior standard deviations that a mechanism's size may lie from neutral.
-    fn most_prior_sds(&self) -> f64 {
-        f64::INFINITY
     }
 
     /// Whether far from the truth the model bends so much that slopes mislead: then each mechanism is tried in full first.

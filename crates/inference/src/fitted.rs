@@ -214,7 +214,7 @@ impl Fitted {
                 trial.noises = plain_noises(&trial.evidence);
             }
             let size = trial.point.candidates[i][0];
-            if trial.is_possible(candidates) && !candidates[i].cannot_be(size, problem.most_prior_sds()) {
+            if trial.is_possible(candidates) && !candidates[i].is_impossible(size) {
                 trials.push((weighted_squares(&trial.evidence, &plain), trial));
             }
         }
@@ -436,7 +436,8 @@ pub(super) fn believing(problem: &impl Problem, mut evidence: Evidence, point: &
     for member in included {
         let candidate = &problem.candidates()[*member];
         let values = point.candidates[*member].iter().zip(&candidate.neutral);
-        for ((value, neutral), (believed, sd)) in values.zip(candidate.prior()) {
+        let prior = candidate.prior_at(&point.candidates[*member]);
+        for ((value, neutral), (believed, sd)) in values.zip(prior) {
             evidence.prior.push((neutral + believed - value, sd));
         }
     }

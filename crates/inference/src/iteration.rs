@@ -86,7 +86,7 @@ impl<'a> Iteration<'a> {
             n_columns += columns.len();
             parts_of_all.push(evidence.candidates[index].clone());
             regressors.push(Regressor { columns, family, is_curve: false, bounds });
-            prior.extend(candidate.prior());
+            prior.extend(candidate.prior_at(&fitted.point.candidates[index]));
         }
         let mut curves: Vec<CurveRegressor> = Vec::new();
         for (covariate, shapes) in curve_shapes(&evidence) {

@@ -19,8 +19,7 @@ impl Fitted {
         let &[member] = self.included.as_slice() else { return false };
         let candidate = &problem.candidates()[member];
         // The mean of a level that varies is still a level; a law that needs another size elsewhere is another law.
-        if !problem.is_level(member) || candidate.cannot_be(self.point.candidates[member][0], problem.most_prior_sds())
-        {
+        if !problem.is_level(member) || candidate.cannot_be(self.point.candidates[member][0]) {
             return false;
         }
         let (before, after) = (baseline.held_out(), self.held_out());

@@ -106,9 +106,7 @@ fn refitted(
         members.sort_unstable();
         let mut rival = Fitted::new(problem, iteration.point_of(&members, problem), members);
         rival.converge(problem);
-        let exists = |member: &usize| {
-            !candidates[*member].cannot_be(rival.point.candidates[*member][0], problem.most_prior_sds())
-        };
+        let exists = |member: &usize| !candidates[*member].cannot_be(rival.point.candidates[*member][0]);
         if rival.is_possible(candidates) && rival.included.iter().all(exists) {
             found.push((name, rival));
         }

@@ -234,7 +234,7 @@ pub(super) fn rejected(
                 _ if !stands_in.is_empty() => Why::Equivalent,
                 Some((_, why)) => *why,
                 None if p_value >= SIGNIFICANT => Why::ByChance,
-                None if candidates[index].cannot_be(step, problem.most_prior_sds()) => Why::SizeImpossible,
+                None if candidates[index].cannot_be(step) => Why::SizeImpossible,
                 None if !predicts => Why::PredictsNoBetter,
                 // It predicts, and something else predicts as much of the same.
                 None => Why::Equivalent,

@@ -46,6 +46,7 @@ impl Toy {
             parameters: vec![(name, "1")],
             neutral: vec![0.0],
             prior_sd: vec![100.0],
+            usual_sds: f64::INFINITY,
             bounds: Vec::new(),
             least: f64::NEG_INFINITY,
             shown: None,

@@ -100,6 +100,7 @@ pub fn list(
                 parameters: vec![(row.name, row.unit)],
                 neutral: vec![*parameters.clone().at(index)],
                 prior_sd: vec![shown.map_or(prior_sd, |shown| shown.se)],
+                usual_sds: super::MOST_USUAL,
                 bounds: vec![(row.min, row.max)],
                 least: mechanism.least,
                 shown: shown.map(|shown| shown.value),

@@ -7,8 +7,8 @@ use rayon::prelude::*;
 use super::flown::Flown;
 use super::model::{self, Vehicle};
 use super::{
-    LEAST_RELEVANT, Lift, MOST_USUAL, SPEED, SeaProblem, Shape, Slopes, VERTICAL_VELOCITY, candidates, covariates,
-    trim, unknown_temperature,
+    LEAST_RELEVANT, Lift, SPEED, SeaProblem, Shape, Slopes, VERTICAL_VELOCITY, candidates, covariates, trim,
+    unknown_temperature,
 };
 use crate::diagnose::evidence::{Candidate, Evidence, Point, Problem, Quantity};
 use crate::dynamics::PARAMETERS;
@@ -130,10 +130,6 @@ impl Problem for SeaProblem {
     fn relevance(&self, quantity: &Quantity, scatter: f64) -> f64 {
         let floor = LEAST_RELEVANT.iter().find(|(name, _)| *name == quantity.name).map_or(0.0, |(_, floor)| *floor);
         self.relevance.limit(quantity.name, scatter, floor)
-    }
-
-    fn most_prior_sds(&self) -> f64 {
-        MOST_USUAL
     }
 
     /// Lift and drag grow with the angle of attack, and drag is no thrust: a polar that begins so stays so.

@@ -102,6 +102,7 @@ impl TankProblem<'_> {
             parameters: parameters.iter().map(|p| (p.name, p.unit)).collect(),
             neutral: parameters.iter().map(|p| p.neutral).collect(),
             prior_sd: parameters.iter().map(|p| prior_sd(p)).collect(),
+            usual_sds: f64::INFINITY,
             bounds: parameters.iter().map(|p| p.bounds).collect(),
             least: f64::NEG_INFINITY,
             shown: None,
