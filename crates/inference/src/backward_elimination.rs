@@ -23,9 +23,9 @@ const SHOWN_ON_A_LEG: f64 = 1.645;
 /// true cause, too, trades a little of one quantity for another.
 const LEAST_SPOILT_PERCENT: f64 = 2.0;
 
-/// Standard errors by which the sizes on the halves of the data, or on the legs, must differ: 1 in 2000 by chance, some twenty mechanisms
-/// being tried.
-const SURELY_APART: f64 = 3.5;
+/// Standard errors by which the sizes on the halves of the data, or on the legs, must differ: 1 in 400 by chance, the few that are
+/// named being asked.
+const SURELY_APART: f64 = 3.0;
 
 /// Difference of the sizes on the halves or legs, relative to the size, from which on it is no one size any more.
 const LEAST_DIFFERENCE: f64 = 0.5;
@@ -237,7 +237,7 @@ impl Fitted {
             let candidate = &problem.candidates()[member];
             let size = (fitted.point.candidates[member][0] - candidate.neutral[0]).abs();
             // What began at one time is not the same before and after it.
-            candidate.version.is_none()
+            candidate.version.is_none_or(|version| !version.is_onset)
                 && match fitted.halves(problem, place).as_slice() {
                     [a, b] => {
                         let apart = (a.value - b.value).abs();

@@ -112,7 +112,7 @@ mod tests {
     use super::*;
 
     fn taken(value: f64) -> Version {
-        Version { name: "step_time_s", value, between: [value - 1.0, value + 1.0], unit: "s" }
+        Version { name: "step_time_s", value, is_onset: true, between: [value - 1.0, value + 1.0], unit: "s" }
     }
 
     #[test]

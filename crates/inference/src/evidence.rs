@@ -130,6 +130,8 @@ pub struct Version {
     pub name: &'static str,
     /// Its value in this version.
     pub value: f64,
+    /// Whether it is the time at which the mechanism begins: there is none before it.
+    pub is_onset: bool,
     /// The values that these data cannot tell from it.
     pub between: [f64; 2],
     /// Its unit.
@@ -353,4 +355,39 @@ pub(crate) fn names(candidates: &[Candidate]) -> Vec<&'static str> {
         }
     }
     names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Twice the negative logarithm of the density that is written in the docs, k standard deviations from its middle.
+    fn penalty(k: f64) -> f64 {
+        if k <= 3.0 { k * k } else { 9.0 * (1.0 + 2.0 * (k / 3.0).ln()) }
+    }
+
+    /// The normal belief that stands for the belief has its density and slope at each size.
+    #[test]
+    fn the_belief_beyond_what_is_usual_has_the_density_and_slope_of_a_power() {
+        let (neutral, sd) = (1.0, 0.2);
+        let candidate = Candidate {
+            name: "scale",
+            parameters: vec![("scale", "1")],
+            neutral: vec![neutral],
+            prior_sd: vec![sd],
+            usual_sds: 3.0,
+            bounds: Vec::new(),
+            least: f64::NEG_INFINITY,
+            shown: None,
+            version: None,
+        };
+        for k in [-12.0f64, -3.5, -2.0, 0.5, 2.9, 3.1, 7.5, 40.0] {
+            let (mean, width) = candidate.prior_at(&[neutral + k * sd])[0];
+            let residual = (k * sd - mean) / width;
+            assert!((residual * residual - penalty(k.abs())).abs() < 1e-9, "{k}: {}", residual * residual);
+            let step = 1e-5;
+            let slope = (penalty(k.abs() + step) - penalty(k.abs() - step)) / (2.0 * step) * k.signum();
+            assert!((2.0 * residual / width * sd - slope).abs() < 1e-6, "{k}: {slope}");
+        }
+    }
 }

@@ -181,6 +181,36 @@ fn a_size_that_is_hardly_known_gets_no_name() {
     }
 }
 
+/// Six standard deviations from what is believed: the law that alone explains the data is named, and its size not drawn back.
+#[test]
+fn an_unusual_size_is_named_where_it_is_the_one_explanation() {
+    let (mut named, mut covered) = (0, 0);
+    for seed in 160..180 {
+        let mut toy = Toy::new(seed, |i, toy| 3.0 * toy.columns[2][i]);
+        (toy.candidates[2].prior_sd[0], toy.candidates[2].usual_sds) = (0.5, 3.0);
+        let found = diagnose(&toy).0;
+        if let [cause] = found.causes.as_slice() {
+            named += usize::from(cause.cause == "leak");
+            let [low, high] = cause.parameters["leak"].ci95;
+            covered += usize::from(low <= 3.0 && 3.0 <= high);
+        }
+    }
+    assert!(named >= 18, "{named} of 20");
+    assert!(covered as f64 >= 0.85 * named as f64, "{covered} of {named}");
+}
+
+/// Where another law of a usual size explains as much, the unusual one is not named.
+#[test]
+fn an_unusual_size_gives_way_to_a_usual_one() {
+    for seed in 180..190 {
+        let mut toy = Toy::new(seed, |i, toy| 6.0 * toy.columns[1][i]);
+        (toy.candidates[1].prior_sd[0], toy.candidates[1].usual_sds) = (1.0, 3.0);
+        let found = diagnose(&toy).0;
+        let names: Vec<&str> = found.causes.iter().map(|cause| cause.cause.as_str()).collect();
+        assert_eq!(names, ["expansion"], "seed {seed}");
+    }
+}
+
 /// The same law on both legs, one of which is hardly measured: what is there may as well be something on the other leg alone.
 /// By chance one log in ten shows it there all the same.
 #[test]

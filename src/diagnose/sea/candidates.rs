@@ -47,6 +47,9 @@ impl Channels {
 /// Mechanisms that go with temperature or pressure: what of them does not vary over the log is an offset of the ballast.
 pub const WITH_A_LEVEL: [&str; 4] = ["hull_compressibility", "thermal_expansion", "trapped_air", "hull_creep"];
 
+/// Mechanisms that go with a reading with which no other one goes.
+pub const WITH_A_CHANNEL: [&str; 2] = ["roll_drag", "rudder_drag"];
+
 /// Mechanisms that are a constant added to a reading or a weight.
 pub const LEVELS: [&str; 3] = ["ballast_offset", "pitch_offset", "density_bias"];
 
@@ -81,8 +84,10 @@ pub fn list(
             continue;
         }
         let row = &PARAMETERS[index];
-        let version =
-            |jump: &Jump| Some(Version { name: "step_time_s", value: jump.time_s, between: jump.between_s, unit: "s" });
+        let version = |jump: &Jump| {
+            let (value, between) = (jump.time_s, jump.between_s);
+            Some(Version { name: "step_time_s", value, is_onset: true, between, unit: "s" })
+        };
         let versions: Vec<Option<Version>> = match mechanism.name {
             "drag_step" => jumps.iter().map(version).collect(),
             name => history::versions(name),

@@ -75,8 +75,10 @@ pub fn acts(mechanism: &str) -> Option<Acts> {
 /// The versions of a mechanism of the past: its time constants, or one without any.
 pub fn versions(mechanism: &str) -> Vec<Option<Version>> {
     let of = |name, times: &[f64]| {
-        let version =
-            |&value: &f64| Some(Version { name, value, between: [value / BETWEEN, value * BETWEEN], unit: "s" });
+        let version = |&value: &f64| {
+            let between = [value / BETWEEN, value * BETWEEN];
+            Some(Version { name, value, is_onset: false, between, unit: "s" })
+        };
         times.iter().map(version).collect()
     };
     match mechanism {

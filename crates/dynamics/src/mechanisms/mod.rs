@@ -295,7 +295,8 @@ pub const AT_SEA: &[Mechanism] = &[
         "roll_drag",
         Motion,
         ["roll_drag_per_rad2"],
-        5.0 from 0.0,
+        // On a course the roll is some degrees: at 0.05 rad this is 0.05, a quarter of a usual drag coefficient.
+        20.0 from 0.0,
         "A rolled glider has more drag",
         "tilted lift, sideslip",
         "in turns"
@@ -304,7 +305,8 @@ pub const AT_SEA: &[Mechanism] = &[
         "rudder_drag",
         Motion,
         ["rudder_drag_per_rad2"],
-        5.0 from 0.0,
+        // As of the roll.
+        20.0 from 0.0,
         "A deflected rudder has drag",
         "Williams, Bachmayer, deYoung 2007",
         "while steering"
