@@ -207,14 +207,18 @@ impl Fitted {
     }
 
     /// A mechanism that may be absent on one of two legs may as well be something else on the other one: it goes, and so does
-    /// one whose sizes on the legs differ for certain and by much.
+    /// one whose sizes on the legs differ for certain and by much. What begins at one time is known by what was before: a leg that is
+    /// hardly measured cannot take it back.
     pub(super) fn drop_what_one_leg_shows(&mut self, problem: &impl Problem, baseline: &Fitted) {
         while problem.needs_both_legs() {
             let included = self.regimes_included(problem);
             let is_of_one_leg = |place: &usize| {
                 let half = LEAST_DIFFERENCE * included[*place].sizes[0].abs();
+                let version = problem.candidates()[self.included[*place]].version;
+                let shown =
+                    if version.is_some_and(|version| version.is_onset) { f64::NEG_INFINITY } else { SHOWN_ON_A_LEG };
                 regimes::on_each_leg(&self.evidence, &self.noises, &included, *place)
-                    .is_some_and(|legs| legs.disagree(SHOWN_ON_A_LEG, SURELY_APART, half, problem.part_unexplained()))
+                    .is_some_and(|legs| legs.disagree(shown, SURELY_APART, half, problem.part_unexplained()))
             };
             let Some(place) = (0..self.included.len()).find(is_of_one_leg) else { return };
             *self = self.without(problem, baseline, place);
