@@ -3,7 +3,7 @@
 use super::structure::{Structure, structure};
 use super::xml::{Document, flag, number, text};
 use super::{AUTHOR, COPYRIGHT, DEFAULT_EXPERIMENT, GENERATED, LOG_CATEGORIES, start_value, used_units};
-use crate::model::table::Choice;
+use crate::model::Choice;
 use crate::model::vehicle::Vehicle;
 use crate::model::{Causality, Initial, Model, Slot, Table, Variability, Variable};
 

@@ -3,7 +3,7 @@
 use super::document::{Format, common, initial, integer, list, real, start};
 use super::structure::Structure;
 use super::xml::{Document, flag, text};
-use crate::model::table::Choice;
+use crate::model::Choice;
 use crate::model::vehicle::Vehicle;
 use crate::model::{Causality, Kind, Model, Variability, Variable};
 

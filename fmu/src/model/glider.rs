@@ -6,8 +6,8 @@ use glidepolar_spatial::Steering;
 
 pub use super::rules::{DiscreteState, Glider, Rules};
 use super::rules::{PAST_BOUNDARY_M, is_beyond};
-use super::table::{Discrete, Slot};
 use super::values::{MOST_EVENTS, MOST_OUTPUTS, MOST_STATES, Values};
+use super::variable::{Discrete, Slot};
 use super::which::Model;
 use super::{plane, space};
 

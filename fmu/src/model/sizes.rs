@@ -1,6 +1,6 @@
 //! Which variables each model has, and how many of each kind.
 
-use super::table::Table;
+use super::variable::Table;
 use super::which::Model;
 use super::{plane, space, table};
 

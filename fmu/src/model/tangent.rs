@@ -4,8 +4,8 @@
 use num_dual::Dual64;
 
 use super::glider::{Glider, complete_start};
-use super::table::Slot;
 use super::values::{MOST_EVENTS, MOST_OUTPUTS, MOST_STATES, Values};
+use super::variable::Slot;
 use super::which::Model;
 
 /// The change of everything that follows, per change along one direction.

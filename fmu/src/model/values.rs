@@ -5,7 +5,7 @@ use glidepolar_dynamics::parameters::N_PARAMETERS;
 use glidepolar_number::Number;
 use glidepolar_spatial::N_LATERAL;
 
-use super::table::Slot;
+use super::variable::Slot;
 
 /// Room for the continuous states of every model.
 pub const MOST_STATES: usize = glidepolar_spatial::N_STATES;

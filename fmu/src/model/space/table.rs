@@ -13,9 +13,10 @@ use glidepolar_spatial::{INPUTS, Inputs, LATERAL, N_INPUTS, N_LATERAL, N_STATES,
 use super::N_EVENTS;
 use crate::model::Model;
 use crate::model::table::{
-    Causality, Choice, Discrete, FIXED, Initial, Kind, Row, Slot, Table, Token, Variable, choice, derivative, discrete,
-    in_order, indicator, inputs, parameter, power, real, row_of, start_in_trim, time, vehicle_name, water_source,
+    FIXED, Row, choice, derivative, discrete, indicator, inputs, parameter, power, real, row_of, start_in_trim, time,
+    vehicle_name, water_source,
 };
+use crate::model::variable::{Causality, Choice, Discrete, Initial, Kind, Slot, Table, Token, Variable, in_order};
 
 /// How many parameters are published as numbers.
 const N_PUBLISHED: usize = N_PARAMETERS - NOT_PUBLISHED.len() - EMPIRICAL.len() + N_LATERAL;
