@@ -3,6 +3,7 @@
 use super::{Lift, MOST_USUAL, SeaProblem};
 use crate::diagnose::evidence::Point;
 use crate::identify::unknown_shear::DIFFERENCE_M_S;
+use crate::report::significant;
 
 /// Ratio of a fitted coefficient of the polar to the vehicle's, or the reverse, from which on a warning is due.
 const FAR_FROM_BELIEF: f64 = 3.0;
@@ -53,6 +54,16 @@ impl SeaProblem {
             warnings.push(format!(
                 "the scale of the pitch rests on a lift slope that was fitted beside it: {PITCH_OR_LIFT}"
             ));
+        }
+        for (candidate, values) in self.candidates.iter().zip(&named.candidates) {
+            if *values != candidate.neutral && candidate.is_unusual(values[0]) {
+                let (name, unit) = candidate.parameters[0];
+                let usual = [-1.0, 1.0].map(|sign| candidate.neutral[0] + sign * MOST_USUAL * candidate.prior_sd[0]);
+                warnings.push(format!(
+                    "`{name}` = {} {unit} is a size that is seldom seen (usually {} to {}): named because nothing else explains the log",
+                    significant(values[0], 3), significant(usual[0].max(candidate.least), 3), significant(usual[1], 3)
+                ));
+            }
         }
         let current_m_s = self.shear.difference_m_s(self.shear_coefficients(named));
         if current_m_s > MOST_USUAL * DIFFERENCE_M_S {

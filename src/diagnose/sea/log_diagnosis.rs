@@ -324,8 +324,8 @@ mod tests {
             let pressure_dbar = 10.0 + 4.0 * if descends { within } else { 40.0 - within };
             let temperature_C = temperature(pressure_dbar);
             let density_kg_m3 = 1025.0 + 4.5e-3 * pressure_dbar - 0.15 * (temperature_C - p.reference_temperature_C);
-            let water =
-                Surroundings { density_kg_m3, pressure_Pa: pressure_dbar * DBAR_PA, temperature_C, time_s: 0.0 };
+            let (pressure_Pa, time_s) = (pressure_dbar * DBAR_PA, 15.0 * f64::from(i));
+            let water = Surroundings { density_kg_m3, pressure_Pa, temperature_C, time_s };
             let sign = if descends { -1.0 } else { 1.0 };
             let pitch_rad = sign * (20.0 + f64::from(leg % 5) * 3.0).to_radians();
             let ballast_m3 = sign * 2e-4;
@@ -334,7 +334,7 @@ mod tests {
             // Waves, with no more of a pattern than the sine of a large number has.
             let noise = |seed: f64| (f64::from(i) * 78.233 + seed).sin() * 43_758.545 % 1.0;
             observations.push(Observation {
-                time_s: 15.0 * f64::from(i),
+                time_s,
                 pressure_dbar,
                 pressure_rate_dbar_s: 0.0,
                 temperature_C,
@@ -383,6 +383,23 @@ mod tests {
         assert!(found.warnings.iter().any(|warning| warning == unknown_temperature::WARNING));
         // A vehicle that is not known to expand has its fault named: the log does not fit it.
         assert_ne!(diagnose(&slocum, &without).verdict, Verdict::None);
+    }
+
+    /// Four times the drag in a day, four prior standard deviations: seldom seen, and what the log shows.
+    #[test]
+    fn a_size_that_is_seldom_seen_is_named_with_a_warning() {
+        let slocum = Vehicle::load("slocum-049").expect("a vehicle").glide_parameters();
+        // A vehicle that still glides at 20 degrees with twice its drag.
+        let slocum = Parameters { b: 0.5 * slocum.b, c_per_rad2: 0.5 * slocum.c_per_rad2, ..slocum };
+        let truth = Parameters { drag_growth_per_day: 4.0, ..slocum };
+        let found = diagnose_log(&slocum, Trim::Vehicle, &flight(&truth, 0.0), DiagnosisSettings::default());
+        let found = found.expect("a diagnosis").outcome.diagnosis;
+        let [cause] = found.causes.as_slice() else { panic!("{:?}", found.causes) };
+        assert_eq!(cause.cause, "drag_growth");
+        let [low, high] = cause.parameters["drag_growth_per_day"].ci95;
+        assert!(low < 4.0 && 4.0 < high, "{low} to {high}");
+        let seldom = |warning: &&String| warning.contains("seldom seen (usually 0 to 3.00)");
+        assert_eq!(found.warnings.iter().filter(seldom).count(), 1, "{:?}", found.warnings);
     }
 
     /// Vertical velocity alone: the lift slope is known to what the vehicle states of it, unless the log shows another polar.
