@@ -58,10 +58,14 @@ impl SeaProblem {
         for (candidate, values) in self.candidates.iter().zip(&named.candidates) {
             if *values != candidate.neutral && candidate.is_unusual(values[0]) {
                 let (name, unit) = candidate.parameters[0];
-                let usual = [-1.0, 1.0].map(|sign| candidate.neutral[0] + sign * MOST_USUAL * candidate.prior_sd[0]);
+                let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+                let [low, high] =
+                    [-1.0, 1.0].map(|sign| candidate.neutral[0] + sign * MOST_USUAL * candidate.prior_sd[0]);
                 warnings.push(format!(
-                    "`{name}` = {} {unit} is a size that is seldom seen (usually {} to {}): named because nothing else explains the log",
-                    significant(values[0], 3), significant(usual[0].max(candidate.least), 3), significant(usual[1], 3)
+                    "`{name}` = {}{unit} is a size that is seldom seen (usually {} to {}): named because nothing else explains the log",
+                    significant(values[0], 3),
+                    significant(low.max(candidate.least), 3),
+                    significant(high, 3)
                 ));
             }
         }
