@@ -207,8 +207,8 @@ impl Fitted {
     }
 
     /// A mechanism that may be absent on one of two legs may as well be something else on the other one: it goes, and so does
-    /// one whose sizes on the legs differ for certain and by much. What begins at one time is known by what was before: a leg that is
-    /// hardly measured cannot take it back.
+    /// one whose sizes on the legs differ for certain and by much. A mechanism with an onset is
+    /// known by the data before it, and may be uncertain on one leg.
     pub(super) fn drop_what_one_leg_shows(&mut self, problem: &impl Problem, baseline: &Fitted) {
         while problem.needs_both_legs() {
             let included = self.regimes_included(problem);
@@ -257,24 +257,23 @@ impl Fitted {
     }
 
     /// What needs a size that nature does not have is something else that resembles it: it goes, whatever takes its place not
-    /// being asked for. So does what has an unusual size and is not the one explanation.
+    /// being asked for. So does a mechanism of unusual size that is not the only explanation.
     pub(super) fn drop_what_cannot_be(&mut self, problem: &impl Problem, baseline: &Fitted) {
         let cannot_be = |fitted: &Fitted, place: usize| {
             let member = fitted.included[place];
             let (candidate, values) = (&problem.candidates()[member], &fitted.point.candidates[member]);
             candidate.is_impossible(values[0])
                 || !problem.exists(member, values)
-                || candidate.is_unusual(values[0]) && !fitted.is_the_one_explanation(problem, baseline, place)
+                || candidate.is_unusual(values[0]) && !fitted.is_the_only_explanation(problem, baseline, place)
         };
         while let Some(place) = (0..self.included.len()).find(|place| cannot_be(self, *place)) {
             *self = self.without(problem, baseline, place);
         }
     }
 
-    /// Whether nothing of a usual size could stand in the place of a mechanism, and no curve is left beside it: a law that explains
-    /// all of a misfit as nothing else does is believed at a size that nobody has seen, a law that explains a part is not. What another
-    /// channel shows of its size it cannot contradict.
-    fn is_the_one_explanation(&self, problem: &impl Problem, baseline: &Fitted, place: usize) -> bool {
+    /// Whether no mechanism of a usual size predicts as well in the place of this one, and no relevant misfit is left: an unusual size
+    /// is accepted only of a mechanism that explains all of the misfit. A size that another channel shows is not contradicted.
+    fn is_the_only_explanation(&self, problem: &impl Problem, baseline: &Fitted, place: usize) -> bool {
         let candidates = problem.candidates();
         let iteration = Iteration::new(candidates, self);
         candidates[self.included[place]].shown.is_none()

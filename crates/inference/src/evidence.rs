@@ -109,8 +109,8 @@ pub struct Candidate {
     pub neutral: Vec<f64>,
     /// Prior standard deviation of each parameter about its neutral value.
     pub prior_sd: Vec<f64>,
-    /// Prior standard deviations within which the first parameter usually lies. Beyond them the belief falls off as a power, and
-    /// the mechanism must be the one explanation.
+    /// Prior standard deviations within which the first parameter usually lies. Beyond them the prior has a power-law tail, and
+    /// the mechanism must be the only explanation.
     pub usual_sds: f64,
     /// Smallest and largest value that physics allows each parameter.
     pub bounds: Vec<(f64, f64)>,
@@ -160,13 +160,13 @@ impl Candidate {
         self.prior_sd.iter().enumerate().map(|(i, prior_sd)| (if i == 0 { shown } else { 0.0 }, *prior_sd)).collect()
     }
 
-    /// The prior of the parameters near these values: mean less neutral and standard deviation of the normal one that has the same
-    /// density and slope there.
+    /// The prior of the parameters, linearised at these values: mean less neutral and standard deviation of the normal prior that has
+    /// the same density and slope there.
     ///
-    /// A belief of what is usual is normal within `K = usual_sds` standard deviations. Beyond, its density falls as the power
-    /// `-K^2` of the distance: what the data show there is not drawn back, as a normal belief would draw it. With `k` standard
-    /// deviations, less twice the logarithm of the density is `K^2 (1 + 2 ln (k / K))`, the square `r^2` of a residual of slope
-    /// `K^2 / (k r)`. What another channel shows is no belief of what is usual, and stays normal.
+    /// The prior is normal within `K = usual_sds` standard deviations. Beyond, its density falls as the power `-K^2` of the distance, so
+    /// that an unusual size is hardly shrunk towards the usual ones. At `k` standard deviations, twice the negative logarithm of
+    /// the density is `K^2 (1 + 2 ln (k / K))`, the square `r^2` of a residual of slope `K^2 / (k r)`. The prior by another channel is a
+    /// measurement, and normal everywhere.
     pub fn prior_at(&self, values: &[f64]) -> Vec<(f64, f64)> {
         let mut prior = self.prior();
         if self.shown.is_none() && self.is_unusual(values[0]) {
@@ -179,7 +179,7 @@ impl Candidate {
         prior
     }
 
-    /// What is believed of the first parameter.
+    /// Prior mean of the first parameter.
     fn centre(&self) -> f64 {
         self.shown.unwrap_or(self.neutral[0])
     }
@@ -366,9 +366,9 @@ mod tests {
         if k <= 3.0 { k * k } else { 9.0 * (1.0 + 2.0 * (k / 3.0).ln()) }
     }
 
-    /// The normal belief that stands for the belief has its density and slope at each size.
+    /// The linearised prior has the density and slope of the prior at each size.
     #[test]
-    fn the_belief_beyond_what_is_usual_has_the_density_and_slope_of_a_power() {
+    fn the_linearised_prior_has_the_density_and_slope_of_a_power_law_tail() {
         let (neutral, sd) = (1.0, 0.2);
         let candidate = Candidate {
             name: "scale",

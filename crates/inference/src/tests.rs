@@ -181,9 +181,9 @@ fn a_size_that_is_hardly_known_gets_no_name() {
     }
 }
 
-/// Six standard deviations from what is believed: the law that alone explains the data is named, and its size not drawn back.
+/// Six prior standard deviations from neutral: the only mechanism that explains the data is named, and its size is not shrunk.
 #[test]
-fn an_unusual_size_is_named_where_it_is_the_one_explanation() {
+fn an_unusual_size_is_named_where_it_is_the_only_explanation() {
     let (mut named, mut covered) = (0, 0);
     for seed in 160..180 {
         let mut toy = Toy::new(seed, |i, toy| 3.0 * toy.columns[2][i]);
@@ -199,9 +199,9 @@ fn an_unusual_size_is_named_where_it_is_the_one_explanation() {
     assert!(covered as f64 >= 0.85 * named as f64, "{covered} of {named}");
 }
 
-/// Where another law of a usual size explains as much, the unusual one is not named.
+/// Where another mechanism of usual size explains as much, the one of unusual size is not named.
 #[test]
-fn an_unusual_size_gives_way_to_a_usual_one() {
+fn a_mechanism_of_usual_size_is_preferred_to_one_of_unusual_size() {
     for seed in 180..190 {
         let mut toy = Toy::new(seed, |i, toy| 6.0 * toy.columns[1][i]);
         (toy.candidates[1].prior_sd[0], toy.candidates[1].usual_sds) = (1.0, 3.0);

@@ -47,8 +47,8 @@ impl Channels {
 /// Mechanisms that go with temperature or pressure: what of them does not vary over the log is an offset of the ballast.
 pub const WITH_A_LEVEL: [&str; 4] = ["hull_compressibility", "thermal_expansion", "trapped_air", "hull_creep"];
 
-/// Mechanisms that go with a reading with which no other one goes.
-pub const WITH_A_CHANNEL: [&str; 2] = ["roll_drag", "rudder_drag"];
+/// Mechanisms that depend on a channel on which no other mechanism depends.
+pub const WITH_OWN_CHANNEL: [&str; 2] = ["roll_drag", "rudder_drag"];
 
 /// Mechanisms that are a constant added to a reading or a weight.
 pub const LEVELS: [&str; 3] = ["ballast_offset", "pitch_offset", "density_bias"];

@@ -43,8 +43,8 @@ const MOST_CHANCE: f64 = 0.01;
 const LARGE_CHANGE: f64 = 0.2;
 
 /// Standard errors by which a size must be known. Another law whose effect on the rows has a correlation of 0.87 with the named
-/// one's differs from it by half of the effect, which must be found by three standard errors. What goes with a channel of its own no
-/// other law resembles: chance alone decides.
+/// one's differs from it by half of the effect, which must be found by three standard errors. No other law resembles
+/// a mechanism with a channel of its own: chance alone decides.
 const LEAST_KNOWN: f64 = 6.0;
 
 impl Problem for SeaProblem {
@@ -125,7 +125,7 @@ impl Problem for SeaProblem {
     }
 
     fn least_known(&self, candidate: usize) -> f64 {
-        if candidates::WITH_A_CHANNEL.contains(&self.candidates[candidate].name) { 0.0 } else { LEAST_KNOWN }
+        if candidates::WITH_OWN_CHANNEL.contains(&self.candidates[candidate].name) { 0.0 } else { LEAST_KNOWN }
     }
 
     fn relevance(&self, quantity: &Quantity, scatter: f64) -> f64 {
