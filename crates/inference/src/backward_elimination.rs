@@ -27,9 +27,6 @@ const LEAST_SPOILT_PERCENT: f64 = 2.0;
 /// named being asked.
 const SURELY_APART: f64 = 3.0;
 
-/// Difference of the sizes on the halves or legs, relative to the size, from which on it is no one size any more.
-const LEAST_DIFFERENCE: f64 = 0.5;
-
 /// Standard errors by which the variation of a mechanism alone, its mean set aside, must show it: 95 %.
 const OWN_EVIDENCE: f64 = 2.0;
 
@@ -207,18 +204,17 @@ impl Fitted {
     }
 
     /// A mechanism that may be absent on one of two legs may as well be something else on the other one: it goes, and so does
-    /// one whose sizes on the legs differ for certain and by much. A mechanism with an onset is
+    /// one whose sizes on the legs differ for certain and by more than may stay unexplained. A mechanism with an onset is
     /// known by the data before it, and may be uncertain on one leg.
     pub(super) fn drop_what_one_leg_shows(&mut self, problem: &impl Problem, baseline: &Fitted) {
         while problem.needs_both_legs() {
             let included = self.regimes_included(problem);
             let is_of_one_leg = |place: &usize| {
-                let half = LEAST_DIFFERENCE * included[*place].sizes[0].abs();
                 let version = problem.candidates()[self.included[*place]].version;
                 let shown =
                     if version.is_some_and(|version| version.is_onset) { f64::NEG_INFINITY } else { SHOWN_ON_A_LEG };
                 regimes::on_each_leg(&self.evidence, &self.noises, &included, *place)
-                    .is_some_and(|legs| legs.disagree(shown, SURELY_APART, half, problem.part_unexplained()))
+                    .is_some_and(|legs| legs.disagree(shown, SURELY_APART, problem.part_unexplained()))
             };
             let Some(place) = (0..self.included.len()).find(is_of_one_leg) else { return };
             *self = self.without(problem, baseline, place);
@@ -234,18 +230,20 @@ impl Fitted {
         self.included.iter().map(of).collect()
     }
 
-    /// A mechanism whose size differs between the halves of the data for certain, and by much, is another one.
+    /// A mechanism whose size differs between the halves of the data for certain, and by more than may stay unexplained, is another
+    /// one.
     pub(super) fn drop_what_differs_on_halves(&mut self, problem: &impl Problem, baseline: &Fitted) {
         let differs = |fitted: &Fitted, place: usize| {
             let member = fitted.included[place];
             let candidate = &problem.candidates()[member];
-            let size = (fitted.point.candidates[member][0] - candidate.neutral[0]).abs();
             // What began at one time is not the same before and after it.
             candidate.version.is_none_or(|version| !version.is_onset)
                 && match fitted.halves(problem, place).as_slice() {
                     [a, b] => {
-                        let apart = (a.value - b.value).abs();
-                        apart > SURELY_APART * a.se.hypot(b.se) && apart > LEAST_DIFFERENCE * size
+                        let size = [a, b].map(|half| half.value - candidate.neutral[0]);
+                        let halves =
+                            regimes::OnParts { size, variance: [a, b].map(|half| half.se.powi(2)), covariance: 0.0 };
+                        halves.differ(SURELY_APART, problem.part_unexplained())
                     }
                     _ => false,
                 }
@@ -271,12 +269,15 @@ impl Fitted {
         }
     }
 
-    /// Whether no mechanism of a usual size predicts as well in the place of this one, and no relevant misfit is left: an unusual size
-    /// is accepted only of a mechanism that explains all of the misfit. A size that another channel shows is not contradicted.
+    /// Whether no mechanism of a usual size predicts as well in the place of this one, no other has an unusual size too, and no relevant
+    /// misfit is left: an unusual size is accepted only of a mechanism that explains all of the misfit. A size that another channel
+    /// shows is not contradicted.
     fn is_the_only_explanation(&self, problem: &impl Problem, baseline: &Fitted, place: usize) -> bool {
         let candidates = problem.candidates();
         let iteration = Iteration::new(candidates, self);
+        let is_unusual = |member: &&usize| candidates[**member].is_unusual(self.point.candidates[**member][0]);
         candidates[self.included[place]].shown.is_none()
+            && self.included.iter().filter(is_unusual).count() == 1
             && !iteration.is_anything_wrong(&self.included, &self.limits(problem))
             && in_place_of(problem, baseline, self, place).is_empty()
     }

@@ -114,8 +114,8 @@ pub struct Candidate {
     pub usual_sds: f64,
     /// Smallest and largest value that physics allows each parameter.
     pub bounds: Vec<(f64, f64)>,
-    /// The least first parameter that nature has: what a fit puts below it is refused.
-    pub least: f64,
+    /// The least and the largest first parameter that nature has: what a fit puts beyond is refused.
+    pub possible: [f64; 2],
     /// The first parameter as another channel of the data shows it, `prior_sd` being the standard error of that; none: what is
     /// believed lies about neutral.
     pub shown: Option<f64>,
@@ -141,7 +141,7 @@ pub struct Version {
 impl Candidate {
     /// Whether nature does not have this value of the first parameter.
     pub fn is_impossible(&self, value: f64) -> bool {
-        value < self.least
+        !(self.possible[0]..=self.possible[1]).contains(&value)
     }
 
     /// Whether nature does not have this value of the first parameter, or it is unusual.
@@ -377,7 +377,7 @@ mod tests {
             prior_sd: vec![sd],
             usual_sds: 3.0,
             bounds: Vec::new(),
-            least: f64::NEG_INFINITY,
+            possible: [f64::NEG_INFINITY, f64::INFINITY],
             shown: None,
             version: None,
         };

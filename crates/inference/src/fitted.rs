@@ -33,8 +33,8 @@ const MOST_STARTS: usize = 3;
 /// Versions of one mechanism whose traces are kept out of the noise.
 const MAX_VERSIONS_IN_NOISE: usize = 3;
 
-/// Ratio of misfit to noise from which on the linearised model is not trusted to find the first mechanism.
-const GROSS_MISFIT: f64 = 1.25;
+/// Part of what a mechanism fitted alone must explain that it explains at first, while all of the misfit counts as noise.
+const PROMISING: f64 = 0.1;
 
 /// Difference of the logarithm of the held-out likelihood within which two single mechanisms are as good as each other.
 const SAME: f64 = 1.0;
@@ -195,34 +195,38 @@ impl Fitted {
         let quicker = problem.for_first_search(&self.point);
         let first = quicker.as_ref().unwrap_or(problem);
         let plain = plain_noises(&self.evidence);
-        let is_gross = (0..self.noises.len()).any(|quantity| {
-            let rows = self.evidence.quantities[quantity].rows.clone();
-            holdout::rms(&self.evidence.residual, rows)
-                > GROSS_MISFIT * expected_rms(&self.evidence, &self.noises, quantity)
-        });
+        // By how much the objective falls where the squares of the quantity with the fewest rows are halved.
+        let fewest_rows = self.evidence.quantities.iter().map(|quantity| quantity.rows.len()).min()?;
+        let half = 0.5 * std::f64::consts::LN_2 * fewest_rows as f64;
+        let before = objective(&self.evidence);
         let candidates = problem.candidates();
         let mut trials: Vec<(f64, Fitted)> = Vec::new();
-        for (i, _) in candidates.iter().enumerate().filter(|(_, candidate)| is_gross && candidate.version.is_none()) {
+        for (i, _) in candidates.iter().enumerate().filter(|(_, candidate)| candidate.version.is_none()) {
             let evidence = believing(first, first.evidence(&self.point), &self.point, &[i]);
             let mut trial = Fitted { point: self.point.clone(), included: vec![i], evidence, noises: plain.clone() };
             // At first all of the misfit counts as noise, beside which beliefs about sizes weigh too much: once more with
-            // what is left, until no more goes.
+            // what is left, until no more goes, or it is clear that this mechanism explains next to nothing.
             for _ in 0..MAX_NOISE_ROUNDS {
-                if trial.descend(first) < 1e-2 {
+                if trial.descend(first) < 1e-2 || objective(&trial.evidence) > before - PROMISING * half {
                     break;
                 }
                 trial.noises = plain_noises(&trial.evidence);
             }
             let size = trial.point.candidates[i][0];
             if trial.is_possible(candidates) && !candidates[i].is_impossible(size) {
-                trials.push((weighted_squares(&trial.evidence, &plain), trial));
+                trials.push((objective(&trial.evidence), trial));
             }
         }
-        // Half of the misfit at least, or the slopes are as good a guide. What is left by the best ones is judged where they
-        // were not fitted.
+        // Half of the squares of one quantity at least, or the slopes are as good a guide. What is left by the best ones is judged
+        // where they were not fitted.
+        let halves_one = |trial: &Fitted| {
+            let rms = |fitted: &Fitted, rows| holdout::rms(&fitted.evidence.residual, rows);
+            let mut quantities = self.evidence.quantities.iter();
+            quantities.any(|one| rms(trial, one.rows.clone()).powi(2) <= 0.5 * rms(self, one.rows.clone()).powi(2))
+        };
+        trials.retain(|(left, trial)| *left <= before && halves_one(trial));
         let least = trials.iter().map(|trial| trial.0).min_by(f64::total_cmp)?;
-        let enough = (2.0 * least).min(0.5 * weighted_squares(&self.evidence, &plain));
-        let converged = trials.into_iter().filter(|(left, _)| *left <= enough).map(|(_, mut trial)| {
+        let converged = trials.into_iter().filter(|(left, _)| *left <= least + half).map(|(_, mut trial)| {
             trial.noises = noises(problem, &trial.evidence, &trial.included);
             trial.converge(problem);
             (trial.held_out_misfit(), trial)

@@ -92,14 +92,14 @@ pub fn misfits(evidence: &Evidence, noises: &[Noise], included: &[Included<'_>])
     worst
 }
 
-/// The size of a mechanism on each of the two legs.
+/// The size of a mechanism on each of two parts of the data: the legs, or the halves.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OnLegs {
-    /// The size on each leg.
+pub struct OnParts {
+    /// The size on each part, less neutral.
     pub size: [f64; 2],
     /// Variance of each.
     pub variance: [f64; 2],
-    /// Covariance of the two: the rest of the model is fitted to both legs.
+    /// Covariance of the two, where the rest of the model is fitted to both parts.
     pub covariance: f64,
 }
 
@@ -107,7 +107,7 @@ pub struct OnLegs {
 /// contrast of the legs: two legs that tell of it independently reach 0.71.
 const BY_CONTRAST: f64 = 0.5;
 
-impl OnLegs {
+impl OnParts {
     fn variance_of_difference(&self) -> f64 {
         (self.variance[0] + self.variance[1] - 2.0 * self.covariance).max(f64::MIN_POSITIVE)
     }
@@ -117,13 +117,13 @@ impl OnLegs {
         (self.size[0] - self.size[1]).abs() / self.variance_of_difference().sqrt()
     }
 
-    /// Variance of one size on both legs.
+    /// Variance of one size on both parts.
     fn variance_together(&self) -> f64 {
         let [a, b] = self.variance;
         ((a * b - self.covariance.powi(2)) / self.variance_of_difference()).max(f64::MIN_POSITIVE)
     }
 
-    /// One size on both legs.
+    /// One size on both parts.
     fn together(&self) -> f64 {
         let ([a, b], [var_a, var_b]) = (self.size, self.variance);
         (a * (var_b - self.covariance) + b * (var_a - self.covariance)) / self.variance_of_difference()
@@ -135,29 +135,35 @@ impl OnLegs {
         self.variance_together() < BY_CONTRAST.powi(2) * self.variance[0].min(self.variance[1])
     }
 
-    /// Whether the mechanism may be absent on a leg, or has another size there.
-    ///
-    /// It may be absent where it does not show on a leg by `shown` standard errors, and has another size where the sizes differ by
-    /// `apart` standard errors and by more than `by`. Where it is known by the contrast of the legs none shows it by itself:
-    /// then one size on both stands until two sizes, or a law on one leg, explain more by `share` of what the one size does.
-    pub fn disagree(&self, shown: f64, apart: f64, by: f64, share: f64) -> bool {
+    /// Whether the sizes differ by `apart` standard errors, and two sizes explain more by `share` of what one does.
+    pub fn differ(&self, apart: f64, share: f64) -> bool {
         let against_one_size = self.against_one_size();
+        against_one_size > apart && against_one_size.powi(2) > share * self.explained()
+    }
+
+    /// What one size on both parts explains, in units of the noise.
+    fn explained(&self) -> f64 {
+        self.together().powi(2) / self.variance_together()
+    }
+
+    /// Whether the mechanism may be absent on a leg, or has another size there: it does not show on a leg by `shown` standard errors,
+    /// or the sizes [differ](OnParts::differ).
+    ///
+    /// Where it is known by the contrast of the legs none shows it by itself: then one size on both stands until a law on one leg
+    /// explains more by `share` of what the one size does.
+    pub fn disagree(&self, shown: f64, apart: f64, share: f64) -> bool {
         let sign = self.together().signum();
         let against_none = (0..2).map(|leg| self.size[leg] * sign / self.variance[leg].sqrt());
         let least = against_none.fold(f64::INFINITY, f64::min);
-        let differ = against_one_size > apart && (self.size[0] - self.size[1]).abs() > by;
-        if !self.is_known_by_contrast() {
-            return least < shown || differ;
-        }
-        let enough = share * self.together().powi(2) / self.variance_together();
-        let against_one_size = against_one_size.powi(2);
-        least < shown && against_one_size - least.max(0.0).powi(2) > enough || differ && against_one_size > enough
+        let one_leg_explains_more =
+            || self.against_one_size().powi(2) - least.max(0.0).powi(2) > share * self.explained();
+        least < shown && (!self.is_known_by_contrast() || one_leg_explains_more()) || self.differ(apart, share)
     }
 }
 
 /// The size of an included mechanism on each leg, the first parameter, the other mechanisms being fitted as well; nothing where
 /// it acts on one leg alone.
-pub fn on_each_leg(evidence: &Evidence, noises: &[Noise], included: &[Included<'_>], place: usize) -> Option<OnLegs> {
+pub fn on_each_leg(evidence: &Evidence, noises: &[Noise], included: &[Included<'_>], place: usize) -> Option<OnParts> {
     let n = evidence.residual.len();
     let trace = included[place].trace();
     let of_leg =
@@ -176,7 +182,7 @@ pub fn on_each_leg(evidence: &Evidence, noises: &[Noise], included: &[Included<'
     }
     let fit = score.fit(&(0..all.ncols()).collect::<Vec<_>>());
     let size = included[place].sizes[0];
-    Some(OnLegs {
+    Some(OnParts {
         size: [0, 1].map(|leg| size + fit.step[leg]),
         variance: [0, 1].map(|leg| fit.covariance[(leg, leg)].max(f64::MIN_POSITIVE)),
         covariance: fit.covariance[(0, 1)],
@@ -206,37 +212,37 @@ fn weights(evidence: &Evidence) -> Vec<(String, Vec<f64>)> {
 
 #[cfg(test)]
 mod tests {
-    use super::OnLegs;
+    use super::OnParts;
 
-    /// The rule of the diagnosis at sea, half of the size being 0.5.
-    fn disagree(legs: OnLegs) -> bool {
-        legs.disagree(1.645, 3.5, 0.5, 0.1)
+    /// The rule of the diagnosis at sea.
+    fn disagree(legs: OnParts) -> bool {
+        legs.disagree(1.645, 3.5, 0.1)
     }
 
     #[test]
     fn a_leg_that_shows_nothing_may_have_none() {
         // Independent legs, one hardly measured: what is there may act on the other alone.
-        assert!(disagree(OnLegs { size: [1.0, 0.9], variance: [0.01, 1.0], covariance: 0.0 }));
-        assert!(!disagree(OnLegs { size: [1.0, 0.9], variance: [0.01, 0.01], covariance: 0.0 }));
-        assert!(disagree(OnLegs { size: [1.0, -0.9], variance: [0.01, 0.01], covariance: 0.0 }));
+        assert!(disagree(OnParts { size: [1.0, 0.9], variance: [0.01, 1.0], covariance: 0.0 }));
+        assert!(!disagree(OnParts { size: [1.0, 0.9], variance: [0.01, 0.01], covariance: 0.0 }));
+        assert!(disagree(OnParts { size: [1.0, -0.9], variance: [0.01, 0.01], covariance: 0.0 }));
     }
 
     /// The sum of the sizes is known by 0.1, the difference by 1: one size on both is known by 0.05, each leg by 0.5.
     #[test]
     fn what_the_contrast_shows_stands_until_the_legs_speak_against_it() {
         let (variance, covariance) = ([0.2525; 2], -0.2475);
-        assert!(!disagree(OnLegs { size: [0.6, 0.4], variance, covariance }));
+        assert!(!disagree(OnParts { size: [0.6, 0.4], variance, covariance }));
         // A law on one leg explains a hundredth more.
-        assert!(!disagree(OnLegs { size: [1.0, 0.0], variance, covariance }));
+        assert!(!disagree(OnParts { size: [1.0, 0.0], variance, covariance }));
         // One size explains 100, two explain 20 more.
-        assert!(disagree(OnLegs { size: [2.75, -1.75], variance, covariance }));
+        assert!(disagree(OnParts { size: [2.75, -1.75], variance, covariance }));
     }
 
     #[test]
     fn sizes_differ_by_their_standard_errors_and_by_enough() {
-        let legs = |covariance| OnLegs { size: [1.0, 0.45], variance: [0.01, 0.01], covariance };
+        let legs = |covariance| OnParts { size: [1.0, 0.45], variance: [0.01, 0.01], covariance };
         assert!(disagree(legs(0.0)));
-        assert!(!legs(0.0).disagree(1.645, 3.5, 0.6, 0.1));
+        assert!(!legs(0.0).disagree(1.645, 3.5, 0.2));
         // Errors of opposite sign make the difference less certain.
         assert!(!disagree(legs(-0.005)));
     }

@@ -48,7 +48,7 @@ impl Toy {
             prior_sd: vec![100.0],
             usual_sds: f64::INFINITY,
             bounds: Vec::new(),
-            least: f64::NEG_INFINITY,
+            possible: [f64::NEG_INFINITY, f64::INFINITY],
             shown: None,
             version: None,
         };
@@ -237,7 +237,7 @@ fn a_law_that_predicts_as_well_takes_the_place_of_a_refused_one() {
     let right = (180..200)
         .filter(|seed| {
             let mut toy = Toy::new(*seed, |i, toy| -4.0 * toy.columns[3][i]);
-            toy.candidates[1].least = 0.0;
+            toy.candidates[1].possible[0] = 0.0;
             let (found, _) = diagnose(&toy);
             found.causes.iter().map(|cause| cause.cause.as_str()).eq(["expansion"])
         })

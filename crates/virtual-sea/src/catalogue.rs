@@ -304,7 +304,11 @@ fn draw_one(request: &Request, vehicle: &Vehicle, seed: u64, hours: f64) -> Draw
         Signs::Either => sign(random),
     };
     let departure = direction * between(random, effect.drawn.0, effect.drawn.1);
-    let size = request.size.unwrap_or(neutral_value(effect.neutral, vehicle) + departure);
+    let neutral = neutral_value(effect.neutral, vehicle);
+    // No hull grows under pressure, and none shrinks when it is warmed.
+    let is_of_material = matches!(effect.neutral, Neutral::Compressibility | Neutral::Expansion);
+    let departure = if is_of_material && neutral + departure < 0.0 { departure.abs() } else { departure };
+    let size = request.size.unwrap_or(neutral + departure);
     let mut parameters = Vec::new();
     if effect.neutral != Neutral::Nothing {
         parameters.push((effect.parameter, size));

@@ -50,6 +50,26 @@ pub const WITH_A_LEVEL: [&str; 4] = ["hull_compressibility", "thermal_expansion"
 /// Mechanisms that depend on a channel on which no other mechanism depends.
 pub const WITH_OWN_CHANNEL: [&str; 2] = ["roll_drag", "rudder_drag"];
 
+/// Mechanisms whose size nothing bounds: what accumulates, what is carried or caught, instruments that are late. Of the others design and
+/// calibration bound it: nature has none beyond [`MOST_USUAL`](super::MOST_USUAL).
+const OPEN_ENDED: [&str; 15] = [
+    "pressure_lag",
+    "drag_growth",
+    "drag_step",
+    "trapped_air",
+    "leak",
+    "hull_creep",
+    "carried_water",
+    "pump_leakback",
+    "conductivity_drift",
+    "thermal_lag",
+    "clock_offset",
+    "pressure_hysteresis",
+    "vertical_current",
+    "roll_drag",
+    "rudder_drag",
+];
+
 /// Mechanisms that are a constant added to a reading or a weight.
 pub const LEVELS: [&str; 3] = ["ballast_offset", "pitch_offset", "density_bias"];
 
@@ -99,15 +119,22 @@ pub fn list(
         };
         // A channel that shows less than is believed anyhow says nothing.
         let shown = channels.shown(mechanism.name).filter(|shown| shown.se < prior_sd);
+        let neutral = *parameters.clone().at(index);
+        let (usual_sds, possible) = if OPEN_ENDED.contains(&mechanism.name) {
+            (super::MOST_USUAL, [mechanism.least, f64::INFINITY])
+        } else {
+            let most = super::MOST_USUAL * prior_sd;
+            (f64::INFINITY, [mechanism.least.max(neutral - most), neutral + most])
+        };
         for version in versions {
             let candidate = Candidate {
                 name: mechanism.name,
                 parameters: vec![(row.name, row.unit)],
-                neutral: vec![*parameters.clone().at(index)],
+                neutral: vec![neutral],
                 prior_sd: vec![shown.map_or(prior_sd, |shown| shown.se)],
-                usual_sds: super::MOST_USUAL,
+                usual_sds,
                 bounds: vec![(row.min, row.max)],
-                least: mechanism.least,
+                possible,
                 shown: shown.map(|shown| shown.value),
                 version,
             };

@@ -64,7 +64,7 @@ impl SeaProblem {
                 warnings.push(format!(
                     "`{name}` = {}{unit} is a size that is seldom seen (usually {} to {}): named because nothing else explains the log",
                     significant(values[0], 3),
-                    significant(low.max(candidate.least), 3),
+                    significant(low.max(candidate.possible[0]), 3),
                     significant(high, 3)
                 ));
             }

@@ -51,7 +51,7 @@ pub use vehicle_log::{LiftSlope, Request, VehicleLogError, diagnose_vehicle, ext
 const INERTIA_SHARE: (&str, &str) = ("inertia_share", "1");
 
 /// Prior standard deviations that a mechanism's size may lie from neutral: what needs more than three standard deviations of what is believed
-/// resembles it only.
+/// resembles it only, unless nothing bounds the size and nothing else explains the log.
 const MOST_USUAL: f64 = 3.0;
 
 /// The quantities with the least misfit that is worth acting on \[m/s\]: 1 mm/s in vertical velocity is a tenth of the slow

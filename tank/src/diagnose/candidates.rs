@@ -104,7 +104,7 @@ impl TankProblem<'_> {
             prior_sd: parameters.iter().map(|p| prior_sd(p)).collect(),
             usual_sds: f64::INFINITY,
             bounds: parameters.iter().map(|p| p.bounds).collect(),
-            least: f64::NEG_INFINITY,
+            possible: [f64::NEG_INFINITY, f64::INFINITY],
             shown: None,
             version: None,
         };
