@@ -5,7 +5,7 @@ use nalgebra::DVector;
 
 use super::evidence::{Headline, Problem, Quantity, names};
 use super::findings::Why;
-use super::fitted::Fitted;
+use super::fitted::{Fitted, weighted_squares};
 use super::holdout;
 use super::iteration::Iteration;
 use super::regimes;
@@ -26,6 +26,9 @@ const LEAST_SPOILT_PERCENT: f64 = 2.0;
 /// Standard errors by which the sizes on the halves of the data, or on the legs, must differ: 1 in 400 by chance, the few that are
 /// named being asked.
 const SURELY_APART: f64 = 3.0;
+
+/// Standard errors by which a size must lie beyond those that nature has: 95 %, one-sided.
+const BEYOND_NATURE: f64 = 1.645;
 
 /// Standard errors by which the variation of a mechanism alone, its mean set aside, must show it: 95 %.
 const OWN_EVIDENCE: f64 = 2.0;
@@ -131,6 +134,9 @@ impl Fitted {
     }
 
     /// A law whose size is hardly known, by the noise or by the scatter between clusters, resembles too many others to be named.
+    ///
+    /// Far from neutral the model may be flat along a size that the data exclude at neutral: the polar follows a scale of the pitch. There
+    /// the root of the likelihood ratio counts, which for a linear model is the size in its standard errors.
     pub(super) fn drop_what_is_hardly_known(&mut self, problem: &impl Problem, baseline: &Fitted) {
         while !self.included.is_empty() {
             let iteration = Iteration::new(problem.candidates(), self);
@@ -142,11 +148,14 @@ impl Fitted {
             let n_baseline = self.evidence.baseline.ncols();
             // A standard error by so many clusters is itself uncertain; it counts as the larger where it is so for certain.
             let certain = 1.0 + 2.0 / (2.0 * covariances.clusters.max(2) as f64 - 2.0).sqrt();
-            let known = |place: usize| {
+            let known_by_clusters = |place: usize| {
                 let column = first_column(place);
                 let row = n_baseline + column;
-                let by_clusters = covariances.by_clusters[(row, row)].max(0.0).sqrt();
-                fit.step[column].abs() / fit.se(column).max(by_clusters / certain)
+                fit.step[column].abs() * certain / covariances.by_clusters[(row, row)].max(0.0).sqrt()
+            };
+            let known_by_slopes = |place: usize| {
+                let column = first_column(place);
+                (fit.step[column].abs() / fit.se(column)).min(known_by_clusters(place))
             };
             let search = iteration.search();
             let without = |place: usize| {
@@ -158,6 +167,14 @@ impl Fitted {
             let asked = |place: usize| {
                 problem.least_known(self.included[place]) * if Some(place) == largest { 1.0 } else { BESIDE_ANOTHER }
             };
+            let known = |place: usize| {
+                let by_slopes = known_by_slopes(place);
+                if by_slopes >= asked(place) {
+                    return by_slopes;
+                }
+                let by_likelihood = self.rise_without(problem, baseline, place).max(0.0).sqrt();
+                by_slopes.max(by_likelihood.min(known_by_clusters(place)))
+            };
             let hardly = (0..self.included.len())
                 .map(|place| (known(place), place))
                 .filter(|(known, place)| *known < asked(*place));
@@ -166,6 +183,14 @@ impl Fitted {
                 None => return,
             }
         }
+    }
+
+    /// By how much the weighted sum of squares rises where a member is left out and all else is fitted again, the noise being the same.
+    fn rise_without(&self, problem: &impl Problem, baseline: &Fitted, place: usize) -> f64 {
+        let mut other = self.without(problem, baseline, place);
+        other.noises.clone_from(&self.noises);
+        other.descend(problem);
+        weighted_squares(&other.evidence, &other.noises) - weighted_squares(&self.evidence, &self.noises)
     }
 
     /// A mechanism that needs another size in another regime is another one: it goes, and what its size goes with is
@@ -260,13 +285,23 @@ impl Fitted {
         let cannot_be = |fitted: &Fitted, place: usize| {
             let member = fitted.included[place];
             let (candidate, values) = (&problem.candidates()[member], &fitted.point.candidates[member]);
-            candidate.is_impossible(values[0])
+            candidate.is_impossible(values[0]) && fitted.is_impossible_for_certain(problem, place)
                 || !problem.exists(member, values)
                 || candidate.is_unusual(values[0]) && !fitted.is_the_only_explanation(problem, baseline, place)
         };
         while let Some(place) = (0..self.included.len()).find(|place| cannot_be(self, *place)) {
             *self = self.without(problem, baseline, place);
         }
+    }
+
+    /// Whether a size lies further beyond those that nature has than its error explains.
+    fn is_impossible_for_certain(&self, problem: &impl Problem, place: usize) -> bool {
+        let candidates = problem.candidates();
+        let member = self.included[place];
+        let ([low, high], value) = (candidates[member].possible, self.point.candidates[member][0]);
+        let row = self.evidence.baseline.ncols()
+            + self.included[..place].iter().map(|other| candidates[*other].prior_sd.len()).sum::<usize>();
+        (low - value).max(value - high) > BEYOND_NATURE * self.covariances().by_model[(row, row)].max(0.0).sqrt()
     }
 
     /// Whether no mechanism of a usual size predicts as well in the place of this one, no other has an unusual size too, and no relevant
