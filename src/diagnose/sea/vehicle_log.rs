@@ -78,9 +78,10 @@ pub fn diagnose_vehicle(
     Ok((vehicle, found))
 }
 
-/// Holds the lift slope of a built-in Slocum, which is no prior of the user's own glider: the vehicle's own, that of each leg, as
-/// an identification does. Where the log contradicts it, the build-up's: what a wrong slope leaves would be blamed on something
-/// else. Returns what to say of it.
+/// Holds the lift slope of a built-in Slocum, which is no prior of the user's own glider: the vehicle's own, that of each leg, or that
+/// of the build-up, which is that of a real one with its wings. Where the vehicle's trim is taken, so is its slope; where a trim is
+/// assumed, that of the build-up. The other one is held where the log contradicts this one: what a wrong slope leaves would be blamed on
+/// something else. Returns what to say of it.
 fn hold_the_slope_of_a_slocum(
     vehicle: &mut Vehicle,
     trim: Trim,
@@ -96,12 +97,17 @@ fn hold_the_slope_of_a_slocum(
     let mut winged = vehicle.clone();
     set_lift_slope(&mut winged, slope.value)?;
     // Too little for a fit is said by the diagnosis itself.
-    if !is_fitted_better([vehicle, &winged], trim, observations).unwrap_or(false) {
+    let is_better = |this: &Vehicle, other: &Vehicle| is_fitted_better([other, this], trim, observations);
+    let (holds_own, why) = match trim {
+        Trim::Vehicle => (!is_better(&winged, vehicle).unwrap_or(false), "the log is fitted better by"),
+        Trim::Neutral => (is_better(vehicle, &winged).unwrap_or(true), "the log is fitted as well or better by"),
+    };
+    if holds_own {
         return Ok(std::iter::once(own).chain(held.warning).collect());
     }
     *vehicle = winged;
     Ok(vec![format!(
-        "no measured speed: the log is fitted better by a lift slope of {:.1} per rad than by the vehicle's own of {:.2}, and that one is held: {source}",
+        "no measured speed: {why} a lift slope of {:.1} per rad than by the vehicle's own of {:.2}, and that one is held: {source}",
         slope.value, held.value
     )])
 }
