@@ -54,6 +54,11 @@ const INERTIA_SHARE: (&str, &str) = ("inertia_share", "1");
 /// resembles it only, unless nothing bounds the size and nothing else explains the log.
 const MOST_USUAL: f64 = 3.0;
 
+/// Standard errors by which a size must be known. Another law whose effect on the rows has a correlation of 0.87 with the named
+/// one's differs from it by half of the effect, which must be found by three standard errors. No other law resembles
+/// a mechanism with a channel of its own: chance alone decides.
+const LEAST_KNOWN: f64 = 6.0;
+
 /// The quantities with the least misfit that is worth acting on \[m/s\]: 1 mm/s in vertical velocity is a tenth of the slow
 /// vertical motion of the water itself, 3 mm/s in speed a hundredth of a glider's speed, as good as speed is measured.
 pub const LEAST_RELEVANT: [(&str, f64); 2] = [(VERTICAL_VELOCITY, 1e-3), (SPEED, 3e-3)];

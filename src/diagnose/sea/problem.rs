@@ -7,8 +7,8 @@ use rayon::prelude::*;
 use super::flown::Flown;
 use super::model::{self, Vehicle};
 use super::{
-    LEAST_RELEVANT, Lift, SPEED, SeaProblem, Shape, Slopes, VERTICAL_VELOCITY, candidates, covariates, trim,
-    unknown_temperature,
+    LEAST_KNOWN, LEAST_RELEVANT, Lift, SPEED, SeaProblem, Shape, Slopes, VERTICAL_VELOCITY, candidates, covariates,
+    trim, unknown_temperature,
 };
 use crate::diagnose::evidence::{Candidate, Evidence, Point, Problem, Quantity};
 use crate::dynamics::PARAMETERS;
@@ -41,11 +41,6 @@ const MOST_CHANCE: f64 = 0.01;
 
 /// Relative change of a size that is never one size: the square of what is left is 4 % of the effect.
 const LARGE_CHANGE: f64 = 0.2;
-
-/// Standard errors by which a size must be known. Another law whose effect on the rows has a correlation of 0.87 with the named
-/// one's differs from it by half of the effect, which must be found by three standard errors. No other law resembles
-/// a mechanism with a channel of its own: chance alone decides.
-const LEAST_KNOWN: f64 = 6.0;
 
 impl Problem for SeaProblem {
     fn baseline(&self) -> &[(&'static str, &'static str)] {

@@ -2,7 +2,7 @@
 
 use glidepolar_inference::score::CLEARLY_WRONG;
 
-use super::{SeaProblem, Shape, Slopes, candidates};
+use super::{LEAST_KNOWN, SeaProblem, Shape, Slopes, candidates};
 use crate::diagnose::evidence::Candidate;
 use crate::diagnose::findings::{Verdict, Wrong};
 use crate::diagnose::{Outcome, engine};
@@ -20,9 +20,6 @@ pub(super) const OFFSETS: [&str; 2] = [MECHANISM, "density_bias"];
 
 /// To this density of the water gliders are ballasted \[kg/m3\]: what more the water has on the day is a trim.
 const BALLASTING_KG_M3: f64 = 1.0;
-
-/// Standard errors by which a trim must exceed what gliders are ballasted to: 95 %, one-sided.
-const FOR_CERTAIN: f64 = 1.645;
 
 /// Density of sea water near the surface, where the volume of a glider is wanted \[kg/m3\].
 const SEA_WATER_KG_M3: f64 = 1025.0;
@@ -73,14 +70,14 @@ impl SeaProblem {
     }
 }
 
-/// Reports a ballast offset against a baseline that was assumed, as the trim; one that does not exceed this for certain, or that is not
-/// clear, is no fault of the glider.
+/// Reports a ballast offset against a baseline that was assumed, as the trim; one that does not exceed this, that is not clear, or known as
+/// little as what gets no name, is no fault of the glider.
 pub(super) fn report(outcome: &mut Outcome, most_kg: f64) {
     let diagnosis = &mut outcome.diagnosis;
     let Some(place) = diagnosis.causes.iter().position(|cause| cause.cause == MECHANISM) else { return };
     let Some(offset) = diagnosis.causes[place].parameters.get(PARAMETER).cloned() else { return };
     let is_clear = diagnosis.causes[place].p_value <= CLEARLY_WRONG;
-    let is_beyond = offset.value.abs() - FOR_CERTAIN * offset.se > most_kg;
+    let is_beyond = offset.value.abs() > most_kg && offset.value.abs() >= LEAST_KNOWN * offset.se;
     if !is_clear || !is_beyond {
         diagnosis.wrong.retain(|wrong| wrong.regime != Wrong::regime_of(MECHANISM));
     }
