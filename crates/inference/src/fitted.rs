@@ -194,7 +194,7 @@ impl Fitted {
         }
         let quicker = problem.for_first_search(&self.point);
         let first = quicker.as_ref().unwrap_or(problem);
-        let plain = plain_noises(&self.evidence);
+        let (here, plain) = (first.evidence(&self.point), plain_noises(&self.evidence));
         // By how much the objective falls where the squares of the quantity with the fewest rows are halved.
         let fewest_rows = self.evidence.quantities.iter().map(|quantity| quantity.rows.len()).min()?;
         let half = 0.5 * std::f64::consts::LN_2 * fewest_rows as f64;
@@ -202,7 +202,7 @@ impl Fitted {
         let candidates = problem.candidates();
         let mut trials: Vec<(f64, Fitted)> = Vec::new();
         for (i, _) in candidates.iter().enumerate().filter(|(_, candidate)| candidate.version.is_none()) {
-            let evidence = believing(first, first.evidence(&self.point), &self.point, &[i]);
+            let evidence = believing(first, here.clone(), &self.point, &[i]);
             let mut trial = Fitted { point: self.point.clone(), included: vec![i], evidence, noises: plain.clone() };
             // At first all of the misfit counts as noise, beside which beliefs about sizes weigh too much: once more with
             // what is left, until no more goes, or it is clear that this mechanism explains next to nothing.

@@ -50,8 +50,8 @@ pub const WITH_A_LEVEL: [&str; 4] = ["hull_compressibility", "thermal_expansion"
 /// Mechanisms that depend on a channel on which no other mechanism depends.
 pub const WITH_OWN_CHANNEL: [&str; 2] = ["roll_drag", "rudder_drag"];
 
-/// Mechanisms whose size nothing bounds: what accumulates, what is carried or caught, instruments that are late. Of the others design and
-/// calibration bound it: nature has none beyond [`MOST_USUAL`](super::MOST_USUAL).
+/// Mechanisms whose size nothing bounds: what accumulates, what is carried or caught, what is late, what the water does. Of the others
+/// design and calibration bound it: nature has none beyond [`MOST_USUAL`](super::MOST_USUAL).
 const OPEN_ENDED: [&str; 15] = [
     "pressure_lag",
     "drag_growth",
