@@ -299,8 +299,7 @@ impl Fitted {
         let candidates = problem.candidates();
         let member = self.included[place];
         let ([low, high], value) = (candidates[member].possible, self.point.candidates[member][0]);
-        let row = self.evidence.baseline.ncols()
-            + self.included[..place].iter().map(|other| candidates[*other].prior_sd.len()).sum::<usize>();
+        let row = self.first_parameter(candidates, place);
         (low - value).max(value - high) > BEYOND_NATURE * self.covariances().by_model[(row, row)].max(0.0).sqrt()
     }
 

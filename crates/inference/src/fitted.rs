@@ -388,12 +388,17 @@ impl Fitted {
         DVector::from_fn(moved.nrows(), |i, _| moved.row(i).norm())
     }
 
+    /// The place of an included mechanism's first parameter among all that are fitted.
+    pub(super) fn first_parameter(&self, candidates: &[Candidate], place: usize) -> usize {
+        let others = self.included[..place].iter().map(|other| candidates[*other].prior_sd.len());
+        self.evidence.baseline.ncols() + others.sum::<usize>()
+    }
+
     /// The first parameter of an included mechanism, fitted to each half of the data alone.
     pub(super) fn halves(&self, problem: &impl Problem, place: usize) -> Vec<HalfSize> {
         let candidates = problem.candidates();
         let member = self.included[place];
-        let first = self.evidence.baseline.ncols()
-            + self.included[..place].iter().map(|other| candidates[*other].prior_sd.len()).sum::<usize>();
+        let first = self.first_parameter(candidates, place);
         let (value, neutral) = (self.point.candidates[member][0], candidates[member].neutral[0]);
         let first_half = self.first_half();
         let columns = self.columns();

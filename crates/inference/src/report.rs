@@ -144,8 +144,7 @@ pub(super) fn cause(
     let others: Vec<usize> = extended.included.iter().copied().filter(|other| *other != member).collect();
     let gain = fit.gain - if others.is_empty() { 0.0 } else { iteration.score.fit(&search.columns(&others)).gain };
     let df = iteration.regressors[member].columns.len();
-    let first = extended.evidence.baseline.ncols()
-        + extended.included[..place].iter().map(|i| candidates[*i].prior_sd.len()).sum::<usize>();
+    let first = extended.first_parameter(candidates, place);
     let mut parameters = change_point::estimates(problem, iteration, &extended.included, place, &extended.point);
     for (i, (name, _)) in candidate.parameters.iter().enumerate() {
         if let Some(size) = parameters.get_mut(*name) {

@@ -70,8 +70,8 @@ impl SeaProblem {
     }
 }
 
-/// Reports a ballast offset against a baseline that was assumed, as the trim; one that does not exceed this, that is not clear, or known as
-/// little as what gets no name, is no fault of the glider.
+/// Reports a ballast offset against a baseline that was assumed, as the trim. It is no fault of the glider where it does not exceed this,
+/// is not clear, or is known by fewer standard errors than a name needs.
 pub(super) fn report(outcome: &mut Outcome, most_kg: f64) {
     let diagnosis = &mut outcome.diagnosis;
     let Some(place) = diagnosis.causes.iter().position(|cause| cause.cause == MECHANISM) else { return };
