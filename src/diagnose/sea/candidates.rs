@@ -50,26 +50,6 @@ pub const WITH_A_LEVEL: [&str; 4] = ["hull_compressibility", "thermal_expansion"
 /// Mechanisms that depend on a channel on which no other mechanism depends.
 pub const WITH_OWN_CHANNEL: [&str; 2] = ["roll_drag", "rudder_drag"];
 
-/// Mechanisms whose size nothing bounds: what accumulates, what is carried or caught, what is late, what the water does. Of the others
-/// design and calibration bound it: nature has none beyond [`MOST_USUAL`](super::MOST_USUAL).
-const OPEN_ENDED: [&str; 15] = [
-    "pressure_lag",
-    "drag_growth",
-    "drag_step",
-    "trapped_air",
-    "leak",
-    "hull_creep",
-    "carried_water",
-    "pump_leakback",
-    "conductivity_drift",
-    "thermal_lag",
-    "clock_offset",
-    "pressure_hysteresis",
-    "vertical_current",
-    "roll_drag",
-    "rudder_drag",
-];
-
 /// Mechanisms that are a constant added to a reading or a weight.
 pub const LEVELS: [&str; 3] = ["ballast_offset", "pitch_offset", "density_bias"];
 
@@ -95,7 +75,7 @@ pub fn list(
             "thermal_lag" => range(bins, |bin| bin.mean.temperature_C) < LEAST_RANGE_K,
             "carried_water" => range(bins, surface_density_kg_m3) < LEAST_RANGE_KG_M3,
             // Between two samples the pitch is not known: an offset of less than their step cannot be distinguished from its motion.
-            "clock_offset" => channels.step_s > mechanism.prior_sd,
+            "clock_offset" => channels.step_s > mechanism.size.prior_sd,
             // A density that the user stated has no cell that could drift.
             "conductivity_drift" => !has_salinity,
             _ => mechanism.enters == Enters::Consistency,
@@ -115,16 +95,17 @@ pub fn list(
         // Where the density follows from temperature and salinity, a bias of it is one of the salinity.
         let prior_sd = match mechanism.name {
             "density_bias" if has_salinity => FOULED_CELL_KG_M3,
-            _ => mechanism.prior_sd,
+            _ => mechanism.size.prior_sd,
         };
         // A channel that shows less than is believed anyhow says nothing.
         let shown = channels.shown(mechanism.name).filter(|shown| shown.se < prior_sd);
         let neutral = *parameters.clone().at(index);
-        let (usual_sds, possible) = if OPEN_ENDED.contains(&mechanism.name) {
-            (super::MOST_USUAL, [mechanism.least, f64::INFINITY])
+        let least = mechanism.size.least;
+        let (usual_sds, possible) = if mechanism.size.is_open_ended {
+            (super::MOST_USUAL, [least, f64::INFINITY])
         } else {
             let most = super::MOST_USUAL * prior_sd;
-            (f64::INFINITY, [mechanism.least.max(neutral - most), neutral + most])
+            (f64::INFINITY, [least.max(neutral - most), neutral + most])
         };
         for version in versions {
             let candidate = Candidate {

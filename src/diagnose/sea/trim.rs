@@ -26,7 +26,7 @@ const SEA_WATER_KG_M3: f64 = 1025.0;
 
 /// Prior standard deviation of a trim \[kg\]: that of the mechanism.
 pub(super) fn prior_sd_kg() -> f64 {
-    AT_SEA.iter().find(|known| known.name == MECHANISM).map_or(f64::INFINITY, |known| known.prior_sd)
+    AT_SEA.iter().find(|known| known.name == MECHANISM).map_or(f64::INFINITY, |known| known.size.prior_sd)
 }
 
 impl SeaProblem {

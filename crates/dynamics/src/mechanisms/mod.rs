@@ -18,6 +18,36 @@ pub enum Enters {
     Consistency,
 }
 
+/// The sizes that a mechanism is found with, in the unit of its first parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Size {
+    /// How far from neutral it is usually found, a standard deviation: generous, to keep a fit from sizes that nobody has seen.
+    pub prior_sd: f64,
+    /// The least size that nature has. A fit may go below it, and is then refused: held there, it would leave its place to
+    /// something else that resembles it as little.
+    pub least: f64,
+    /// Whether nothing bounds it: what accumulates, what is carried or caught, what is late, what the water does. Others are
+    /// bounded by design and calibration.
+    pub is_open_ended: bool,
+}
+
+impl Size {
+    const fn no_less_than(self, least: f64) -> Size {
+        Size { least, ..self }
+    }
+}
+
+const fn bounded(prior_sd: f64) -> Size {
+    Size { prior_sd, least: f64::NEG_INFINITY, is_open_ended: false }
+}
+
+const fn open_ended(prior_sd: f64) -> Size {
+    Size { prior_sd, least: f64::NEG_INFINITY, is_open_ended: true }
+}
+
+/// Of what has no parameter to fit.
+const NO_SIZE: Size = bounded(0.0);
+
 /// One mechanism at sea.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mechanism {
@@ -29,12 +59,8 @@ pub struct Mechanism {
     pub source: &'static str,
     /// Its parameters, rows of the table of parameters; the first is its size.
     pub parameters: &'static [&'static str],
-    /// How far from neutral its size is usually found, a standard deviation in the unit of that parameter: generous, to
-    /// keep a fit from sizes that nobody has seen.
-    pub prior_sd: f64,
-    /// The least size that nature has. A fit may go below it, and is then refused: held there, it would leave its place to
-    /// something else that resembles it as little.
-    pub least: f64,
+    /// Which sizes it is found with.
+    pub size: Size,
     /// Where it enters.
     pub enters: Enters,
     /// In which data it shows.
@@ -42,11 +68,8 @@ pub struct Mechanism {
 }
 
 macro_rules! mechanism {
-    ($name:literal, $enters:ident, [$($parameter:literal),*], $prior_sd:literal, $physics:literal, $source:literal, $regime:literal) => {
-        mechanism!($name, $enters, [$($parameter),*], $prior_sd from f64::NEG_INFINITY, $physics, $source, $regime)
-    };
-    ($name:literal, $enters:ident, [$($parameter:literal),*], $prior_sd:literal from $least:expr, $physics:literal, $source:literal, $regime:literal) => {
-        Mechanism { name: $name, physics: $physics, source: $source, parameters: &[$($parameter),*], prior_sd: $prior_sd, least: $least, enters: Enters::$enters, regime: $regime }
+    ($name:literal, $enters:ident, [$($parameter:literal),*], $size:expr, $physics:literal, $source:literal, $regime:literal) => {
+        Mechanism { name: $name, physics: $physics, source: $source, parameters: &[$($parameter),*], size: $size, enters: Enters::$enters, regime: $regime }
     };
 }
 
@@ -56,7 +79,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "ballast_offset",
         Motion,
         ["ballast_offset_kg"],
-        0.2,
+        bounded(0.2),
         "The glider is heavier or lighter than its masses and volumes say",
         "Williams, Bachmayer, deYoung 2007",
         "both legs, with opposite sign"
@@ -66,7 +89,7 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         ["hull_compressibility_per_Pa"],
         // A density evaluated at p = 0 looks like a hull that is stiffer by the compressibility of sea water, 4.4e-10 1/Pa.
-        5e-10 from -5e-10,
+        bounded(5e-10).no_less_than(-5e-10),
         "The hull loses volume with pressure",
         "Merckelbach et al. 2010",
         "grows with depth"
@@ -75,7 +98,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "thermal_expansion",
         Motion,
         ["hull_thermal_expansion_per_K"],
-        1e-4 from 0.0,
+        bounded(1e-4).no_less_than(0.0),
         "The hull gains volume with temperature",
         "Seaglider basestation",
         "across a thermocline"
@@ -84,7 +107,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "ballast_scale",
         Motion,
         ["ballast_scale"],
-        0.15,
+        bounded(0.15),
         "The buoyancy engine moves more or less than it reads",
         "calibration of the engine",
         "grows with the ballast volume"
@@ -94,7 +117,7 @@ pub const AT_SEA: &[Mechanism] = &[
         Instruments,
         ["pitch_offset_rad"],
         // A millimetre or two over the length of an attitude module, 50 mm, with which it is mounted in the hull.
-        0.03,
+        bounded(0.03),
         "The attitude sensor is mounted askew",
         "mounting of the attitude sensor",
         "shallow glides most, opposite on the two legs"
@@ -103,7 +126,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "pitch_scale",
         Instruments,
         ["pitch_scale"],
-        0.15,
+        bounded(0.15),
         "The attitude sensor reads angles too large or too small",
         "Merckelbach et al. 2019",
         "steep glides most, alike on the two legs"
@@ -112,7 +135,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "pressure_scale",
         Instruments,
         ["pressure_scale"],
-        0.1,
+        bounded(0.1),
         "The pressure sensor reads too much or too little",
         "calibration of the pressure sensor",
         "in proportion to vertical velocity"
@@ -122,7 +145,7 @@ pub const AT_SEA: &[Mechanism] = &[
         Instruments,
         ["speed_scale"],
         // Acoustic speeds go with the angle at which the sensor is mounted and the speed of sound that is set: some per cent.
-        0.1,
+        bounded(0.1),
         "The measured speed reads too much or too little",
         "calibration of the speed sensor",
         "in proportion to speed"
@@ -131,7 +154,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "pressure_lag",
         Instruments,
         ["pressure_lag_s"],
-        30.0,
+        open_ended(30.0),
         "The pressure reading follows the pressure late, as a first-order lag",
         "filters in the instrument",
         "after inflections"
@@ -140,7 +163,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "drag_growth",
         Motion,
         ["drag_growth_per_day"],
-        1.0 from 0.0,
+        open_ended(1.0).no_less_than(0.0),
         "Fouling: drag grows in proportion to time",
         "Seaglider basestation",
         "grows through the log"
@@ -149,7 +172,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "drag_step",
         Motion,
         ["drag_step", "step_time_s"],
-        0.5,
+        open_ended(0.5),
         "Something added, caught or lost: drag jumps at one time",
         "Williams, Bachmayer, deYoung 2007",
         "after one moment"
@@ -158,7 +181,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "reynolds_drag",
         Motion,
         ["drag_exponent"],
-        0.3,
+        bounded(0.3),
         "Friction: b varies with a power of the dynamic pressure",
         "Seaglider basestation",
         "with speed"
@@ -167,7 +190,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "nonlinear_lift",
         Motion,
         ["nonlinear_lift_per_rad2"],
-        150.0 from 0.0,
+        bounded(150.0).no_less_than(0.0),
         "Crossflow lift, in proportion to alpha |alpha|",
         "Allen and Perkins 1951",
         "large angles of attack"
@@ -176,7 +199,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "climb_dive_asymmetry",
         Motion,
         ["climb_dive_drag_ratio"],
-        0.5,
+        bounded(0.5),
         "The drag differs between ascents and descents",
         "Williams, Bachmayer, deYoung 2007",
         "one leg against the other"
@@ -185,7 +208,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "trapped_air",
         Motion,
         ["trapped_air_cc"],
-        150.0 from 0.0,
+        open_ended(150.0).no_less_than(0.0),
         "Air carried down is compressed by Boyle's law",
         "ideal gas",
         "the first tens of metres"
@@ -195,7 +218,7 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         ["leak_kg_per_hour"],
         // Water does not leave a leak.
-        0.02 from 0.0,
+        open_ended(0.02).no_less_than(0.0),
         "Water taken in at a steady rate",
         "conservation of mass",
         "grows through the log, opposite on the two legs"
@@ -205,7 +228,7 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         ["climb_dive_lift_ratio"],
         // The legs of slocum-049, 4.7 and 4.0 1/rad (Williams, Bachmayer, deYoung 2007), differ by a seventh; twice that.
-        0.3,
+        bounded(0.3),
         "The lift slope differs between ascents and descents",
         "Williams, Bachmayer, deYoung 2007: lift by leg",
         "one leg against the other, at large angles of attack"
@@ -215,7 +238,7 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         ["hull_creep_per_Pa", "creep_time_s"],
         // Viscoelastic parts give way no more than the whole hull does at once.
-        5e-10 from 0.0,
+        open_ended(5e-10).no_less_than(0.0),
         "The hull goes on losing volume under pressure for hours, and regains it late (standard linear solid)",
         "viscoelasticity of composites and syntactic foam",
         "deeper and later; the legs of one dive differ"
@@ -225,7 +248,7 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         ["carried_water_m3", "exchange_time_s"],
         // Some litres in a Slocum; the fairing of a Seaglider, 1.8 m by 0.3 m, has room for 20 L beside the hull.
-        0.01 from 0.0,
+        open_ended(0.01).no_less_than(0.0),
         "Water in flooded spaces keeps the density of where it was taken in, and exchanges slowly",
         "first-order exchange",
         "after a thermocline, opposite on the two legs"
@@ -235,7 +258,7 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         ["pump_leakback_cc_per_hour"],
         // A leak that empties a usual stroke of 200 cc within a leg of some hours would be noticed.
-        20.0 from 0.0,
+        open_ended(20.0).no_less_than(0.0),
         "Oil leaks back past the pump after it has stopped, unseen by the volume's reading",
         "conservation of volume",
         "grows along each leg since the pump ran"
@@ -246,7 +269,7 @@ pub const AT_SEA: &[Mechanism] = &[
         ["salinity_drift_per_day"],
         // Fouled cells drift by hundredths to some tenths a day, in a bloom by more. Salinity itself shows it where it was
         // measured.
-        1.0,
+        open_ended(1.0),
         "The conductivity cell drifts: an error of salinity that grows with time",
         "fouling of conductivity cells",
         "grows through the log, opposite on the two legs"
@@ -256,7 +279,7 @@ pub const AT_SEA: &[Mechanism] = &[
         Instruments,
         ["thermal_lag_s"],
         // Amplitude times time constant of unpumped cells: 0.1 to 0.3 times 5 to 30 s (Garau et al. 2011).
-        3.0,
+        open_ended(3.0),
         "Cell and thermistor do not feel the same temperature at the same time: salinity spikes across a thermocline",
         "Lueck and Picklo 1990; Garau et al. 2011",
         "within a thermocline, opposite on the two legs"
@@ -266,7 +289,7 @@ pub const AT_SEA: &[Mechanism] = &[
         Instruments,
         ["clock_offset_s"],
         // Clocks of flight and science computers are set at each surfacing; half a minute is much.
-        30.0,
+        open_ended(30.0),
         "The clock of the attitude is late against that of the pressure",
         "two computers, two clocks",
         "where the pitch changes"
@@ -276,7 +299,7 @@ pub const AT_SEA: &[Mechanism] = &[
         Instruments,
         ["pressure_hysteresis"],
         // Strain gauges: 0.1 % of the range, of which a dive uses a half.
-        0.002,
+        open_ended(0.002),
         "The pressure sensor reads more on the way up than on the way down",
         "hysteresis of strain-gauge transducers",
         "ascents, opposite above and below the middle of the dive"
@@ -286,7 +309,7 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         ["vertical_current_m_s"],
         // A current of half a metre per second over a slope of 1 in 25 rises by 2 cm/s; more does not last for a log.
-        0.02,
+        open_ended(0.02),
         "The water itself rises or sinks steadily",
         "kinematics",
         "adds to vertical velocity, alike on the two legs"
@@ -296,7 +319,7 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         ["roll_drag_per_rad2"],
         // On a course the roll is some degrees: at 0.05 rad this is 0.05, a quarter of a usual drag coefficient.
-        20.0 from 0.0,
+        open_ended(20.0).no_less_than(0.0),
         "A rolled glider has more drag",
         "tilted lift, sideslip",
         "in turns"
@@ -306,7 +329,7 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         ["rudder_drag_per_rad2"],
         // As of the roll.
-        20.0 from 0.0,
+        open_ended(20.0).no_less_than(0.0),
         "A deflected rudder has drag",
         "Williams, Bachmayer, deYoung 2007",
         "while steering"
@@ -315,7 +338,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "inertia",
         Motion,
         [],
-        1.0,
+        NO_SIZE,
         "Unsteady flight: the glider and its added mass take time to change speed",
         "Leonard and Graver 2001",
         "near inflections"
@@ -324,7 +347,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "shear",
         Motion,
         [],
-        1.0,
+        NO_SIZE,
         "Water whose velocity changes with depth accelerates the glider that passes through it",
         "Thomasson and Woolsey 2013",
         "within sheared layers, opposite on the two legs"
@@ -333,7 +356,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "density_at_zero_pressure",
         Consistency,
         [],
-        1.0,
+        NO_SIZE,
         "The log's density was evaluated at p = 0, not in situ",
         "TEOS-10",
         "grows with depth"
@@ -342,7 +365,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "density_bias",
         Motion,
         ["density_bias_kg_m3"],
-        0.5,
+        bounded(0.5),
         "The conductivity sensor reads a wrong density",
         "fouled or uncalibrated conductivity cell",
         "both legs, with opposite sign"
@@ -356,7 +379,7 @@ pub const LATERAL: &[Mechanism] = &[
         "static_list",
         Motion,
         ["static_list_rad"],
-        0.1,
+        bounded(0.1),
         "The centre of gravity is off the plane of symmetry: the glider leans, slips and turns",
         "Zhang et al. 2013",
         "roll; turn rate opposite on the two legs"
@@ -365,7 +388,7 @@ pub const LATERAL: &[Mechanism] = &[
         "rudder_offset",
         Motion,
         ["rudder_offset_rad"],
-        0.1,
+        bounded(0.1),
         "The rudder stands at another angle than it reads",
         "zero of the rudder's sensor, a bent rudder",
         "turn rate alike on the two legs; the rudder that holds a course"
@@ -374,7 +397,7 @@ pub const LATERAL: &[Mechanism] = &[
         "roll_mass_offset",
         Motion,
         ["roll_mass_offset_rad"],
-        0.3,
+        bounded(0.3),
         "The roll mass stands at another angle than it reads",
         "roll centres of the Seaglider basestation",
         "roll; a list but for large angles of the roll mass"
@@ -383,7 +406,7 @@ pub const LATERAL: &[Mechanism] = &[
         "yaw_asymmetry",
         Motion,
         ["yaw_asymmetry_rad_per_m"],
-        0.03,
+        bounded(0.03),
         "Drag on one side, as of a pod, turns the glider",
         "tank tests of a glider with a CTD on its side",
         "turn rate alike on the two legs"
@@ -392,7 +415,7 @@ pub const LATERAL: &[Mechanism] = &[
         "roll_offset",
         Instruments,
         ["roll_offset_rad"],
-        0.05,
+        bounded(0.05),
         "The attitude sensor is mounted askew in roll",
         "mounting of the attitude sensor",
         "roll that turns nothing"
