@@ -120,9 +120,7 @@ fn lift_slope(text: Option<&str>) -> Result<LiftSlope, CliError> {
 fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
     println!("{} stretches of steady glide; baseline: {trim}", problem.n_bins());
     if !problem.has_speed() {
-        println!(
-            "no measured speed: the lift slope is held at the vehicle's value or near it, and some causes look alike"
-        );
+        println!("no measured speed: the lift slope is held, and some causes look alike");
     }
     for check in found.consistency.iter().filter(|check| check.outcome != Checked::Consistent) {
         println!("{}", checked(check));

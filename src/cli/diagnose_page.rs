@@ -14,8 +14,7 @@ pub(super) fn page(vehicle: &str, found: &SeaDiagnosis, trim: &str) -> Report {
     let subject = format!("{vehicle}, {} stretches of steady glide", found.problem.n_bins());
     let mut report = Report::new("Diagnosis", subject).finding(format!("Baseline: {trim}."));
     if !found.problem.has_speed() {
-        report = report
-            .warning("No measured speed: the lift slope is held near the vehicle's value, and some causes look alike.");
+        report = report.warning("No measured speed: the lift slope is held, and some causes look alike.");
     }
     for check in diagnosis.consistency.iter().filter(|check| check.outcome != Checked::Consistent) {
         report = report.warning(format!("{}.", capital(&checked(check))));
