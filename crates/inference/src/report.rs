@@ -38,7 +38,7 @@ pub(super) fn report(
     let n_names = names(candidates).len() as f64;
     let after_stage = extended.stage(after.clone());
     let mut named: Vec<Named> = (0..extended.included.len())
-        .map(|place| cause(problem, extended, &iteration, &search, place, n_names, &after_stage))
+        .map(|place| cause(problem, [baseline, extended], &iteration, &search, place, n_names, &after_stage))
         .collect();
     named.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let causes: Vec<Cause> = named.iter().map(|named| named.cause.clone()).collect();
@@ -130,7 +130,7 @@ pub(super) struct Named {
 
 pub(super) fn cause(
     problem: &impl Problem,
-    extended: &Fitted,
+    [baseline, extended]: [&Fitted; 2],
     iteration: &Iteration<'_>,
     search: &SubsetSearch<'_>,
     place: usize,
@@ -152,15 +152,8 @@ pub(super) fn cause(
         }
     }
 
-    let mut without = extended.clone();
-    without.included = others;
-    without.evidence.prior.drain(first..first + candidate.prior_sd.len());
-    without.evidence.residual += &extended.evidence.candidates[member]
-        * DVector::from_iterator(
-            df,
-            extended.point.candidates[member].iter().zip(&candidate.neutral).map(|(v, n)| v - n),
-        );
-    let (before, after) = (without.held_out(), extended.held_out());
+    // Fitted anew: where the model bends, slopes taken at this size say little of what is left without it.
+    let (before, after) = (extended.without(problem, baseline, place).held_out(), extended.held_out());
     let quantity = &extended.evidence.quantities[headline(problem, extended, &before, &after)];
     let as_read = |left: &DVector<f64>| extended.evidence.column_as_read(left);
     let cause = Cause {
