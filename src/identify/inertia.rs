@@ -17,8 +17,8 @@
 //! Near `u = 1`, for shallow paths, `x = 2 (1 - u) (b + (a - c) alpha^2) / (b + c alpha^2) sin s`: a difference dies away in
 //! ten to thirty seconds where the lift slope `a` is large, and several times as slowly at large angles where it is no larger
 //! than `c`. From sample to sample, `Vs` a straight line between them, the decay at one rate has a closed form, which holds for
-//! water that changes slowly and for a thermocline that is passed in a moment. The vertical velocity follows from the speed;
-//! its rate is what a late pressure goes by.
+//! water that changes slowly and for a thermocline that is passed in a moment. The vertical velocity follows from the speed and
+//! the pitch; a late pressure sensor reads it through a first-order lag.
 //!
 //! Knows one leg at a time; what is steady, and what a fit does with it, others decide.
 
@@ -63,6 +63,8 @@ pub fn inertia<'o>(
 pub(super) struct Course {
     /// The inertia there; none where no glide exists or the sample is alone.
     pub(super) inertia: Inertia,
+    /// The same if forces balanced.
+    pub(super) at_rest: Inertia,
     /// Vertical velocity and speed if forces balanced \[m/s\], where a glide exists.
     pub(super) steady_m_s: Option<[f64; 2]>,
 }
@@ -91,7 +93,9 @@ pub(super) fn courses<'o>(
         goes_on.then(|| ((to.speed_m_s - from.speed_m_s) / step_s, step_s))
     };
     let mut late_m_s = 0.0;
-    let mut found = vec![Course { inertia: Inertia::NONE, steady_m_s: None }; observations.len()];
+    let nothing = Course { inertia: Inertia::NONE, at_rest: Inertia::NONE, steady_m_s: None };
+    let mut found = vec![nothing; observations.len()];
+    let mut sink_m_s = vec![f64::NAN; observations.len()];
     for (i, found) in found.iter_mut().enumerate() {
         let Some(here) = &steady[i] else { continue };
         late_m_s = match rate(i.wrapping_sub(1), i) {
@@ -123,9 +127,49 @@ pub(super) fn courses<'o>(
         };
         let growth_per_s = growth_per_s(i.wrapping_sub(1), i).or_else(|| growth_per_s(i, i + 1)).unwrap_or(0.0);
         let inertia = here.inertia(observations[i].pitch_rad, late_m_s, growth_per_s);
-        *found = Course { inertia, steady_m_s: Some([here.sink_m_s, here.speed_m_s]) };
+        *found = Course { inertia, at_rest: Inertia::NONE, steady_m_s: Some([here.sink_m_s, here.speed_m_s]) };
+        sink_m_s[i] = here.sink_m_s * here.sink_at(here.share(late_m_s));
+    }
+    let time_s: Vec<f64> = observations.iter().map(|o| o.time_s).collect();
+    let goes_on = |i: usize, j: usize| rate(i, j).is_some();
+    let late = rates_read(parameters.pressure_lag_s, &time_s, &sink_m_s, goes_on);
+    let steady_m_s: Vec<f64> = steady.iter().map(|steady| steady.map_or(f64::NAN, |steady| steady.sink_m_s)).collect();
+    let at_rest = rates_read(parameters.pressure_lag_s, &time_s, &steady_m_s, goes_on);
+    for (found, (late, at_rest)) in found.iter_mut().zip(late.into_iter().zip(at_rest)) {
+        (found.inertia.sink_rate_m_s2, found.at_rest.sink_rate_m_s2) = (late, at_rest);
+        if let Some([sink_m_s, _]) = &mut found.steady_m_s {
+            *sink_m_s -= parameters.pressure_lag_s * at_rest;
+        }
     }
     found
+}
+
+/// Rates of the vertical velocity that a sensor reads which follows the true one as a first-order lag \[m/s2\]: what is read is the
+/// true one less the lag times this. A stretch begins as if it had long been going along its first straight line.
+fn rates_read(lag_s: f64, time_s: &[f64], sink_m_s: &[f64], goes_on: impl Fn(usize, usize) -> bool) -> Vec<f64> {
+    let slope = |i: usize, j: usize| (sink_m_s[j] - sink_m_s[i]) / (time_s[j] - time_s[i]);
+    let mut late_m_s = 0.0;
+    let of_one = |i: usize| {
+        let (begins, ends) = (i == 0 || !goes_on(i - 1, i), !goes_on(i, i + 1));
+        if lag_s == 0.0 {
+            return match (begins, ends) {
+                (true, true) => 0.0,
+                (true, false) => slope(i, i + 1),
+                (false, true) => slope(i - 1, i),
+                (false, false) => slope(i - 1, i + 1),
+            };
+        }
+        late_m_s = match (begins, ends) {
+            (true, true) => 0.0,
+            (true, false) => lag_s * slope(i, i + 1),
+            (false, _) => {
+                let behind_m_s = lag_s * slope(i - 1, i);
+                behind_m_s + (late_m_s - behind_m_s) * (-(time_s[i] - time_s[i - 1]) / lag_s.abs()).exp()
+            }
+        };
+        late_m_s / lag_s
+    };
+    (0..time_s.len()).map(of_one).collect()
 }
 
 /// By how much a glider is behind at the first of these samples, so that it flies as fast as was measured on them: least squares over
@@ -340,7 +384,7 @@ impl Steady {
         Inertia {
             net_mass_kg: self.net_kg * (across.hypot(along) - 1.0),
             pitch_rad: (along.atan2(across) - steep_rad) * pitch_rad.signum(),
-            sink_rate_m_s2: self.sink_m_s * (1.0 - self.sink_at(u)) / self.slow_s(u),
+            sink_rate_m_s2: 0.0,
         }
     }
 }
@@ -368,6 +412,36 @@ pub fn median_step_s<'o>(observations: impl Iterator<Item = &'o Observation> + C
 mod tests {
     use super::super::tests::{glider, sample};
     use super::*;
+
+    /// A first-order lag of a ramp that has long been going on is late by the lag; of a hunting, `1/sqrt(1 + (w tau)^2)` of it is left,
+    /// `atan(w tau)` late.
+    #[test]
+    fn what_a_late_sensor_reads_is_the_closed_form_of_a_first_order_lag() {
+        let lag_s = 20.0;
+        let time_s: Vec<f64> = (0..600).map(|i| 2.0 * f64::from(i)).collect();
+        let goes_on = |i: usize, j: usize| j < 600 && i < j;
+        let read = |sink: &[f64]| -> Vec<f64> {
+            let rates = rates_read(lag_s, &time_s, sink, goes_on);
+            sink.iter().zip(rates).map(|(sink, rate)| sink - lag_s * rate).collect()
+        };
+        let ramp: Vec<f64> = time_s.iter().map(|t| 0.1 + 1e-4 * t).collect();
+        for (i, read) in read(&ramp).iter().enumerate() {
+            assert!((read - (ramp[i] - 1e-4 * lag_s)).abs() < 1e-12, "{i}: {read}");
+        }
+        let per_s = std::f64::consts::TAU / 120.0;
+        let hunting: Vec<f64> = time_s.iter().map(|t| 0.01 * (per_s * t).sin()).collect();
+        let (left, late_rad) = (1.0 / 1.0f64.hypot(per_s * lag_s), (per_s * lag_s).atan());
+        // Ten lags on, nothing of the beginning is left.
+        for (t, read) in time_s.iter().zip(read(&hunting)).filter(|(t, _)| **t > 200.0) {
+            let expected = 0.01 * left * (per_s * t - late_rad).sin();
+            assert!((read - expected).abs() < 2e-5, "{t} s: {read} against {expected}");
+        }
+        // Without a lag the rate is that of the velocity itself.
+        let rates = rates_read(0.0, &time_s, &hunting, goes_on);
+        for (t, rate) in time_s.iter().zip(rates).skip(1).take(598) {
+            assert!((rate - 0.01 * per_s * (per_s * t).cos()).abs() < 2e-6, "{t} s: {rate}");
+        }
+    }
 
     /// Rates of the velocities along the axes 1 and 3 at a held pitch by Newton's law, `CL = a alpha` and `CD = b + c alpha^2`.
     fn newton(p: &Parameters<f64>, pitch_rad: f64, net_kg: f64, density_kg_m3: f64, [v1, v3]: [f64; 2]) -> [f64; 2] {

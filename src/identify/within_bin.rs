@@ -32,6 +32,12 @@ const EVEN_KG_M3: f64 = 0.1;
 /// The same of the ballast \[m3\].
 const EVEN_M3: f64 = 5e-6;
 
+/// The same of the pitch \[rad\]: at 25 deg it changes the steady speed by one part in a hundred.
+const EVEN_RAD: f64 = 0.01;
+
+/// Length of a part in which the pitch alone changes \[s\]: about the time in which a glider's speed follows.
+const TURNING_PART_S: f64 = 15.0;
+
 /// Compressibility of a usual hull, which feels that much less of what pressure does to density \[1/Pa\].
 const USUAL_COMPRESSIBILITY_PER_PA: f64 = 4e-10;
 
@@ -119,7 +125,11 @@ impl Parts {
             let is_even = range(of_bin.iter().map(felt_density_kg_m3)) < EVEN_KG_M3
                 && range(of_bin.iter().map(|o| o.ballast_m3)) < EVEN_M3;
             let short_s = PART_S.max(lasts_s(of_bin) / MOST_PARTS);
-            let part_s = if is_even { f64::INFINITY } else { short_s };
+            let part_s = match is_even {
+                false => short_s,
+                true if turns_by_rad(of_bin) < EVEN_RAD => f64::INFINITY,
+                true => TURNING_PART_S.max(lasts_s(of_bin) / MOST_PARTS),
+            };
             let mut start = 0;
             for end in 1..=of_bin.len() {
                 if end == of_bin.len() || of_bin[end].time_s - of_bin[start].time_s >= part_s {
@@ -211,7 +221,7 @@ impl Parts {
     }
 
     fn steady(&self, courses: &[Course], parameters: &Parameters<f64>, bins: &[Bin]) -> Vec<Inside> {
-        self.inside_with(|_| Inertia::NONE, |part, _| courses[part].steady_m_s, parameters, bins)
+        self.inside_with(|part| courses[part].at_rest, |part, _| courses[part].steady_m_s, parameters, bins)
     }
 
     /// The bins, from the inertia of each part and its vertical velocity and speed.
@@ -281,6 +291,12 @@ pub(crate) fn felt_density_kg_m3(o: &Observation) -> f64 {
 fn range(values: impl Iterator<Item = f64>) -> f64 {
     let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), v| (v.min(least), v.max(most)));
     most - least
+}
+
+/// Range of the mean pitches of the quarters of a bin: of means, since single readings have their noise.
+fn turns_by_rad(samples: &[Observation]) -> f64 {
+    let quarter = samples.len().div_ceil(4);
+    range(samples.chunks(quarter).map(|part| part.iter().map(|o| o.pitch_rad).sum::<f64>() / part.len() as f64))
 }
 
 fn lasts_s(samples: &[Observation]) -> f64 {

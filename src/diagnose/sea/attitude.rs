@@ -34,30 +34,51 @@ const FIRST_RATIOS: [f64; 6] = [0.0, 1e-4, 1e-2, 1.0, 1e2, 1e4];
 /// Fewest readings from which three variances are estimated.
 const LEAST_READINGS: usize = 50;
 
-/// Puts the smoothed pitch, as a mean over the time of the vertical velocity, in the place of the one read; returns the variance
-/// of its error in each sample \[rad2\], and that of a reading.
-pub fn smooth(observations: &mut [Observation]) -> (Vec<f64>, f64) {
-    let stretches = stretches(observations);
-    let step_s = median_step_s(observations, &stretches);
-    let read: Vec<f64> = observations.iter().map(|o| o.pitch_rad).collect();
-    let time_s: Vec<f64> = observations.iter().map(|o| o.time_s).collect();
-    let series: Vec<(&[f64], &[f64])> =
-        stretches.iter().map(|range| (&time_s[range.clone()], &read[range.clone()])).collect();
-    if observations.len() < LEAST_READINGS || step_s <= 0.0 {
-        return (vec![0.0; observations.len()], 0.0);
-    }
-    let (ratios, variance) = most_likely(&series, step_s);
-    let variance = variance.max(LEAST_VARIANCE);
-    let mut errors = vec![0.0; observations.len()];
-    for (range, (time_s, read)) in stretches.iter().zip(&series) {
-        let found = smoothed(time_s, read, ratios);
-        let path = Path::new(time_s, &found);
-        for (k, i) in range.clone().enumerate() {
-            observations[i].pitch_rad = path.mean(k, observations[i].sink_window_s.map(f64::from));
-            errors[i] = found[k].variance * variance;
+/// The noise of a reading and the processes behind the pitch, as a log shows them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Smoother {
+    ratios: Ratios,
+    /// Variance of the error of a reading \[rad2\].
+    pub read_variance: f64,
+}
+
+impl Smoother {
+    /// Of greatest likelihood over the whole log; none where it has too few readings.
+    pub fn new(observations: &[Observation]) -> Option<Smoother> {
+        let stretches = stretches(observations);
+        let step_s = median_step_s(observations, &stretches);
+        if observations.len() < LEAST_READINGS || step_s <= 0.0 {
+            return None;
         }
+        let (time_s, read) = readings(observations);
+        let series: Vec<(&[f64], &[f64])> =
+            stretches.iter().map(|range| (&time_s[range.clone()], &read[range.clone()])).collect();
+        let (ratios, variance) = most_likely(&series, step_s);
+        Some(Smoother { ratios, read_variance: variance.max(LEAST_VARIANCE) })
     }
-    (errors, variance)
+
+    /// Puts the smoothed pitch, as a mean over the time of the vertical velocity and `follows_s` before, in the place of the one read;
+    /// returns the variance of its error in each sample \[rad2\].
+    pub fn smooth(&self, observations: &mut [Observation], follows_s: f64) -> Vec<f64> {
+        let (time_s, read) = readings(observations);
+        let mut errors = vec![0.0; observations.len()];
+        for range in stretches(observations) {
+            let time_s = &time_s[range.clone()];
+            let found = smoothed(time_s, &read[range.clone()], self.ratios);
+            let path = Path::new(time_s, &found);
+            for (k, i) in range.enumerate() {
+                observations[i].pitch_rad =
+                    path.mean(k, observations[i].sink_window_s.map(|at| f64::from(at) - follows_s));
+                errors[i] = found[k].variance * self.read_variance;
+            }
+        }
+        errors
+    }
+}
+
+/// Times and pitches.
+fn readings(observations: &[Observation]) -> (Vec<f64>, Vec<f64>) {
+    observations.iter().map(|o| (o.time_s, o.pitch_rad)).unzip()
 }
 
 /// Variance of the error of a bin's mean pitch. The smoother's errors last as long as it looks around: their mean is no

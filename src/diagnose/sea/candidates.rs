@@ -53,13 +53,17 @@ pub const WITH_OWN_CHANNEL: [&str; 2] = ["roll_drag", "rudder_drag"];
 /// Mechanisms that are a constant added to a reading or a weight.
 pub const LEVELS: [&str; 3] = ["ballast_offset", "pitch_offset", "density_bias"];
 
+/// The versions of mechanisms that are tried.
+#[derive(Debug, Clone, Default)]
+pub struct Tried {
+    /// Times at which the drag may have jumped.
+    pub jumps: Vec<Jump>,
+    /// Mechanisms whose time constant is looked for closely, and about which one \[s\].
+    pub times_s: Vec<(&'static str, f64)>,
+}
+
 /// The mechanisms that these data could show, with the row of their parameter.
-pub fn list(
-    bins: &[Bin],
-    channels: &Channels,
-    jumps: &[Jump],
-    parameters: &Parameters<f64>,
-) -> Vec<(Candidate, usize)> {
+pub fn list(bins: &[Bin], channels: &Channels, tried: &Tried, parameters: &Parameters<f64>) -> Vec<(Candidate, usize)> {
     let varies = |value: fn(&Bin) -> f64| bins.iter().any(|bin| value(bin).is_finite() && value(bin).abs() > 1e-4);
     let has_salinity = bins.iter().any(|bin| bin.mean.teos10_density_kg_m3.is_finite());
     let mut found = Vec::new();
@@ -89,8 +93,11 @@ pub fn list(
             Some(Version { name: "step_time_s", value, is_onset: true, between, unit: "s" })
         };
         let versions: Vec<Option<Version>> = match mechanism.name {
-            "drag_step" => jumps.iter().map(version).collect(),
-            name => history::versions(name),
+            "drag_step" => tried.jumps.iter().map(version).collect(),
+            name => {
+                let found = tried.times_s.iter().find(|(known, _)| *known == name);
+                history::versions(name, found.map(|(_, found_s)| *found_s))
+            }
         };
         // Where the density follows from temperature and salinity, a bias of it is one of the salinity.
         let prior_sd = match mechanism.name {

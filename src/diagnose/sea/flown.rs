@@ -31,14 +31,14 @@ impl Flown {
         effect: &history::Effect,
     ) -> Flown {
         let (parameters, reading) = (&vehicle.parameters, 1.0 + effect.reading);
-        let (bin_then, inside_then) = with_effect(parameters, bin, inside, effect);
-        let (mut sink, mut speed) = vehicle.fly(&bin_then, &inside_then);
+        let acted_on = with_effect(parameters, bin, inside, effect);
+        let (mut sink, mut speed) = vehicle.fly(bin, &acted_on);
         sink.scale(reading);
-        let by_force = by_force(parameters, &bin_then, &inside_then, [&sink, &speed], pitch, reading);
+        let by_force = by_force(parameters, bin, &acted_on, [&sink, &speed], pitch, reading);
         let mut by_inertia = [0.0; 2];
         if let Some((share, at_rest)) = without_inertia {
-            let (bin_then, inside_then) = with_effect(parameters, bin, at_rest, effect);
-            let [sink_at_rest, speed_at_rest] = vehicle.fly_plainly(&bin_then, &inside_then);
+            let at_rest = with_effect(parameters, bin, at_rest, effect);
+            let [sink_at_rest, speed_at_rest] = vehicle.fly_plainly(bin, &at_rest);
             by_inertia = [sink.value - reading * sink_at_rest, speed.value - speed_at_rest];
             sink.value += (share - 1.0) * by_inertia[0];
             speed.value += (share - 1.0) * by_inertia[1];
@@ -47,19 +47,18 @@ impl Flown {
     }
 }
 
-/// A bin with what acts on it beside the steady glide.
-fn with_effect(parameters: &Parameters<f64>, bin: &Bin, inside: &Inside, effect: &history::Effect) -> (Bin, Inside) {
-    let (mut bin, mut inside) = (*bin, *inside);
-    bin.mean.pitch_rad += effect.pitch_rad;
+/// A bin's inside with what acts on it beside the steady glide.
+fn with_effect(parameters: &Parameters<f64>, bin: &Bin, inside: &Inside, effect: &history::Effect) -> Inside {
+    let mut inside = *inside;
     inside.inertia.net_mass_kg += effect.net_mass_kg;
     if effect.along_N != 0.0 {
         // A horizontal force and the weight together are a weight that leans.
-        let net_kg = net_mass_kg(parameters, &bin, &inside);
+        let net_kg = net_mass_kg(parameters, bin, &inside);
         let lean = effect.along_N / (net_kg * parameters.gravity_m_s2);
         inside.inertia.net_mass_kg += net_kg * (1.0f64.hypot(lean) - 1.0);
         inside.inertia.pitch_rad -= lean.atan();
     }
-    (bin, inside)
+    inside
 }
 
 fn net_mass_kg(parameters: &Parameters<f64>, bin: &Bin, inside: &Inside) -> f64 {

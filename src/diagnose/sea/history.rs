@@ -1,7 +1,7 @@
 //! Mechanisms that go by what the glider met before: columns made once from the whole log.
 //!
 //! A steady glide knows the water around it, not the water an hour ago. What a mechanism keeps of the past is one column: the
-//! change of net mass, of pitch or of the pressure's reading that a unit of its size makes in each bin. With `y` the lag
+//! change of net mass or of the pressure's reading that a unit of its size makes in each bin. With `y` the lag
 //! of a quantity `x`, `dy/dt = (x - y) / tau` (exact for straight lines between samples),
 //! ```text
 //! hull_creep             net mass   rho V lag(P, creep_time)                     standard linear solid, its late part
@@ -9,7 +9,6 @@
 //! pump_leakback          net mass   rho t_stopped                                since the ballast volume last changed
 //! conductivity_drift     net mass   -V (d rho / d S) t
 //! thermal_lag            net mass   -V (d rho / d S) (d S / d T at one conductivity) dT/dt
-//! clock_offset           pitch      d pitch / dt
 //! pressure_hysteresis    reading    sink 4 (1 - 2 P / P_turn) on ascents         an error h 4 P (1 - P / P_turn), a parabola
 //! shear                  weight     -m dU/dt met along the heading, beside m0 g       no size: by the log's own current
 //! ```
@@ -37,33 +36,32 @@ pub(super) const SALINITY_PER_KELVIN: f64 = 0.98;
 /// A change of the ballast volume beyond this is a move of the engine \[m3\]: above the noise of a reading, below any stroke.
 const MOVED_M3: f64 = 5e-6;
 
-/// Time constants that are tried \[s\]: a factor of four apart, between which no log of some days tells (the late part of one
-/// differs from that of another half as long by a fifth at most).
+/// Time constants that are tried \[s\]: a factor of four apart (the late part of one differs from that of another half as long by a
+/// fifth at most). About the one that was found the next ones are closer.
 const CREEP_TIMES_S: [f64; 3] = [3600.0, 14_400.0, 57_600.0];
 const EXCHANGE_TIMES_S: [f64; 3] = [600.0, 2400.0, 9600.0];
 
-/// Half the factor between neighbours of these lists.
+/// The root of the factor between neighbours of these lists, and of those about one that was found: the late parts of two neighbours
+/// differ by a thirtieth.
 const BETWEEN: f64 = 2.0;
+const CLOSER: f64 = 1.122_462_048_309_373; // 2^(1/6)
 
 /// What a mechanism acts on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Acts {
     /// The net mass \[kg\].
     NetMass,
-    /// The pitch \[rad\].
-    Pitch,
     /// The reading of the vertical velocity, in its own share.
     Reading,
 }
 
 /// Mechanism, the row of its size, what it acts on.
-const MECHANISMS: [(&str, &str, Acts); 7] = [
+const MECHANISMS: [(&str, &str, Acts); 6] = [
     ("hull_creep", "hull_creep_per_Pa", Acts::NetMass),
     ("carried_water", "carried_water_m3", Acts::NetMass),
     ("pump_leakback", "pump_leakback_cc_per_hour", Acts::NetMass),
     ("conductivity_drift", "salinity_drift_per_day", Acts::NetMass),
     ("thermal_lag", "thermal_lag_s", Acts::NetMass),
-    ("clock_offset", "clock_offset_s", Acts::Pitch),
     ("pressure_hysteresis", "pressure_hysteresis", Acts::Reading),
 ];
 
@@ -72,20 +70,23 @@ pub fn acts(mechanism: &str) -> Option<Acts> {
     MECHANISMS.iter().find(|(name, ..)| *name == mechanism).map(|(.., acts)| *acts)
 }
 
-/// The versions of a mechanism of the past: its time constants, or one without any.
-pub fn versions(mechanism: &str) -> Vec<Option<Version>> {
-    let of = |name, times: &[f64]| {
-        let version = |&value: &f64| {
-            let between = [value / BETWEEN, value * BETWEEN];
-            Some(Version { name, value, is_onset: false, between, unit: "s" })
-        };
-        times.iter().map(version).collect()
+/// The versions of a mechanism of the past: its time constants, closer about one that was found, or one without any.
+pub fn versions(mechanism: &str, found_s: Option<f64>) -> Vec<Option<Version>> {
+    let (name, times) = match mechanism {
+        "hull_creep" => ("creep_time_s", CREEP_TIMES_S),
+        "carried_water" => ("exchange_time_s", EXCHANGE_TIMES_S),
+        _ => return vec![None],
     };
-    match mechanism {
-        "hull_creep" => of("creep_time_s", &CREEP_TIMES_S),
-        "carried_water" => of("exchange_time_s", &EXCHANGE_TIMES_S),
-        _ => vec![None],
-    }
+    let version = |value: f64, between: f64| {
+        let between = [value / between, value * between];
+        Some(Version { name, value, is_onset: false, between, unit: "s" })
+    };
+    let is_far = |time: &f64| found_s.is_none_or(|found| *time != found);
+    let far = times.into_iter().filter(is_far).map(|time| version(time, BETWEEN));
+    let near = found_s.into_iter().flat_map(|found| (-3..=3).map(move |step| found * CLOSER.powi(2 * step)));
+    let mut found: Vec<Option<Version>> = far.chain(near.map(|time| version(time, CLOSER))).collect();
+    found.sort_by(|a, b| a.map(|a| a.value).partial_cmp(&b.map(|b| b.value)).expect("times are finite"));
+    found
 }
 
 /// The past of every bin of a log.
@@ -117,8 +118,6 @@ struct Past {
 pub struct Effect {
     /// Change of net mass \[kg\].
     pub net_mass_kg: f64,
-    /// Change of pitch \[rad\].
-    pub pitch_rad: f64,
     /// Horizontal force along the heading \[N\].
     pub along_N: f64,
     /// Change of the vertical velocity that is read, in its own share.
@@ -196,11 +195,6 @@ impl History {
         }
     }
 
-    /// The rate of change of the pitch in each bin by its samples \[rad/s\], the column of a late attitude.
-    pub fn pitch_rates(&self, samples: &[Observation]) -> Vec<f64> {
-        self.rates(&samples.iter().map(|o| o.pitch_rad).collect::<Vec<f64>>())
-    }
-
     /// What the glider meets of a shear in each bin, late by the time in which it follows; nothing where the log has no current.
     fn met_m_s2(&self, bins: &[Bin], samples: &[Observation], parameters: &Parameters<f64>) -> Option<Vec<f64>> {
         let met: Vec<f64> =
@@ -240,7 +234,6 @@ impl History {
 #[derive(Debug, Clone)]
 pub struct Columns {
     history: History,
-    pitch_rates: Vec<f64>,
     /// Change of the water's velocity along the heading that is met, as late as the glider follows \[m/s2\]; none where the log
     /// has no current.
     met_m_s2: Option<Vec<f64>>,
@@ -250,9 +243,8 @@ impl Columns {
     /// From the bins, the samples they are made of, and the vehicle.
     pub fn new(bins: &[Bin], samples: &[Observation], parameters: &Parameters<f64>) -> Columns {
         let history = History::new(bins, samples, parameters);
-        let pitch_rates = history.pitch_rates(samples);
         let met_m_s2 = history.met_m_s2(bins, samples, parameters);
-        Columns { history, pitch_rates, met_m_s2 }
+        Columns { history, met_m_s2 }
     }
 
     /// Whether the log's own current gives the force of its shear.
@@ -267,10 +259,7 @@ impl Columns {
 
     /// What a unit of a mechanism's size does to each bin.
     pub fn effect(&self, mechanism: &str, bins: &[Bin], parameters: &Parameters<f64>) -> Vec<f64> {
-        match mechanism {
-            "clock_offset" => self.pitch_rates.clone(),
-            _ => self.history.column(mechanism, bins, parameters),
-        }
+        self.history.column(mechanism, bins, parameters)
     }
 
     /// What all mechanisms of the past at these parameters do to each bin; nothing where all are neutral.
@@ -289,7 +278,6 @@ impl Columns {
             for (effect, value) in effects.iter_mut().zip(self.effect(mechanism, bins, parameters)) {
                 match acts {
                     Acts::NetMass => effect.net_mass_kg += size * value,
-                    Acts::Pitch => effect.pitch_rad += size * value,
                     Acts::Reading => effect.reading += size * value,
                 }
             }
@@ -361,7 +349,7 @@ pub fn lagged(time_s: &[f64], values: &[f64], constant_s: f64) -> Vec<f64> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::diagnose::Problem;
     use crate::diagnose::sea::{DiagnosisSettings, SeaProblem};
@@ -370,7 +358,7 @@ mod tests {
     use crate::vehicle::Vehicle;
 
     /// Twelve legs through a thermocline, the pitch hunting, every reading that of the steady glide.
-    fn log(p: &Parameters<f64>) -> Vec<Observation> {
+    pub(in super::super) fn log(p: &Parameters<f64>) -> Vec<Observation> {
         let sample = |i: u32| {
             let (leg, within) = (i / 60, f64::from(i % 60));
             let descends = leg % 2 == 0;
@@ -427,11 +415,11 @@ mod tests {
             SeaProblem::new(&log(&parameters), &parameters, DiagnosisSettings::default()).expect("enough bins");
         let start = problem.start();
         let before = problem.evidence(&start);
-        let sizes = [1e-11, 3e-4, 0.5, 0.02, 0.1, 1.0, 1e-3];
+        let sizes = [1e-11, 3e-4, 0.5, 0.02, 0.1, 1e-3];
         for ((name, ..), size) in MECHANISMS.iter().zip(sizes) {
             let of_name = (0..problem.candidates().len()).filter(|c| problem.candidates()[*c].name == *name);
             let of_name: Vec<usize> = of_name.collect();
-            assert_eq!(of_name.len(), versions(name).len(), "{name}");
+            assert_eq!(of_name.len(), versions(name, None).len(), "{name}");
             for c in of_name {
                 let mut point = start.clone();
                 point.candidates[c][0] += size;

@@ -166,21 +166,34 @@ fn with_stated_polar(
     (free, of_free, false)
 }
 
-/// Diagnoses a problem; once more, where the drag jumped, with the time of the jump looked for more closely.
+/// Diagnoses a problem; once more, where the drag jumped or the hull or the water that is carried took its time, with that time looked
+/// for more closely.
 fn in_full(problem: SeaProblem) -> (SeaProblem, Outcome) {
     let outcome = engine::diagnose_in_full(&problem);
-    let (problem, outcome) = problem.without_inertia_if_better(&outcome).unwrap_or((problem, outcome));
-    // Between legs the drag may have jumped too far from where it did for one size before and after: a refused jump, too, is
-    // looked for more closely, and counts if it then keeps its name.
-    let is_jump = |member: &&usize| problem.candidates()[**member].name == "drag_step";
-    let named = outcome.named.iter().find(is_jump);
-    let jump = named.or(outcome.refused.iter().rev().find(is_jump));
-    let jump = jump.and_then(|step| problem.candidates()[*step].version);
-    match jump.and_then(|jump| problem.with_jumps_about(jump.value)) {
+    let found = problem.without_inertia_if_better(&outcome).unwrap_or((problem, outcome));
+    WITH_VERSIONS.into_iter().fold(found, |(problem, outcome), mechanism| more_closely(problem, outcome, mechanism))
+}
+
+/// Mechanisms with a time that is chosen, not fitted.
+const WITH_VERSIONS: [&str; 3] = [JUMP, "hull_creep", "carried_water"];
+
+const JUMP: &str = "drag_step";
+
+/// A diagnosis with the versions of a mechanism closer about the one that was found.
+///
+/// A version may lie too far from the truth for one size everywhere: where something is left unexplained a refused one, too, is looked
+/// for more closely, and counts if it then keeps its name. So is a jump of the drag in any case, being between legs at first.
+fn more_closely(problem: SeaProblem, outcome: Outcome, mechanism: &str) -> (SeaProblem, Outcome) {
+    let is_version = |problem: &SeaProblem, member: usize| problem.candidates()[member].name == mechanism;
+    let named = outcome.named.iter().find(|member| is_version(&problem, **member));
+    let is_left = matches!(outcome.diagnosis.verdict, Verdict::Unexplained | Verdict::PartlyExplained);
+    let refused = || outcome.refused.iter().rev().find(|member| is_version(&problem, **member));
+    let found = named.or_else(|| refused().filter(|_| is_left || mechanism == JUMP));
+    match found.and_then(|found| problem.with_versions_about(*found)) {
         Some(finer) => {
             let again = engine::diagnose_in_full(&finer);
-            let names_jump = again.named.iter().any(|member| finer.candidates()[*member].name == "drag_step");
-            if named.is_some() || names_jump { (finer, again) } else { (problem, outcome) }
+            let names_it = again.named.iter().any(|member| is_version(&finer, *member));
+            if named.is_some() || names_it { (finer, again) } else { (problem, outcome) }
         }
         None => (problem, outcome),
     }

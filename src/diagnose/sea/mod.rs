@@ -16,6 +16,7 @@ mod fit_warnings;
 mod flown;
 mod history;
 mod jumps;
+mod late_attitude;
 mod log_diagnosis;
 mod model;
 mod problem;
@@ -28,6 +29,8 @@ mod turns;
 mod unknown_temperature;
 mod vehicle_log;
 
+use std::sync::Arc;
+
 use crate::dynamics::empirical::ActsOn;
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
 use crate::identify::{Bin, Inside, Parts, bins};
@@ -38,7 +41,10 @@ use super::evidence::{Candidate, Evidence, Point, Problem as _};
 use super::holdout;
 use super::outcome::Outcome;
 use super::relevance::Relevance;
+use attitude::Smoother;
+use candidates::Tried;
 use jumps::Jump;
+use late_attitude::{LateAttitude, Shifted};
 pub use log_diagnosis::{SeaDiagnosis, diagnose_log};
 use model::Directions;
 use nalgebra::DVector;
@@ -89,11 +95,14 @@ pub struct SeaProblem {
     baseline: Vec<(&'static str, &'static str)>,
     baseline_index: Vec<usize>,
     candidates: Vec<Candidate>,
+    tried: Tried,
     /// For each candidate how its size changes what is read.
     shapes: Vec<Shape>,
     directions: Directions,
     /// The direction of a pitch offset, along which the force of a shear acts.
     pitch_direction: usize,
+    /// The readings of the attitude, for clocks that differ.
+    late_attitude: Arc<LateAttitude>,
     /// What the mechanisms of the past go by.
     past: history::Columns,
     /// The shear of a current that the log does not have.
@@ -125,6 +134,8 @@ enum Slopes {
         /// The direction, where it is one.
         carrier: Option<usize>,
     },
+    /// For the clock of the attitude: the rate of the pitch in each bin, times the slopes along an offset of the pitch.
+    PitchRate(Vec<f64>),
 }
 
 impl SeaProblem {
@@ -139,7 +150,13 @@ impl SeaProblem {
     ) -> Result<SeaProblem, SeaError> {
         // What the vehicle says of the ratio of its legs stays as it is: one polar is fitted, and each leg has its share of it.
         let mut usable: Vec<Observation> = observations.iter().copied().filter(is_usable).collect();
-        let (pitch_variance, read_variance) = attitude::smooth(&mut usable);
+        let smoother = Smoother::new(&usable);
+        let follows_s = model::path_follows_s(parameters, &usable);
+        let pitch_variance = match smoother {
+            Some(smoother) => smoother.smooth(&mut usable, follows_s),
+            None => vec![0.0; usable.len()],
+        };
+        let read_variance = smoother.map_or(0.0, |smoother| smoother.read_variance);
         take_rate_of_leg(&mut usable);
         let mut bins = bins(&usable, settings.max_bins, MIN_SAMPLES);
         if bins.len() < MIN_BINS {
@@ -198,24 +215,31 @@ impl SeaProblem {
             baseline,
             baseline_index,
             candidates: Vec::new(),
+            tried: Tried::default(),
             shapes: Vec::new(),
+            late_attitude: Arc::new(LateAttitude::new(observations, smoother, follows_s)),
             past,
             shear,
             channels: candidates::Channels::new(observations),
         };
-        let jumps = Jump::between_legs(&problem.bins);
-        problem.look_for(&jumps);
+        problem.look_for(Tried { jumps: Jump::between_legs(&problem.bins), ..Tried::default() });
         Ok(problem)
     }
 
-    /// The same problem with the jump of the drag looked for between any two bins around a time at which one was found; none
-    /// where these jumps are known already.
-    pub fn with_jumps_about(&self, time_s: f64) -> Option<SeaProblem> {
-        let coarse = Jump::between_legs(&self.bins);
-        let jumps = Jump::between_bins(&self.bins, &coarse, time_s);
-        (jumps.len() > coarse.len()).then(|| {
+    /// The same problem with versions that are closer about one that was found: a jump of the drag between any two bins, a time constant
+    /// between those that are tried first. None where these are known already.
+    pub fn with_versions_about(&self, candidate: usize) -> Option<SeaProblem> {
+        let (name, found) = (self.candidates[candidate].name, self.candidates[candidate].version?.value);
+        let mut tried = self.tried.clone();
+        if name == "drag_step" {
+            tried.jumps = Jump::between_bins(&self.bins, &self.tried.jumps, found);
+        } else if tried.times_s.iter().all(|(known, _)| *known != name) {
+            tried.times_s.push((name, found));
+        }
+        let is_finer = tried.jumps.len() > self.tried.jumps.len() || tried.times_s.len() > self.tried.times_s.len();
+        is_finer.then(|| {
             let mut finer = self.clone();
-            finer.look_for(&jumps);
+            finer.look_for(tried);
             finer
         })
     }
@@ -257,10 +281,12 @@ impl SeaProblem {
         self.baseline.iter().any(|(name, _)| *name == unknown_temperature::PARAMETER)
     }
 
-    /// Takes what these data could show for candidates, with these jumps.
-    fn look_for(&mut self, jumps: &[Jump]) {
+    /// Takes what these data could show for candidates, in these versions.
+    fn look_for(&mut self, tried: Tried) {
         (self.candidates, self.shapes) = (Vec::new(), Vec::new());
-        for (candidate, index) in candidates::list(&self.bins, &self.channels, jumps, &self.parameters) {
+        let listed = candidates::list(&self.bins, &self.channels, &tried, &self.parameters);
+        self.tried = tried;
+        for (candidate, index) in listed {
             // Whoever knows the lift slope holds the law of lift: a bend of it would let the slope go again.
             if self.lift != Lift::Fitted && candidate.name == "nonlinear_lift" {
                 continue;
@@ -283,6 +309,9 @@ impl SeaProblem {
                 continue;
             }
             let slopes = match history::acts(candidate.name) {
+                None if candidate.name == late_attitude::MECHANISM => {
+                    Slopes::PitchRate(self.late_attitude.pitch_rates(&self.bins))
+                }
                 None => Slopes::Direction(self.directions.index_of(index)),
                 Some(acts) => {
                     let mut parameters = self.parameters;
@@ -294,7 +323,6 @@ impl SeaProblem {
                     }
                     let carrier = match acts {
                         history::Acts::NetMass => parameter_index("ballast_offset_kg"),
-                        history::Acts::Pitch => parameter_index("pitch_offset_rad"),
                         history::Acts::Reading => None,
                     };
                     Slopes::Past { column, carrier: carrier.map(|row| self.directions.index_of(row)) }
@@ -367,15 +395,26 @@ impl SeaProblem {
         Some(effects)
     }
 
-    /// What happens inside each bin at a point.
-    fn within_at(&self, point: &Point) -> Within {
+    /// The bins at these parameters, where the attitude has another clock; none where it has the same.
+    fn shifted(&self, parameters: &Parameters<f64>) -> Option<Shifted> {
+        let late_s = parameters.clock_offset_s;
+        (late_s != 0.0).then(|| {
+            let shifted = self.late_attitude.shifted(late_s, &self.bins);
+            let parts = if self.is_quasi_steady() { shifted.parts.without_inertia() } else { shifted.parts };
+            Shifted { parts, ..shifted }
+        })
+    }
+
+    /// What happens inside each bin at a point, whose pitch may be that of another time.
+    fn within_at(&self, point: &Point, shifted: Option<&Shifted>) -> Within {
+        let (bins, parts) = shifted.map_or((&self.bins, &self.parts), |shifted| (&shifted.bins, &shifted.parts));
         let parameters = self.parameters_at(point);
         match self.inertia_share(point) {
             Some(_) => {
-                let (inside, at_rest) = self.parts.inside_and_at_rest(&parameters, &self.bins);
+                let (inside, at_rest) = parts.inside_and_at_rest(&parameters, bins);
                 (inside, Some(at_rest))
             }
-            None => (self.parts.inside(&parameters, &self.bins), None),
+            None => (parts.inside(&parameters, bins), None),
         }
     }
 

@@ -6,7 +6,7 @@ use num_dual::{Derivative, DualSVec64};
 use crate::dynamics::{Parameters, parameter_index};
 use crate::glide::SteadyGlider;
 use crate::identify::{Bin, Inside, felt_density_kg_m3, median_step_s};
-use crate::log::Observation;
+use crate::log::{Observation, median};
 
 /// Parameters that are varied in one pass; more take another pass.
 const DIRECTIONS_OF_A_PASS: usize = 24;
@@ -201,6 +201,19 @@ pub fn add_pitch_error(bin: &mut Bin, error_rad: f64) {
     let sink = bin.mean.sink_m_s.abs();
     bin.sink_sd_m_s = bin.sink_sd_m_s.hypot(1.5 * sink * cos / sin * error_rad);
     bin.speed_sd_m_s = bin.speed_sd_m_s.hypot(0.5 * sink * cos / (sin * sin) * error_rad);
+}
+
+/// Time by which the path follows the pitch \[s\]: a hull that pitches at the rate `q` needs the lift `(m + M1) V q` to turn its path,
+/// and so is behind by the angle of attack that carries it, `q (m + M1) / (rho V A (a + b) / 2)`. The median over the log.
+pub fn path_follows_s(parameters: &Parameters<f64>, samples: &[Observation]) -> f64 {
+    let mass_kg = parameters.mass_kg() + parameters.added_mass_1_kg;
+    let of_one = |o: &Observation| {
+        let speed_m_s = o.sink_m_s.abs() / (o.pitch_rad.abs() + USUAL_ANGLE_OF_ATTACK_RAD).sin();
+        let slope = parameters.a_per_rad + parameters.b;
+        mass_kg / (0.5 * o.density_kg_m3 * speed_m_s * parameters.frontal_area_m2 * slope)
+    };
+    let mut found: Vec<f64> = samples.iter().map(of_one).filter(|follows_s| follows_s.is_finite()).collect();
+    if found.is_empty() { 0.0 } else { median(&mut found) }
 }
 
 fn path_rad(bin: &Bin) -> f64 {

@@ -83,7 +83,8 @@ impl Problem for SeaProblem {
 
     /// Thermoclines and inertia inside the bins are nine tenths of a flight, and change what a bin reads by little.
     fn for_first_search(&self, about: &Point) -> Option<Self> {
-        self.within.is_none().then(|| SeaProblem { within: Some(self.within_at(about)), ..self.clone() })
+        let within = || self.within_at(about, self.shifted(&self.parameters_at(about)).as_ref());
+        self.within.is_none().then(|| SeaProblem { within: Some(within()), ..self.clone() })
     }
 
     fn has_regimes(&self) -> bool {
@@ -143,9 +144,11 @@ impl Problem for SeaProblem {
         let (n_w, n_u) = (self.bins.len(), self.with_speed.len());
         let n = n_w + n_u;
         let share = self.inertia_share(point);
-        let flown = self.within.is_none().then(|| self.within_at(point));
+        let shifted = self.shifted(&parameters);
+        let flown = self.within.is_none().then(|| self.within_at(point, shifted.as_ref()));
         let (inside, at_rest) = flown.as_ref().or(self.within.as_ref()).expect("one of the two");
-        let row_bins: Vec<&Bin> = self.bins.iter().chain(self.with_speed.iter().map(|i| &self.bins[*i])).collect();
+        let bins = shifted.as_ref().map_or(&self.bins, |shifted| &shifted.bins);
+        let row_bins: Vec<&Bin> = bins.iter().chain(self.with_speed.iter().map(|i| &bins[*i])).collect();
 
         let mut residual = DVector::zeros(n);
         let mut slopes = DMatrix::zeros(n, self.directions.len());
@@ -159,10 +162,10 @@ impl Problem for SeaProblem {
         let flown = |row: usize| {
             let without_inertia = share.zip(at_rest.as_ref().map(|at_rest| &at_rest[row]));
             let effect = past.as_ref().map(|effects| effects[row]).unwrap_or_default();
-            Flown::new(&vehicle, self.pitch_direction, &self.bins[row], &inside[row], without_inertia, &effect)
+            Flown::new(&vehicle, self.pitch_direction, &bins[row], &inside[row], without_inertia, &effect)
         };
         let flown: Vec<Flown> = (0..n_w).into_par_iter().map(flown).collect();
-        for (row, (bin, flown)) in self.bins.iter().zip(&flown).enumerate() {
+        for (row, (bin, flown)) in bins.iter().zip(&flown).enumerate() {
             residual[row] = bin.mean.sink_m_s - flown.sink.value;
             slopes.row_mut(row).copy_from_slice(&flown.sink.slopes);
             (by_inertia[row], by_force[row]) = (flown.by_inertia[0], flown.by_force[0]);
@@ -196,6 +199,10 @@ impl Problem for SeaProblem {
                     let after =
                         |row: usize| candidate.version.is_none_or(|jump| row_bins[row].mean.time_s >= jump.value);
                     DMatrix::from_fn(n, 1, |row, _| if after(row) { slopes[(row, *direction)] } else { 0.0 })
+                }
+                Slopes::PitchRate(read) => {
+                    let rates = shifted.as_ref().map_or(read, |shifted| &shifted.pitch_rates);
+                    DMatrix::from_fn(n, 1, |row, _| rates[bin_of(row)] * slopes[(row, self.pitch_direction)])
                 }
                 Slopes::Past { column, carrier: Some(direction) } => {
                     DMatrix::from_fn(n, 1, |row, _| column[bin_of(row)] * slopes[(row, *direction)])

@@ -2,7 +2,8 @@
 
 use glidepolar_inference::score::CLEARLY_WRONG;
 
-use super::{LEAST_KNOWN, SeaProblem, Shape, Slopes, candidates};
+use super::candidates::{self, Tried};
+use super::{LEAST_KNOWN, SeaProblem, Shape, Slopes};
 use crate::diagnose::evidence::Candidate;
 use crate::diagnose::findings::{Verdict, Wrong};
 use crate::diagnose::{Outcome, engine};
@@ -49,7 +50,7 @@ impl SeaProblem {
         problem.baseline_index.remove(place);
         let mut point = decided.after.point;
         let trim_kg = point.baseline.remove(place);
-        let all = candidates::list(&problem.bins, &problem.channels, &[], &problem.parameters);
+        let all = candidates::list(&problem.bins, &problem.channels, &Tried::default(), &problem.parameters);
         let is_trim = |candidate: &Candidate| candidate.name == MECHANISM;
         let mut added = 0;
         for (candidate, row) in all.into_iter().filter(|(candidate, _)| OFFSETS.contains(&candidate.name)) {

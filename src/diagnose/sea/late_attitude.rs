@@ -1,0 +1,141 @@
+//! The attitude on a clock of its own: the bins with the pitch that was read at another time.
+//!
+//! A clock that differs by half a minute moves the pitch by more than its rate times that time where the glider turns over or hunts. So
+//! the readings of the other time are taken, smoothed as those of the log were, and averaged over the same samples. Knows the readings
+//! of one instrument; no vehicle.
+
+use super::attitude::Smoother;
+use super::is_usable;
+use crate::identify::{Bin, Parts};
+use crate::log::Observation;
+
+/// The mechanism by which the attitude is late.
+pub const MECHANISM: &str = "clock_offset";
+
+/// The readings of a log.
+#[derive(Debug, Clone)]
+pub struct LateAttitude {
+    log: Vec<Observation>,
+    smoother: Option<Smoother>,
+    /// Time by which the path follows the pitch \[s\].
+    follows_s: f64,
+}
+
+/// The bins with the pitch of another time.
+pub struct Shifted {
+    /// The bins, of the same samples.
+    pub bins: Vec<Bin>,
+    /// The same in parts.
+    pub parts: Parts,
+    /// Rate of the pitch in each bin \[rad/s\].
+    pub pitch_rates: Vec<f64>,
+}
+
+impl LateAttitude {
+    /// The readings of this log, and how they are smoothed.
+    pub fn new(log: &[Observation], smoother: Option<Smoother>, follows_s: f64) -> LateAttitude {
+        LateAttitude { log: log.to_vec(), smoother, follows_s }
+    }
+
+    /// The bins as they are where the attitude was written this much late.
+    pub fn shifted(&self, late_s: f64, bins: &[Bin]) -> Shifted {
+        let (usable, log) = self.at(late_s);
+        let mut bins = bins.to_vec();
+        for bin in &mut bins {
+            let of_bin = &usable[bin.first..bin.first + bin.samples];
+            bin.mean.pitch_rad = of_bin.iter().map(|o| o.pitch_rad).sum::<f64>() / of_bin.len() as f64;
+        }
+        let parts = Parts::new(&bins, &usable, &log);
+        let pitch_rates = bins.iter().map(|bin| pitch_rate(&usable[bin.first..bin.first + bin.samples])).collect();
+        Shifted { bins, parts, pitch_rates }
+    }
+
+    /// Rate of the pitch in each of these bins as it was read \[rad/s\].
+    pub fn pitch_rates(&self, bins: &[Bin]) -> Vec<f64> {
+        let (usable, _) = self.at(0.0);
+        bins.iter().map(|bin| pitch_rate(&usable[bin.first..bin.first + bin.samples])).collect()
+    }
+
+    /// The usable samples, smoothed, and all of the log with the pitch that was read this much later. The samples are those that are
+    /// usable as they were read, whatever their pitch is now.
+    fn at(&self, late_s: f64) -> (Vec<Observation>, Vec<Observation>) {
+        let mut log = self.log.clone();
+        if late_s != 0.0 {
+            self.pitches_at(late_s).zip(&mut log).for_each(|(pitch_rad, o)| o.pitch_rad = pitch_rad);
+        }
+        let is_read = self.log.iter().map(is_usable);
+        let mut usable: Vec<Observation> =
+            log.iter().zip(is_read).filter(|(_, is_read)| *is_read).map(|(o, _)| *o).collect();
+        if let Some(smoother) = self.smoother {
+            smoother.smooth(&mut usable, self.follows_s);
+        }
+        super::take_rate_of_leg(&mut usable);
+        (usable, log)
+    }
+
+    /// The pitch that was read this much later than each sample, on straight lines between readings.
+    fn pitches_at(&self, late_s: f64) -> impl Iterator<Item = f64> {
+        let readings = self.log.iter().map(|o| (o.time_s, o.pitch_rad));
+        let read: Vec<(f64, f64)> = readings.filter(|(_, pitch_rad)| pitch_rad.is_finite()).collect();
+        self.log.iter().map(move |o| {
+            let time_s = o.time_s + late_s;
+            let next = read.partition_point(|(read_s, _)| *read_s < time_s);
+            let before = next.checked_sub(1).and_then(|before| read.get(before));
+            match (before, read.get(next)) {
+                (Some((t0, p0)), Some((t1, p1))) => p0 + (p1 - p0) * (time_s - t0) / (t1 - t0),
+                (Some((_, pitch_rad)), None) | (None, Some((_, pitch_rad))) => *pitch_rad,
+                (None, None) => f64::NAN,
+            }
+        })
+    }
+}
+
+/// Least-squares slope of the pitch over these samples \[rad/s\].
+fn pitch_rate(samples: &[Observation]) -> f64 {
+    let n = samples.len() as f64;
+    let mean_s = samples.iter().map(|o| o.time_s).sum::<f64>() / n;
+    let spread: f64 = samples.iter().map(|o| (o.time_s - mean_s).powi(2)).sum();
+    let moment: f64 = samples.iter().map(|o| (o.time_s - mean_s) * o.pitch_rad).sum();
+    if spread > 0.0 { moment / spread } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::diagnose::Problem;
+    use crate::diagnose::sea::{DiagnosisSettings, SeaProblem, history};
+    use crate::vehicle::Vehicle;
+
+    /// A clock that differs is what is read at another time: at its own size nothing is left of it, while a rate of the pitch times the
+    /// size, as the slope has it, leaves what the pitch turns in half a minute. The slope is right for a small one.
+    #[test]
+    fn a_clock_that_differs_is_the_pitch_of_another_time() {
+        let parameters = Vehicle::load("slocum-graver").expect("a vehicle").glide_parameters();
+        let log = history::tests::log(&parameters);
+        let problem_of =
+            |log: &[_]| SeaProblem::new(log, &parameters, DiagnosisSettings::default()).expect("enough bins");
+        let truth = problem_of(&log);
+        let place = |problem: &SeaProblem| {
+            problem.candidates().iter().position(|candidate| candidate.name == super::MECHANISM).expect("a candidate")
+        };
+        let residual_at = |problem: &SeaProblem, late_s: f64| {
+            let mut point = problem.start();
+            point.candidates[place(problem)][0] = late_s;
+            problem.evidence(&point).residual
+        };
+        let clean = residual_at(&truth, 0.0);
+        // Read 30 s late, by two samples: the pitch of row i is that of row i - 2.
+        let mut late = log.clone();
+        (2..log.len()).for_each(|i| late[i].pitch_rad = log[i - 2].pitch_rad);
+        let problem = problem_of(&late);
+        let as_read = (residual_at(&problem, 0.0) - &clean).norm();
+        let corrected = (residual_at(&problem, 30.0) - &clean).norm();
+        assert!(corrected < 0.02 * as_read, "{corrected} of {as_read}");
+
+        // After a sample the pitch is on the line to the next one, the slope that of a line through the bin: a tenth apart at 15 s.
+        let before = truth.evidence(&truth.start());
+        let column = before.candidates[place(&truth)].column(0) * 0.5;
+        let change = clean - residual_at(&truth, 0.5);
+        let (most, off) = (column.amax(), (&change - &column).amax());
+        assert!(most > 1e-5 && off < 0.1 * most, "{off} of {most} m/s");
+    }
+}
