@@ -1,5 +1,7 @@
 //! Which mechanisms a log could show.
 
+use std::collections::BTreeMap;
+
 use super::history;
 use super::jumps::Jump;
 use super::salinity::{self, Shown};
@@ -58,8 +60,8 @@ pub const LEVELS: [&str; 3] = ["ballast_offset", "pitch_offset", "density_bias"]
 pub struct Tried {
     /// Times at which the drag may have jumped.
     pub jumps: Vec<Jump>,
-    /// Mechanisms whose time constant is looked for closely, and about which one \[s\].
-    pub times_s: Vec<(&'static str, f64)>,
+    /// Mechanisms whose time constant is looked for closely.
+    pub closer: BTreeMap<&'static str, history::Closer>,
 }
 
 /// The mechanisms that these data could show, with the row of their parameter.
@@ -94,10 +96,7 @@ pub fn list(bins: &[Bin], channels: &Channels, tried: &Tried, parameters: &Param
         };
         let versions: Vec<Option<Version>> = match mechanism.name {
             "drag_step" => tried.jumps.iter().map(version).collect(),
-            name => {
-                let found = tried.times_s.iter().find(|(known, _)| *known == name);
-                history::versions(name, found.map(|(_, found_s)| *found_s))
-            }
+            name => history::versions(name, tried.closer.get(name).copied()),
         };
         // Where the density follows from temperature and salinity, a bias of it is one of the salinity.
         let prior_sd = match mechanism.name {

@@ -36,15 +36,36 @@ pub(super) const SALINITY_PER_KELVIN: f64 = 0.98;
 /// A change of the ballast volume beyond this is a move of the engine \[m3\]: above the noise of a reading, below any stroke.
 const MOVED_M3: f64 = 5e-6;
 
-/// Time constants that are tried \[s\]: a factor of four apart (the late part of one differs from that of another half as long by a
+/// Time constants that are tried \[s\]: a factor of two apart (the late part of one differs from that of another half as long by a
 /// fifth at most). About the one that was found the next ones are closer.
-const CREEP_TIMES_S: [f64; 3] = [3600.0, 14_400.0, 57_600.0];
-const EXCHANGE_TIMES_S: [f64; 3] = [600.0, 2400.0, 9600.0];
+const CREEP_TIMES_S: [f64; 5] = [3600.0, 7200.0, 14_400.0, 28_800.0, 57_600.0];
+const EXCHANGE_TIMES_S: [f64; 5] = [600.0, 1200.0, 2400.0, 4800.0, 9600.0];
 
-/// The root of the factor between neighbours of these lists, and of those about one that was found: the late parts of two neighbours
-/// differ by a thirtieth.
-const BETWEEN: f64 = 2.0;
-const CLOSER: f64 = 1.122_462_048_309_373; // 2^(1/6)
+/// Factor between neighbours of these lists.
+const RATIO: f64 = 2.0;
+
+/// Closer time constants on each side of one that was found: as many as reach half way to its neighbours.
+const CLOSER: i32 = 2;
+
+/// Time constants about one that was found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Closer {
+    about_s: f64,
+    /// Factor between neighbours.
+    ratio: f64,
+}
+
+impl Closer {
+    /// About this version, so close that they reach half way to its neighbours.
+    pub fn about(version: &Version) -> Closer {
+        let [low, high] = version.between;
+        Closer { about_s: version.value, ratio: (high / low).powf(0.5 / f64::from(CLOSER)) }
+    }
+
+    fn times_s(self) -> impl Iterator<Item = f64> {
+        (-CLOSER..=CLOSER).map(move |step| self.about_s * self.ratio.powi(step))
+    }
+}
 
 /// What a mechanism acts on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,20 +92,20 @@ pub fn acts(mechanism: &str) -> Option<Acts> {
 }
 
 /// The versions of a mechanism of the past: its time constants, closer about one that was found, or one without any.
-pub fn versions(mechanism: &str, found_s: Option<f64>) -> Vec<Option<Version>> {
+pub fn versions(mechanism: &str, closer: Option<Closer>) -> Vec<Option<Version>> {
     let (name, times) = match mechanism {
         "hull_creep" => ("creep_time_s", CREEP_TIMES_S),
         "carried_water" => ("exchange_time_s", EXCHANGE_TIMES_S),
         _ => return vec![None],
     };
-    let version = |value: f64, between: f64| {
-        let between = [value / between, value * between];
+    let version = |value: f64, ratio: f64| {
+        let between = [value / ratio.sqrt(), value * ratio.sqrt()];
         Some(Version { name, value, is_onset: false, between, unit: "s" })
     };
-    let is_far = |time: &f64| found_s.is_none_or(|found| *time != found);
-    let far = times.into_iter().filter(is_far).map(|time| version(time, BETWEEN));
-    let near = found_s.into_iter().flat_map(|found| (-3..=3).map(move |step| found * CLOSER.powi(2 * step)));
-    let mut found: Vec<Option<Version>> = far.chain(near.map(|time| version(time, CLOSER))).collect();
+    let is_far = |time_s: &f64| closer.is_none_or(|closer| (time_s / closer.about_s).ln().abs() > 0.5 * RATIO.ln());
+    let far = times.into_iter().filter(is_far).map(|time_s| version(time_s, RATIO));
+    let near = closer.into_iter().flat_map(|closer| closer.times_s().map(move |time_s| version(time_s, closer.ratio)));
+    let mut found: Vec<Option<Version>> = far.chain(near).collect();
     found.sort_by(|a, b| a.map(|a| a.value).partial_cmp(&b.map(|b| b.value)).expect("times are finite"));
     found
 }

@@ -227,21 +227,22 @@ impl SeaProblem {
     }
 
     /// The same problem with versions that are closer about one that was found: a jump of the drag between any two bins, a time constant
-    /// between those that are tried first. None where these are known already.
+    /// between those that are tried. None where the candidate has no versions, or the bins no jump between them.
     pub fn with_versions_about(&self, candidate: usize) -> Option<SeaProblem> {
-        let (name, found) = (self.candidates[candidate].name, self.candidates[candidate].version?.value);
+        let candidate = &self.candidates[candidate];
+        let version = candidate.version?;
         let mut tried = self.tried.clone();
-        if name == "drag_step" {
-            tried.jumps = Jump::between_bins(&self.bins, &self.tried.jumps, found);
-        } else if tried.times_s.iter().all(|(known, _)| *known != name) {
-            tried.times_s.push((name, found));
+        if candidate.name == "drag_step" {
+            tried.jumps = Jump::between_bins(&self.bins, &self.tried.jumps, version.value);
+            if tried.jumps.len() == self.tried.jumps.len() {
+                return None;
+            }
+        } else {
+            tried.closer.insert(candidate.name, history::Closer::about(&version));
         }
-        let is_finer = tried.jumps.len() > self.tried.jumps.len() || tried.times_s.len() > self.tried.times_s.len();
-        is_finer.then(|| {
-            let mut finer = self.clone();
-            finer.look_for(tried);
-            finer
-        })
+        let mut finer = self.clone();
+        finer.look_for(tried);
+        Some(finer)
     }
 
     /// The same problem without inertia, diagnosed, where that is the better account of held-out glides.
