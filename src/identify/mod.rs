@@ -54,8 +54,8 @@ pub use model::{Inertia, Prediction, predict};
 pub use residuals::{Residual, Score, ScoreSums, residuals};
 pub use speeds::Rows;
 pub use trim::Trim;
-pub(crate) use within_bin::felt_density_kg_m3;
 pub use within_bin::{Inside, Parts};
+pub(crate) use within_bin::{felt_density_kg_m3, turns_by_rad};
 
 #[cfg(test)]
 mod tests;

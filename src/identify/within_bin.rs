@@ -130,13 +130,9 @@ impl Parts {
                 true if turns_by_rad(of_bin) < EVEN_RAD => f64::INFINITY,
                 true => TURNING_PART_S.max(lasts_s(of_bin) / MOST_PARTS),
             };
-            let mut start = 0;
-            for end in 1..=of_bin.len() {
-                if end == of_bin.len() || of_bin[end].time_s - of_bin[start].time_s >= part_s {
-                    parts.means.push(mean(&of_bin[start..end]));
-                    parts.run_in.push(false);
-                    start = end;
-                }
+            for part in even_parts(of_bin, part_s) {
+                parts.means.push(mean(part));
+                parts.run_in.push(false);
             }
             parts.of_bin.push(begun..parts.means.len());
             let with_speed = parts.at_speeds.len();
@@ -294,9 +290,16 @@ fn range(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Range of the mean pitches of the quarters of a bin: of means, since single readings have their noise.
-fn turns_by_rad(samples: &[Observation]) -> f64 {
+pub(crate) fn turns_by_rad(samples: &[Observation]) -> f64 {
     let quarter = samples.len().div_ceil(4);
     range(samples.chunks(quarter).map(|part| part.iter().map(|o| o.pitch_rad).sum::<f64>() / part.len() as f64))
+}
+
+/// The samples in parts of this length or somewhat more, with as many in each: a mean over the parts is then one over the samples.
+fn even_parts(samples: &[Observation], part_s: f64) -> impl Iterator<Item = &[Observation]> {
+    let count = ((lasts_s(samples) / part_s) as usize).clamp(1, samples.len().max(1));
+    let begin = move |part: usize| part * samples.len() / count;
+    (0..count).map(move |part| &samples[begin(part)..begin(part + 1)])
 }
 
 fn lasts_s(samples: &[Observation]) -> f64 {

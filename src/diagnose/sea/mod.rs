@@ -162,7 +162,7 @@ impl SeaProblem {
         if bins.len() < MIN_BINS {
             return Err(SeaError::TooShort { found: bins.len(), steady: usable.len(), samples: observations.len() });
         }
-        let is_steady = model::steady(parameters, &bins);
+        let is_steady = model::steady(parameters, &bins, &usable);
         let mut keep = is_steady.into_iter();
         bins.retain(|bin| keep.next().unwrap_or(false) && model::flies(parameters, bin));
         for bin in &mut bins {

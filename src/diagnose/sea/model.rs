@@ -5,7 +5,7 @@ use num_dual::{Derivative, DualSVec64};
 
 use crate::dynamics::{Parameters, parameter_index};
 use crate::glide::SteadyGlider;
-use crate::identify::{Bin, Inside, felt_density_kg_m3, median_step_s};
+use crate::identify::{Bin, Inside, felt_density_kg_m3, median_step_s, turns_by_rad};
 use crate::log::{Observation, median};
 
 /// Parameters that are varied in one pass; more take another pass.
@@ -152,22 +152,36 @@ const USUAL_DRAG_COEFFICIENT: f64 = 0.3;
 const USUAL_ANGLE_OF_ATTACK_RAD: f64 = 0.05;
 
 /// Which bins are steady: `M |w'| / sin xi` below a share of the drag `rho A b w^2 / (2 sin^2 xi)`, all as measured. A
-/// glider that hangs near neutral is not, whatever the time since its last turn.
-pub fn steady(parameters: &Parameters<f64>, bins: &[Bin]) -> Vec<bool> {
+/// glider that hangs near neutral is not, whatever the time since its last turn. Nor is one that pitches so fast within the bin that its
+/// steady speed, which goes with the root of `sin xi`, changes by more: `M V cot xi |xi'| / 2` is that force.
+pub fn steady(parameters: &Parameters<f64>, bins: &[Bin], samples: &[Observation]) -> Vec<bool> {
     let mass = parameters.mass_kg() + parameters.added_mass_1_kg;
     let reach_s = reach_s(bins);
     (0..bins.len())
         .map(|i| {
+            let most_N = LARGEST_INERTIA * drag_N(parameters, &bins[i]);
+            let (sin, cos) = path_rad(&bins[i]).sin_cos();
+            let of_bin = &samples[bins[i].first..bins[i].first + bins[i].samples];
+            let speed_m_s = bins[i].mean.sink_m_s.abs() / sin;
+            if mass * speed_m_s * cos / (2.0 * sin) * pitch_rate_rad_s(of_bin) > most_N {
+                return false;
+            }
             let (low, high) = neighbours(bins, i, reach_s);
             if high == low {
                 return true;
             }
             let [a, b] = [low, high].map(|j| &bins[j].mean);
             let acceleration = (b.sink_m_s - a.sink_m_s) / (b.time_s - a.time_s);
-            let sin = path_rad(&bins[i]).sin();
-            mass * acceleration.abs() / sin <= LARGEST_INERTIA * drag_N(parameters, &bins[i])
+            mass * acceleration.abs() / sin <= most_N
         })
         .collect()
+}
+
+/// Rate of the pitch within a bin, of means since single readings have their noise.
+fn pitch_rate_rad_s(samples: &[Observation]) -> f64 {
+    let (first, last) = (&samples[0], &samples[samples.len() - 1]);
+    let between_middles_s = 0.75 * (last.time_s - first.time_s);
+    if between_middles_s > 0.0 { turns_by_rad(samples) / between_middles_s } else { 0.0 }
 }
 
 /// Adds to the errors of a bin what the uncertainty of its net mass makes of them. By the balance along the path,
