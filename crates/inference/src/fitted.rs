@@ -187,34 +187,41 @@ impl Fitted {
     }
 
     /// Far from the truth the model bends, and its slopes mislead: there each mechanism is fitted in full, alone, by plain
-    /// least squares, and the one that leaves least is the place to start from.
+    /// least squares, and the one that leaves least is the place to start from. Where this fit and all of those contradict the
+    /// prior, they are made again from what is believed: what is missing may have bent the baseline so far that no step leads back.
     pub(super) fn nonlinear_refit(&self, problem: &impl Problem) -> Option<Fitted> {
         if !problem.bends() {
             return None;
         }
-        let quicker = problem.for_first_search(&self.point);
-        let first = quicker.as_ref().unwrap_or(problem);
-        let (here, plain) = (first.evidence(&self.point), plain_noises(&self.evidence));
+        let plain = plain_noises(&self.evidence);
         // By how much the objective falls where the squares of the quantity with the fewest rows are halved.
         let fewest_rows = self.evidence.quantities.iter().map(|quantity| quantity.rows.len()).min()?;
         let half = 0.5 * std::f64::consts::LN_2 * fewest_rows as f64;
         let before = objective(&self.evidence);
         let candidates = problem.candidates();
         let mut trials: Vec<(f64, Fitted)> = Vec::new();
-        for (i, _) in candidates.iter().enumerate().filter(|(_, candidate)| candidate.version.is_none()) {
-            let evidence = believing(first, here.clone(), &self.point, &[i]);
-            let mut trial = Fitted { point: self.point.clone(), included: vec![i], evidence, noises: plain.clone() };
-            // At first all of the misfit counts as noise, beside which beliefs about sizes weigh too much: once more with
-            // what is left, until no more goes, or it is clear that this mechanism explains next to nothing.
-            for _ in 0..MAX_NOISE_ROUNDS {
-                if trial.descend(first) < 1e-2 || objective(&trial.evidence) > before - PROMISING * half {
-                    break;
-                }
-                trial.noises = plain_noises(&trial.evidence);
+        for (again, start) in [self.point.clone(), problem.start()].into_iter().enumerate() {
+            if again > 0 && (self.agrees_with_prior() || trials.iter().any(|(_, trial)| trial.agrees_with_prior())) {
+                break;
             }
-            let size = trial.point.candidates[i][0];
-            if trial.is_possible(candidates) && !candidates[i].is_impossible(size) {
-                trials.push((objective(&trial.evidence), trial));
+            let quicker = problem.for_first_search(&start);
+            let first = quicker.as_ref().unwrap_or(problem);
+            let here = first.evidence(&start);
+            for (i, _) in candidates.iter().enumerate().filter(|(_, candidate)| candidate.version.is_none()) {
+                let evidence = believing(first, here.clone(), &start, &[i]);
+                let mut trial = Fitted { point: start.clone(), included: vec![i], evidence, noises: plain.clone() };
+                // At first all of the misfit counts as noise, beside which beliefs about sizes weigh too much: once more with
+                // what is left, until no more goes, or it is clear that this mechanism explains next to nothing.
+                for _ in 0..MAX_NOISE_ROUNDS {
+                    if trial.descend(first) < 1e-2 || objective(&trial.evidence) > before - PROMISING * half {
+                        break;
+                    }
+                    trial.noises = plain_noises(&trial.evidence);
+                }
+                let size = trial.point.candidates[i][0];
+                if trial.is_possible(candidates) && !candidates[i].is_impossible(size) {
+                    trials.push((objective(&trial.evidence), trial));
+                }
             }
         }
         // Half of the squares of one quantity at least, or the slopes are as good a guide. What is left by the best ones is judged
@@ -236,7 +243,10 @@ impl Fitted {
         // Where two are as good as each other the one with fewer parameters is, and of those the catalogue's order decides: the
         // commoner stands first.
         let as_good = converged.into_iter().filter(|(left, _)| *left < least + SAME).map(|(_, trial)| trial);
-        as_good.min_by_key(|trial| trial.included.iter().map(|i| candidates[*i].neutral.len()).sum::<usize>())
+        as_good.min_by_key(|trial| {
+            let parameters: usize = trial.included.iter().map(|i| candidates[*i].neutral.len()).sum();
+            (parameters, trial.included.clone())
+        })
     }
 
     /// Less the logarithm of the likelihood of data that were held out, up to a constant.
