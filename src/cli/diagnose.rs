@@ -119,8 +119,8 @@ fn lift_slope(text: Option<&str>) -> Result<LiftSlope, CliError> {
 
 fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
     println!("{} stretches of steady glide; baseline: {trim}", problem.n_bins());
-    if !problem.has_speed() {
-        println!("no measured speed: the lift slope is held, and some causes look alike");
+    if let Some(text) = problem.without_speed() {
+        println!("{text}");
     }
     for check in found.consistency.iter().filter(|check| check.outcome != Checked::Consistent) {
         println!("{}", checked(check));

@@ -13,8 +13,8 @@ pub(super) fn page(vehicle: &str, found: &SeaDiagnosis, trim: &str) -> Report {
     let diagnosis = &found.outcome.diagnosis;
     let subject = format!("{vehicle}, {} stretches of steady glide", found.problem.n_bins());
     let mut report = Report::new("Diagnosis", subject).finding(format!("Baseline: {trim}."));
-    if !found.problem.has_speed() {
-        report = report.warning("No measured speed: the lift slope is held, and some causes look alike.");
+    if let Some(text) = found.problem.without_speed() {
+        report = report.warning(format!("{}.", capital(text)));
     }
     for check in diagnosis.consistency.iter().filter(|check| check.outcome != Checked::Consistent) {
         report = report.warning(format!("{}.", capital(&checked(check))));

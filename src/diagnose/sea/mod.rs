@@ -357,6 +357,20 @@ impl SeaProblem {
         !self.with_speed.is_empty()
     }
 
+    /// What the lift slope rests on where no speed was measured; none where one was.
+    pub fn without_speed(&self) -> Option<&'static str> {
+        let text = match self.lift {
+            Lift::Held => "no measured speed: the lift slope is held, and some causes look alike",
+            Lift::Known { .. } => {
+                "no measured speed: the lift slope is the stated one within its error, and some causes look alike"
+            }
+            Lift::Fitted => {
+                "no measured speed: the lift slope is the vehicle's within what polars of one design scatter by, and some causes look alike"
+            }
+        };
+        (!self.has_speed()).then_some(text)
+    }
+
     /// Whether the log's own current gives the force of its shear.
     pub fn knows_shear(&self) -> bool {
         self.past.knows_shear()
