@@ -153,7 +153,7 @@ const USUAL_ANGLE_OF_ATTACK_RAD: f64 = 0.05;
 
 /// Which bins are steady: `M |w'| / sin xi` below a share of the drag `rho A b w^2 / (2 sin^2 xi)`, all as measured. A
 /// glider that hangs near neutral is not, whatever the time since its last turn. Nor is one that pitches so fast within the bin that its
-/// steady speed, which goes with the root of `sin xi`, changes by more: `M V cot xi |xi'| / 2` is that force.
+/// steady speed, which varies as the root of `sin xi`, needs more: `M V cot xi |xi'| / 2` is that force.
 pub fn steady(parameters: &Parameters<f64>, bins: &[Bin], samples: &[Observation]) -> Vec<bool> {
     let mass = parameters.mass_kg() + parameters.added_mass_1_kg;
     let reach_s = reach_s(bins);
