@@ -305,3 +305,20 @@ fn even_parts(samples: &[Observation], part_s: f64) -> impl Iterator<Item = &[Ob
 fn lasts_s(samples: &[Observation]) -> f64 {
     samples.last().map_or(0.0, |last| last.time_s - samples[0].time_s)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{glider, sample};
+    use super::*;
+
+    #[test]
+    fn parts_hold_as_many_samples_each_and_all_of_them() {
+        let (_, p) = glider();
+        let samples: Vec<Observation> = (0..13).map(|i| sample(&p, -27.0, 0.3, 0, 5.0 * f64::from(i))).collect();
+        let lengths = |part_s: f64| even_parts(&samples, part_s).map(<[Observation]>::len).collect::<Vec<_>>();
+        assert_eq!(lengths(15.0), [3, 3, 3, 4]);
+        assert_eq!(lengths(f64::INFINITY), [13]);
+        assert_eq!(lengths(1.0), [1; 13]);
+        assert_eq!(even_parts(&samples[..1], 15.0).map(<[Observation]>::len).sum::<usize>(), 1);
+    }
+}

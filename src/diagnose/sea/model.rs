@@ -261,16 +261,12 @@ fn reach_s(bins: &[Bin]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::Problem;
+    use crate::diagnose::sea::SeaProblem;
     use crate::dynamics::PARAMETERS;
-    use crate::log::Observation;
 
-    /// A mechanism is fitted by its slope wherever its parameter stands: with more directions than one pass has, each slope is
-    /// that of the same parameter varied alone.
-    #[test]
-    fn slopes_do_not_depend_on_how_many_parameters_are_varied() {
-        let vehicle = crate::vehicle::Vehicle::load("slocum-049").unwrap();
-        let parameters = vehicle.glide_parameters();
-        let mean = Observation {
+    fn observation(parameters: &Parameters<f64>) -> Observation {
+        Observation {
             time_s: 100.0,
             pressure_dbar: 50.0,
             pressure_rate_dbar_s: 0.0,
@@ -297,7 +293,16 @@ mod tests {
             dive: 0,
             stretch: 0,
             steady: true,
-        };
+        }
+    }
+
+    /// A mechanism is fitted by its slope wherever its parameter stands: with more directions than one pass has, each slope is
+    /// that of the same parameter varied alone.
+    #[test]
+    fn slopes_do_not_depend_on_how_many_parameters_are_varied() {
+        let vehicle = crate::vehicle::Vehicle::load("slocum-049").unwrap();
+        let parameters = vehicle.glide_parameters();
+        let mean = observation(&parameters);
         let bin = Bin { mean, first: 0, samples: 10, speeds: 10, sink_sd_m_s: 0.002, speed_sd_m_s: 0.03 };
         let rows: Vec<usize> = (0..PARAMETERS.len()).collect();
         assert!(rows.len() > DIRECTIONS_OF_A_PASS, "the test needs more than one pass");
@@ -310,5 +315,79 @@ mod tests {
         }
         let moving = |name: &str| sink.slopes[parameter_index(name).unwrap()] != 0.0;
         assert!(moving("b") && moving("ballast_offset_kg"), "{sink:?}");
+    }
+
+    /// A glide whose pitch hunts, by Newton's and Kirchhoff's laws along the hull's axes:
+    /// `(m + M1) v1' = F1 - (m + M3) q v3`, `(m + M3) v3' = F3 + (m + M1) q v1`.
+    fn hunting(p: &Parameters<f64>, amplitude_rad: f64, period_s: f64) -> Vec<Observation> {
+        let mean = observation(p);
+        let net_kg = p.net_mass_kg(mean.ballast_m3, &crate::identify::surroundings(p, &mean));
+        let [m1, m3] = [p.added_mass_1_kg, p.added_mass_3_kg].map(|added_kg| p.mass_kg() + added_kg);
+        let per_s = std::f64::consts::TAU / period_s;
+        let pitch_rad = |t: f64| mean.pitch_rad + amplitude_rad * (per_s * t).sin();
+        let rates = |t: f64, [v1, v3]: [f64; 2]| {
+            let (alpha, q) = (v3.atan2(v1), amplitude_rad * per_s * (per_s * t).cos());
+            let force = 0.5 * mean.density_kg_m3 * (v1 * v1 + v3 * v3) * p.frontal_area_m2;
+            let (lift, drag) = (force * p.a_per_rad * alpha, force * (p.b + p.c_per_rad2 * alpha * alpha));
+            let (sin, cos) = pitch_rad(t).sin_cos();
+            let f1 = -net_kg * p.gravity_m_s2 * sin + lift * alpha.sin() - drag * alpha.cos();
+            let f3 = net_kg * p.gravity_m_s2 * cos - lift * alpha.cos() - drag * alpha.sin();
+            [(f1 - m3 * q * v3) / m1, (f3 + m1 * q * v1) / m3]
+        };
+        let (mut v, h) = ([0.3, 0.01], 0.05);
+        let mut log = Vec::new();
+        for i in 0..80_000 {
+            let t = h * f64::from(i) - 600.0;
+            if i % 100 == 0 && t >= 0.0 {
+                let sink_m_s = v[1] * pitch_rad(t).cos() - v[0] * pitch_rad(t).sin();
+                let speed_m_s = v[0].hypot(v[1]);
+                log.push(Observation { time_s: t, pitch_rad: pitch_rad(t), sink_m_s, speed_m_s, ..mean });
+            }
+            let half = [0, 1].map(|k| v[k] + 0.5 * h * rates(t, v)[k]);
+            let there = rates(t + 0.5 * h, half);
+            v = [0, 1].map(|k| v[k] + h * there[k]);
+        }
+        log
+    }
+
+    /// Where the pitch hunts, the model reads what the glider does to a hundredth of how the hunting moves it.
+    #[test]
+    fn a_path_follows_a_hunting_pitch_as_newtons_law_has_it() {
+        let parameters = crate::vehicle::Vehicle::load("slocum-graver").unwrap().glide_parameters();
+        for (amplitude_rad, period_s) in [(0.015, 240.0), (0.03, 900.0), (0.03, 300.0)] {
+            let log = hunting(&parameters, amplitude_rad, period_s);
+            let settings = crate::diagnose::sea::DiagnosisSettings::default();
+            let problem = SeaProblem::new(&log, &parameters, settings).unwrap();
+            let residual = problem.evidence(&problem.start()).residual;
+            let n = problem.n_bins();
+            // What the first bins did before is a guess.
+            let rms = |values: &mut dyn Iterator<Item = f64>| {
+                let (sum, n) = values.fold((0.0, 0.0), |(sum, n), v| (sum + v * v, n + 1.0));
+                (sum / n).sqrt()
+            };
+            let left = rms(&mut (3..n).map(|i| residual[i]));
+            let sinks = log.iter().map(|o| o.sink_m_s);
+            let mean = sinks.clone().sum::<f64>() / log.len() as f64;
+            let moved = rms(&mut sinks.map(|sink| sink - mean));
+            assert!(left < 0.01 * moved, "{amplitude_rad} rad in {period_s} s: {left} of {moved} m/s");
+        }
+    }
+
+    /// A pitch that turns by half a radian in a minute is no steady glide; one that hunts by two degrees is.
+    #[test]
+    fn a_bin_that_turns_fast_is_not_steady() {
+        let parameters = crate::vehicle::Vehicle::load("slocum-graver").unwrap().glide_parameters();
+        let mean = observation(&parameters);
+        let is_steady = |turned_rad: f64| {
+            let at = |i: u32| Observation {
+                time_s: 5.0 * f64::from(i),
+                pitch_rad: mean.pitch_rad + turned_rad * (f64::from(i) / 11.0 - 0.5),
+                ..mean
+            };
+            let samples: Vec<Observation> = (0..12).map(at).collect();
+            let bin = Bin { mean, first: 0, samples: 12, speeds: 12, sink_sd_m_s: 0.002, speed_sd_m_s: 0.03 };
+            steady(&parameters, &[bin], &samples)[0]
+        };
+        assert!(is_steady(0.0) && is_steady(0.03) && !is_steady(0.5) && !is_steady(-0.5));
     }
 }
