@@ -295,9 +295,12 @@ pub(crate) fn turns_by_rad(samples: &[Observation]) -> f64 {
     range(samples.chunks(quarter).map(|part| part.iter().map(|o| o.pitch_rad).sum::<f64>() / part.len() as f64))
 }
 
-/// The samples in parts of this length or somewhat more, with as many in each: a mean over the parts is then one over the samples.
+/// The samples in parts of this length or somewhat more, with as many in each: a mean over the parts is then one over the samples. Each
+/// sample stands for a step.
 fn even_parts(samples: &[Observation], part_s: f64) -> impl Iterator<Item = &[Observation]> {
-    let count = ((lasts_s(samples) / part_s) as usize).clamp(1, samples.len().max(1));
+    let stand_for_s = lasts_s(samples) * samples.len() as f64 / (samples.len() as f64 - 1.0).max(1.0);
+    // Steps that are a part long are not to be one rounding short of it.
+    let count = ((stand_for_s / part_s * (1.0 + 1e-9)) as usize).clamp(1, samples.len().max(1));
     let begin = move |part: usize| part * samples.len() / count;
     (0..count).map(move |part| &samples[begin(part)..begin(part + 1)])
 }
