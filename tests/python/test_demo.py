@@ -68,16 +68,8 @@ def test_the_fmu_flies_what_the_equations_fly(made, without):
     flown = np.genfromtxt(folder / "flight/held-out-flown.csv", delimiter=",", names=True)
     assert flown["depth_m"].max() > 50
     assert not without["flown_by_fmpy"] and not (there / "flight/held-out-flown.csv").exists()
-    # An importer interpolates between the rows of its inputs, so that commands reach the pump earlier or later by a part of the
-    # ten seconds between two rows: at 0.2 m/s a few centimetres, and at the turn a vertical velocity of its own.
-    for key, apart in {"depth_rms_m": 0.1, "vertical_velocity_rms_m_s": 1.5e-3}.items():
-        assert without["after"][key] == pytest.approx(with_fmpy["after"][key], abs=apart), key
-
-
-@pytest.mark.xfail(reason="open: 2.8 % in depth and 22 % in vertical velocity; inputs between rows, not isolated", strict=False)
-def test_the_fmu_flies_what_the_equations_fly_within_two_per_cent(made, without):
-    _, with_fmpy, _ = made
-    _, without = without
+    # FMPy holds the inputs of a co-simulation from one output to the next, the equations take them between two rows: at
+    # a quarter of a second the two dives are 1.5 cm apart.
     for key, value in with_fmpy["after"].items():
         assert without["after"][key] == pytest.approx(value, rel=0.02), key
 

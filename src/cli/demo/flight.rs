@@ -25,8 +25,8 @@ const FLIGHTS: usize = 6;
 const LEARNING: f64 = 0.7;
 const SMOOTH_S: f64 = 20.0;
 
-/// Time between two rows of a flight, and communication step of the FMU \[s\].
-pub(super) const INTERVAL_S: f64 = 4.0;
+/// Time between two rows of a flight \[s\].
+const INTERVAL_S: f64 = 4.0;
 
 const PA_PER_DBAR: f64 = 1e4;
 

@@ -22,7 +22,7 @@ use super::{CliError, Output};
 use crate::input::{InputError, Place};
 use crate::output::OutputFolder;
 use crate::vehicle::Vehicle;
-use flight::{Dive, Flight, INTERVAL_S, Misfit};
+use flight::{Dive, Flight, Misfit};
 use glidepolar_progress::step;
 use programs::{Programs, fmpy};
 
@@ -64,6 +64,9 @@ const STEPS: usize = 6;
 
 /// The file that says that a folder is a demonstration's.
 const MARK: &str = ".glidepolar-demo";
+
+/// Time from one communication point of FMPy to the next \[s\]: it holds the inputs between them, half of which is a delay.
+const FMPY_INTERVAL_S: f64 = 0.25;
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let effects = catalogue::parse_requests(FLIGHT_EFFECT).map_err(|error| CliError::Failed(error.to_string()))?;
@@ -210,7 +213,7 @@ fn write_flight(folder: &Path, sea: &Sea, held_out: u32) -> Result<(), CliError>
 
 /// Flies the held-out dive by the FMU in FMPy.
 fn fly_fmu(programs: &mut Programs, python: &Path, folder: &Path, dive: &Dive) -> Result<Flight, CliError> {
-    let (stop, interval, depth) = (dive.end_s().to_string(), INTERVAL_S.to_string(), dive.depth_m[0].to_string());
+    let (stop, interval, depth) = (dive.end_s().to_string(), FMPY_INTERVAL_S.to_string(), dive.depth_m[0].to_string());
     let words = ["-m", "fmpy", "simulate", "Extended.fmu", "--input-file", "flight/held-out-inputs.csv"];
     let times = ["--stop-time", &stop, "--output-interval", &interval, "--relative-tolerance", "1e-8"];
     let rest = ["--start-values", "depth_m", &depth, "--output-file", "flight/held-out-flown.csv"];
