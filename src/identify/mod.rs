@@ -19,6 +19,7 @@ mod data;
 mod evaluate;
 pub mod external_values;
 mod form;
+mod held_pitch;
 pub mod holdout;
 pub mod identifiability;
 mod inertia;

@@ -7,8 +7,8 @@
 //! - `clusters`: a test by the scatter between legs or runs, beside that by the model of noise.
 //! - [`relevance`]: which misfit is large enough to act on.
 //! - [`holdout`]: the gain on data that no fit saw.
-//! - [`engine`]: the four answers in their order, with what it is made of: a fit, backward elimination, one iteration of the
-//!   search, versions of one mechanism, the report.
+//! - [`engine`]: the four answers in their order, with what it is made of: a fit, the points from which it begins, how well it is
+//!   known, backward elimination, one iteration of the search, versions of one mechanism, the report.
 
 mod alternatives;
 mod backward_elimination;
@@ -23,7 +23,9 @@ pub mod findings;
 mod fitted;
 pub mod gram;
 pub mod holdout;
+mod irrelevant;
 mod iteration;
+mod multistart;
 pub mod noise;
 pub mod order;
 pub mod outcome;
@@ -34,9 +36,11 @@ pub mod relevance;
 mod replacements;
 mod report;
 pub mod score;
+mod sizes;
 pub mod smooth;
 pub mod specification_test;
 pub mod subset_search;
+mod uncertainty;
 mod unnamed;
 
 pub use engine::{diagnose, diagnose_in_full};

@@ -2,15 +2,12 @@
 
 use std::borrow::Cow;
 
-use super::consistency::{self, DensityError};
-use super::empirical;
-use super::{DiagnosisSettings, Lift, SeaError, SeaProblem, stated_polar, trim, unknown_temperature};
-use crate::diagnose::engine;
-use crate::diagnose::findings::{Cause, Check, Checked, Verdict};
+use super::{DiagnosisSettings, Lift, SeaError, SeaProblem};
+use super::{consistency, density_report, empirical, stated_polar, trim, unknown_temperature, unweighed, versions};
+use crate::diagnose::findings::{Checked, Verdict};
 use crate::diagnose::holdout;
-use crate::diagnose::{Evidence, Outcome, Problem, gains};
-use crate::dynamics::{Parameters, parameter_index};
-use crate::estimate::Estimate;
+use crate::diagnose::{Evidence, Outcome, Problem};
+use crate::dynamics::Parameters;
 use crate::identify::Trim;
 use crate::log::Observation;
 use crate::turning::causes::ModelledStretch;
@@ -28,9 +25,6 @@ pub struct SeaDiagnosis {
     /// Roll and turn rate of steady stretches before and after the named causes of turning; empty without such a cause.
     pub turns: Vec<ModelledStretch>,
 }
-
-/// Relative compressibility of sea water \[1/Pa\], within a tenth over the ocean's upper kilometre (TEOS-10).
-const WATER_COMPRESSIBILITY_PER_PA: f64 = 4.4e-10;
 
 /// What is said of a log in which inertia does not show.
 const QUASI_STEADY: &str = "the log follows a glide without inertia better than one with it: the baseline is taken without, as a simulated log may be";
@@ -72,7 +66,7 @@ pub fn diagnose_log(
     let by_temperature = if temperature_is_suggested { unknown_temperature::most_kg(&baseline) } else { 0.0 };
     let most_trim_kg = by_ballasting.max(by_temperature);
     let decided = |problem: SeaProblem| {
-        let (problem, outcome) = in_full(problem);
+        let (problem, outcome) = versions::in_full(problem);
         problem.with_trim_as_cause(outcome, most_trim_kg)
     };
     let (problem, outcome, uses_stated_polar) = with_stated_polar(problem, settings.polar_se, decided);
@@ -83,22 +77,15 @@ pub fn diagnose_log(
         Some((held, of_held)) if explains_as_well(&held, &of_held, &outcome) => (held, of_held, true),
         _ => (problem, outcome, false),
     };
-    if let Some(error) = error {
-        // The density as it was read may fit no glide at all: then there is no misfit to compare with.
-        if let Ok((raw, _)) = as_read(observations, false, settings.lift) {
-            put_before(&mut outcome, &problem, &raw);
+    match error {
+        Some(error) => {
+            let raw = as_read(observations, false, settings.lift).ok().map(|(raw, _)| raw);
+            density_report::name(&mut outcome, &problem, raw.as_ref(), error, carried_kg_m3);
         }
-        let evidence = problem.evidence(&outcome.after.point);
-        outcome.diagnosis.causes.insert(0, density_cause(&outcome, &evidence, error, carried_kg_m3));
-        outcome.diagnosis.verdict = match outcome.diagnosis.verdict {
-            Verdict::None | Verdict::Explained => Verdict::Explained,
-            Verdict::PartlyExplained | Verdict::Unexplained => Verdict::PartlyExplained,
-        };
-    } else {
-        name_what_density_hides(&mut outcome, &problem, &checks);
+        None => density_report::name_what_density_hides(&mut outcome, &problem, &checks),
     }
     if problem.has_speed() {
-        name_what_scales_hide(&mut outcome);
+        unweighed::name_what_scales_hide(&mut outcome);
     }
     if assumed {
         trim::report(&mut outcome, most_trim_kg);
@@ -112,7 +99,7 @@ pub fn diagnose_log(
     if temperature_is_suggested {
         outcome.diagnosis.warnings.push(unknown_temperature::WARNING.to_owned());
     }
-    outcome.diagnosis.rejected.extend(unweighed(&checks, &outcome, &problem));
+    outcome.diagnosis.rejected.extend(unweighed::unweighed(&checks, &outcome, &problem));
     outcome.diagnosis.consistency = checks;
     if problem.is_quasi_steady() {
         outcome.diagnosis.warnings.push(QUASI_STEADY.to_owned());
@@ -166,177 +153,9 @@ fn with_stated_polar(
     (free, of_free, false)
 }
 
-/// Diagnoses a problem; once more, where the drag jumped or the hull or the water that is carried took its time, with that time looked
-/// for more closely.
-fn in_full(problem: SeaProblem) -> (SeaProblem, Outcome) {
-    let outcome = engine::diagnose_in_full(&problem);
-    let found = problem.without_inertia_if_better(&outcome).unwrap_or((problem, outcome));
-    WITH_VERSIONS.into_iter().fold(found, |(problem, outcome), mechanism| more_closely(problem, outcome, mechanism))
-}
-
-/// Mechanisms with a time that is chosen, not fitted.
-const WITH_VERSIONS: [&str; 3] = [JUMP, "hull_creep", "carried_water"];
-
-const JUMP: &str = "drag_step";
-
-/// Times that versions are made closer: a time constant is then known to a factor of 2^(1/16), 4 %.
-const MOST_ROUNDS: usize = 2;
-
-/// A diagnosis with the versions of a mechanism closer about the one that was found, and closer again while one of them holds all of the
-/// time's interval.
-///
-/// A version may lie too far from the truth for one size everywhere: where something is left unexplained a refused one, too, is looked
-/// for more closely, and counts if it then keeps its name. So is a jump of the drag in any case, being between legs at first.
-fn more_closely(mut problem: SeaProblem, mut outcome: Outcome, mechanism: &str) -> (SeaProblem, Outcome) {
-    for _ in 0..MOST_ROUNDS {
-        let is_version = |member: &usize| problem.candidates()[*member].name == mechanism;
-        let named = outcome.named.iter().copied().find(is_version);
-        let is_left = matches!(outcome.diagnosis.verdict, Verdict::Unexplained | Verdict::PartlyExplained);
-        let refused = || outcome.refused.iter().rev().copied().find(is_version);
-        let found = named.or_else(|| refused().filter(|_| is_left || mechanism == JUMP));
-        let Some(finer) = found.and_then(|found| problem.with_versions_about(found)) else { break };
-        let again = engine::diagnose_in_full(&finer);
-        let names_it = again.named.iter().find(|member| finer.candidates()[**member].name == mechanism);
-        let holds_all = names_it.is_some_and(|member| version_holds_interval(&finer, *member, &again));
-        if named.is_none() && names_it.is_none() {
-            break;
-        }
-        (problem, outcome) = (finer, again);
-        if !holds_all {
-            break;
-        }
-    }
-    (problem, outcome)
-}
-
-/// Whether the 95 % interval of the value in which versions differ lies within the range of the one that was taken.
-fn version_holds_interval(problem: &SeaProblem, member: usize, outcome: &Outcome) -> bool {
-    let candidate = &problem.candidates()[member];
-    let cause = outcome.diagnosis.causes.iter().find(|cause| cause.cause == candidate.name);
-    candidate.version.zip(cause).is_some_and(|(version, cause)| {
-        let [low, high] = cause.parameters[version.name].ci95;
-        version.between[0] <= low && high <= version.between[1]
-    })
-}
-
-/// Puts the misfit of the log as it was read in place of the corrected log's baseline, row by row.
-fn put_before(outcome: &mut Outcome, corrected: &SeaProblem, raw: &SeaProblem) {
-    let (stage, wrong) = engine::baseline(raw);
-    let key = |evidence: &Evidence, row: usize| {
-        let quantity = evidence.quantities.iter().position(|q| q.rows.contains(&row));
-        (quantity, evidence.time_s[row].to_bits())
-    };
-    let evidence = raw.evidence(&stage.point);
-    let known: std::collections::HashMap<_, usize> =
-        (0..stage.residual.len()).map(|row| (key(&evidence, row), row)).collect();
-    let evidence = corrected.evidence(&outcome.after.point);
-    for row in 0..outcome.before.residual.len() {
-        if let Some(&other) = known.get(&key(&evidence, row)) {
-            outcome.before.held_out[row] = stage.held_out[other];
-            outcome.before.residual[row] = stage.residual[other];
-        }
-    }
-    outcome.diagnosis.wrong = wrong;
-    outcome.diagnosis.gains = gains(&evidence, &outcome.before.held_out, &outcome.after.held_out);
-    outcome.diagnosis.gain = outcome.diagnosis.gains[0].clone();
-}
-
-/// The cause that the checks found; as with every other mechanism its size is all of it, what the vehicle has included.
-fn density_cause(outcome: &Outcome, evidence: &Evidence, error: DensityError, carried_kg_m3: f64) -> Cause {
-    let quantity = &evidence.quantities[0];
-    let rms = |values| holdout::rms(values, quantity.rows.clone());
-    let (before, after) = (rms(&outcome.before.held_out), rms(&outcome.after.held_out));
-    let (cause, parameters) = match error {
-        DensityError::AtZeroPressure => ("density_at_zero_pressure", Default::default()),
-        DensityError::Bias(bias, se) => {
-            let whole = Estimate::normal(carried_kg_m3 + bias, se, "kg/m3");
-            ("density_bias", [("density_bias_kg_m3".to_owned(), whole)].into())
-        }
-    };
-    let blocks: std::collections::BTreeSet<usize> = evidence.block.iter().copied().collect();
-    // The log's own temperature, salinity and pressure say it sample by sample: chance has no part in it.
-    let after_it = outcome.diagnosis.causes.first().map_or(after, |next| next.holdout_rms_before);
-    Cause {
-        cause: cause.to_owned(),
-        parameters,
-        p_value: 0.0,
-        delta_bic: 2.0 * blocks.len() as f64 * (before / after_it).ln(),
-        quantity: quantity.name.to_owned(),
-        holdout_rms_before: before,
-        holdout_rms_after: after_it,
-        stability: Vec::new(),
-        indistinguishable_from: Vec::new(),
-    }
-}
-
-/// Without temperature and salinity a density at p = 0 is a hull that yields less than it does by the compressibility of
-/// the water: where that is the size that was found, the two cannot be separated.
-fn name_what_density_hides(outcome: &mut Outcome, problem: &SeaProblem, checks: &[Check]) {
-    let unchecked =
-        checks.iter().any(|check| check.check == consistency::DENSITY && check.outcome == Checked::NotChecked);
-    let row = parameter_index("hull_compressibility_per_Pa");
-    let neutral = problem.candidates().iter().find(|candidate| candidate.name == "hull_compressibility");
-    let (true, Some(_), Some(neutral)) = (unchecked, row, neutral) else {
-        return;
-    };
-    for cause in outcome.diagnosis.causes.iter_mut().filter(|cause| cause.cause == "hull_compressibility") {
-        let Some(found) = cause.parameters.get("hull_compressibility_per_Pa") else { continue };
-        let apart = found.value - (neutral.neutral[0] - WATER_COMPRESSIBILITY_PER_PA);
-        if apart.abs() <= (found.ci95[1] - found.value) + 0.1 * WATER_COMPRESSIBILITY_PER_PA {
-            cause.indistinguishable_from.push("density_at_zero_pressure".to_owned());
-        }
-    }
-}
-
-/// With a polar that is fitted, a wrong scale of the vertical velocity and one of the speed differ by a factor of all
-/// velocities alone, which the polar takes up; a scale of the pitch changes their ratio as well.
-fn name_what_scales_hide(outcome: &mut Outcome) {
-    for cause in &mut outcome.diagnosis.causes {
-        if ["pressure_scale", "pitch_scale"].contains(&cause.cause.as_str()) {
-            cause.indistinguishable_from.push("speed_scale".to_owned());
-        }
-    }
-}
-
-/// The mechanisms that no steady glide can show, and those that the checks decide.
-fn unweighed(checks: &[Check], outcome: &Outcome, problem: &SeaProblem) -> Vec<crate::diagnose::Rejected> {
-    let density = checks.iter().find(|check| check.check == consistency::DENSITY);
-    let reject = |cause: &str, remark: String| crate::diagnose::Rejected {
-        cause: cause.to_owned(),
-        p_value: None,
-        holdout_rms_after: None,
-        why: crate::diagnose::Why::Equivalent,
-        remark,
-    };
-    let mut found = vec![reject(
-        "inertia",
-        "samples near inflections take no part, and along the glide the vehicle's own inertia is in the model; it has no free size".to_owned(),
-    )];
-    let why = if problem.knows_shear() {
-        "the log's own current is in the model: its force is subtracted, it has no free size"
-    } else {
-        "the log has no current (columns current_east_m_s and current_north_m_s): an unknown steady one whose velocity changes with depth as currents usually do is part of the model"
-    };
-    found.push(reject("shear", why.to_owned()));
-    let why = "beside a polar that is fitted it does what a scale of the pressure does";
-    found.push(reject("speed_scale", why.to_owned()));
-    if !problem.has_speed() {
-        let why = "without a measured speed lift slope and drag take up what a scale of the pitch would do";
-        found.push(reject("pitch_scale", why.to_owned()));
-    }
-    let is_named = outcome.diagnosis.causes.iter().any(|cause| cause.cause == "density_at_zero_pressure");
-    if let Some(check) = density.filter(|_| !is_named) {
-        let why = match check.outcome {
-            Checked::NotChecked => format!("not checked: {}", check.says),
-            _ => check.says.clone(),
-        };
-        found.push(reject("density_at_zero_pressure", why));
-    }
-    found
-}
-
 #[cfg(test)]
 mod tests {
+    use super::consistency::DensityError;
     use super::*;
     use crate::dynamics::Surroundings;
     use crate::glide::{Attitude, at_pitch};

@@ -11,6 +11,7 @@ mod attitude;
 mod candidates;
 pub mod consistency;
 mod covariates;
+mod density_report;
 mod empirical;
 mod fit_warnings;
 mod flown;
@@ -27,7 +28,9 @@ mod stated_polar;
 mod trim;
 mod turns;
 mod unknown_temperature;
+mod unweighed;
 mod vehicle_log;
+mod versions;
 
 use std::sync::Arc;
 

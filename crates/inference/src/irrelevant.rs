@@ -1,0 +1,93 @@
+//! What goes out of a fit because nobody would act on it: alone, or because several only undo each other.
+
+use nalgebra::DVector;
+
+use super::evidence::{Problem, Quantity};
+use super::fitted::Fitted;
+use super::holdout;
+use super::iteration::Iteration;
+
+impl Fitted {
+    /// What changes no quantity by enough to act on goes, the smallest first.
+    pub(super) fn drop_what_is_irrelevant(&mut self, problem: &impl Problem, baseline: &Fitted) {
+        while !self.included.is_empty() {
+            let limits = self.limits(problem);
+            let smallest = if problem.judges_largest() {
+                self.smallest_by_slopes(problem, baseline, &limits)
+            } else {
+                self.smallest_by_what_is_missed(problem, baseline, &limits)
+            };
+            match smallest {
+                Some(other) => *self = other,
+                None => break,
+            }
+        }
+        self.drop_what_only_undoes_each_other(problem, baseline);
+    }
+
+    /// The fit without the member whose loss the others make good best, once all are fitted again: no held-out reading would be missed by
+    /// more than the limit of its quantity, in quadrature and over the rows in which it acts. Its own size says less: what a polar makes
+    /// good is no error of the predictions.
+    fn smallest_by_what_is_missed(&self, problem: &impl Problem, baseline: &Fitted, limits: &[f64]) -> Option<Fitted> {
+        let iteration = Iteration::new(problem.candidates(), self);
+        let here = self.evidence.column_as_read(&self.held_out());
+        let missed = |place: usize| {
+            let other = self.without(problem, baseline, place);
+            let there = self.evidence.column_as_read(&other.held_out());
+            let quantities = self.evidence.quantities.iter().zip(limits);
+            let of_quantity = |(quantity, limit): (&Quantity, &f64)| {
+                let rows = iteration.rows_of(self.included[place], quantity);
+                let square = |held_out: &DVector<f64>| holdout::rms(held_out, rows.iter().copied()).powi(2);
+                (square(&there) - square(&here)) / limit.powi(2)
+            };
+            (quantities.map(of_quantity).fold(0.0, f64::max), other)
+        };
+        let missed = (0..self.included.len()).map(missed);
+        missed.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(share, _)| *share <= 1.0).map(|(_, other)| other)
+    }
+
+    /// The fit without the member whose largest effect on a row is below every limit, if the others then leave no more by as much.
+    fn smallest_by_slopes(&self, problem: &impl Problem, baseline: &Fitted, limits: &[f64]) -> Option<Fitted> {
+        let iteration = Iteration::new(problem.candidates(), self);
+        // The largest effect of one member in units of the limit of its quantity.
+        let worth = |place: usize| {
+            let mut fewer = self.included.clone();
+            let member = fewer.remove(place);
+            let sizes = iteration.largest(&fewer, &[member]);
+            sizes.iter().zip(limits).map(|(size, limit)| size / limit).fold(0.0, f64::max)
+        };
+        let mut small: Vec<(f64, usize)> =
+            (0..self.included.len()).map(|place| (worth(place), place)).filter(|(worth, _)| *worth <= 1.0).collect();
+        small.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // Far from the fit the slopes mislead: what the others make of the data without it decides.
+        let mut fitted_again = small.into_iter().map(|(_, place)| self.without(problem, baseline, place));
+        fitted_again.find(|other| !self.leaves_less_than(other, limits))
+    }
+
+    /// Several that change much beside each other and little beside the baseline, each alone and all together, undo each other: what
+    /// they leave of the misfit was never worth acting on.
+    fn drop_what_only_undoes_each_other(&mut self, problem: &impl Problem, baseline: &Fitted) {
+        if self.included.len() < 2 {
+            return;
+        }
+        // By the slopes at the baseline: theirs here, far from it, mislead.
+        let iteration = Iteration::new(problem.candidates(), baseline);
+        let limits = self.limits(problem);
+        let is_relevant = |sizes: Vec<f64>| sizes.iter().zip(&limits).any(|(size, limit)| size > limit);
+        let any_alone = self.included.iter().any(|member| is_relevant(iteration.size_where_it_acts(&[], *member)));
+        let together = self.leaves_less_than(baseline, &limits);
+        if !any_alone && !together {
+            *self = baseline.clone();
+        }
+    }
+
+    /// Whether the rms of what is left falls by more than the limit of a quantity, in quadrature, from another fit to this one.
+    fn leaves_less_than(&self, other: &Fitted, limits: &[f64]) -> bool {
+        let [there, here] = [other, self].map(|fitted| fitted.evidence.column_as_read(&fitted.evidence.residual));
+        let quantities = self.evidence.quantities.iter().zip(limits);
+        quantities.into_iter().any(|(quantity, limit)| {
+            let square = |left: &DVector<f64>| holdout::rms(left, quantity.rows.clone()).powi(2);
+            square(&there) - square(&here) > limit.powi(2)
+        })
+    }
+}

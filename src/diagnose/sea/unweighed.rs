@@ -1,0 +1,54 @@
+//! What the engine does not weigh, and why: mechanisms that no steady glide shows, and those that look like another by the way a log
+//! is read. Knows the finished diagnosis.
+
+use super::SeaProblem;
+use super::consistency;
+use crate::diagnose::Outcome;
+use crate::diagnose::findings::{Check, Checked, Rejected, Why};
+
+/// With a polar that is fitted, a wrong scale of the vertical velocity and one of the speed differ by a factor of all
+/// velocities alone, which the polar takes up; a scale of the pitch changes their ratio as well.
+pub(super) fn name_what_scales_hide(outcome: &mut Outcome) {
+    for cause in &mut outcome.diagnosis.causes {
+        if ["pressure_scale", "pitch_scale"].contains(&cause.cause.as_str()) {
+            cause.indistinguishable_from.push("speed_scale".to_owned());
+        }
+    }
+}
+
+/// The mechanisms that no steady glide can show, and those that the checks decide.
+pub(super) fn unweighed(checks: &[Check], outcome: &Outcome, problem: &SeaProblem) -> Vec<Rejected> {
+    let density = checks.iter().find(|check| check.check == consistency::DENSITY);
+    let reject = |cause: &str, remark: String| Rejected {
+        cause: cause.to_owned(),
+        p_value: None,
+        holdout_rms_after: None,
+        why: Why::Equivalent,
+        remark,
+    };
+    let mut found = vec![reject(
+        "inertia",
+        "samples near inflections take no part, and along the glide the vehicle's own inertia is in the model; it has no free size".to_owned(),
+    )];
+    let why = if problem.knows_shear() {
+        "the log's own current is in the model: its force is subtracted, it has no free size"
+    } else {
+        "the log has no current (columns current_east_m_s and current_north_m_s): an unknown steady one whose velocity changes with depth as currents usually do is part of the model"
+    };
+    found.push(reject("shear", why.to_owned()));
+    let why = "beside a polar that is fitted it does what a scale of the pressure does";
+    found.push(reject("speed_scale", why.to_owned()));
+    if !problem.has_speed() {
+        let why = "without a measured speed lift slope and drag take up what a scale of the pitch would do";
+        found.push(reject("pitch_scale", why.to_owned()));
+    }
+    let is_named = outcome.diagnosis.causes.iter().any(|cause| cause.cause == "density_at_zero_pressure");
+    if let Some(check) = density.filter(|_| !is_named) {
+        let why = match check.outcome {
+            Checked::NotChecked => format!("not checked: {}", check.says),
+            _ => check.says.clone(),
+        };
+        found.push(reject("density_at_zero_pressure", why));
+    }
+    found
+}

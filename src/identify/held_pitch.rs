@@ -1,0 +1,228 @@
+//! A glide whose speed changes while its pitch is held.
+//!
+//! The model's speed follows that of the steady glide, `Vs`, late. The pitch `p` is held, so at `u = V/Vs` the wing needs
+//! another angle of attack, which turns the path and changes the drag; `k` is the share of lift in the steady drag:
+//! ```text
+//! alpha / (cos(p + alpha) - y) = alpha_s / (u^2 cos s),    x = sin(p + alpha) - u^2 (1 - k + k (alpha/alpha_s)^2) sin s
+//! ```
+//! Near `u = 1`, for shallow paths, `x = 2 (1 - u) (b + (a - c) alpha^2) / (b + c alpha^2) sin s`: a difference dies away in
+//! ten to thirty seconds where the lift slope `a` is large, and several times as slowly at large angles where it is no larger
+//! than `c`. From sample to sample, `Vs` a straight line between them, the decay at one rate has a closed form, which holds for
+//! water that changes slowly and for a thermocline that is passed in a moment.
+//!
+//! `m0 g x` and `m0 g y` are what the balances along and across the path lack. Knows one sample and its step to the next.
+
+use rayon::prelude::*;
+
+use super::model::{Inertia, Prediction, or_zero, predict, surroundings, true_pitch_rad};
+use crate::dynamics::forces::Flow;
+use crate::dynamics::{Parameters, Surroundings};
+use crate::glide::SteadyGlider;
+use crate::log::Observation;
+
+/// Share of the steady speed below which no beginning is looked for: there the wing stalls.
+pub(super) const SLOWEST_BEGINNING: f64 = 0.4;
+
+/// Samples that one thread takes at a time.
+const ABREAST: usize = 256;
+
+/// The steady glide of a sample.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Steady {
+    /// Vertical velocity and speed \[m/s\].
+    pub(super) sink_m_s: f64,
+    pub(super) speed_m_s: f64,
+    /// Steepness of the path \[rad\], and the angle of attack in it.
+    steep_rad: f64,
+    attack_rad: f64,
+    /// Share of the drag that goes with the square of the angle of attack.
+    induced: f64,
+    /// Net mass \[kg\].
+    pub(super) net_kg: f64,
+    /// Time in which the net weight would give this speed to the mass and its added mass along the hull \[s\].
+    free_s: f64,
+    /// The mass with its added mass across the hull, over that along it.
+    across: f64,
+}
+
+/// The steady glide of each sample; none where there is none.
+pub(super) fn steady(parameters: &Parameters<f64>, observations: &[&Observation]) -> Vec<Option<Steady>> {
+    let glider = SteadyGlider::new(*parameters);
+    let of_one = |guess: &mut Option<[f64; 2]>, observed: &Observation| {
+        let found = predict(&glider, observed, &Inertia::NONE, *guess)?;
+        *guess = Some(found.guess);
+        let water = surroundings(parameters, observed);
+        let net_kg = parameters.net_mass_kg(observed.ballast_m3, &water);
+        let pitch_rad = true_pitch_rad(parameters, observed.pitch_rad);
+        let steep_rad = (pitch_rad - found.angle_of_attack_rad).abs();
+        let attack_rad = steep_rad - pitch_rad.abs();
+        let [along_kg, across_kg] =
+            [parameters.added_mass_1_kg, parameters.added_mass_3_kg].map(|added_kg| parameters.mass_kg() + added_kg);
+        let free_s = along_kg * found.speed_m_s / (net_kg.abs() * parameters.gravity_m_s2);
+        let here = Steady {
+            sink_m_s: found.sink_m_s,
+            speed_m_s: found.speed_m_s,
+            steep_rad,
+            attack_rad,
+            induced: induced(parameters, observed, &water, &found),
+            net_kg,
+            free_s,
+            across: across_kg / along_kg,
+        };
+        (free_s > 0.0 && steep_rad > 0.0).then_some(here)
+    };
+    // Each solution begins with that of the sample before, in groups of a fixed size: what is found depends on no number of threads.
+    let of_group = |group: &[&Observation]| {
+        let mut guess = None;
+        group.iter().map(|observed| of_one(&mut guess, observed)).collect::<Vec<Option<Steady>>>()
+    };
+    observations.par_chunks(ABREAST).flat_map_iter(of_group).collect()
+}
+
+/// The share of the drag of a glide that goes with the square of its angle of attack.
+fn induced(
+    parameters: &Parameters<f64>,
+    observed: &Observation,
+    water: &Surroundings<f64>,
+    flown: &Prediction<f64>,
+) -> f64 {
+    let (sin, cos) = flown.angle_of_attack_rad.sin_cos();
+    let flow = Flow {
+        v1_m_s: flown.speed_m_s * cos,
+        v3_m_s: flown.speed_m_s * sin,
+        pitch_rate_rad_s: 0.0,
+        sink_m_s: flown.sink_m_s,
+        density_kg_m3: water.density_kg_m3,
+        time_s: observed.time_s,
+        roll_rad: or_zero(observed.roll_rad),
+        rudder_rad: or_zero(observed.rudder_rad),
+        empirical: parameters.empirical(water),
+    };
+    let pressure_Pa = 0.5 * water.density_kg_m3 * flown.speed_m_s * flown.speed_m_s;
+    let drag = |angle_rad: f64| parameters.coefficients(angle_rad, pressure_Pa, &flow).drag;
+    (1.0 - drag(0.0) / drag(flown.angle_of_attack_rad)).clamp(0.0, 1.0)
+}
+
+/// Where inertia is no small correction any more the glide is not steady, and the sample tells little. A trial of a fit may
+/// put the path beyond the vertical.
+const MOST_OF_DRAG: f64 = 0.5;
+const MOST_OF_LIFT: f64 = 0.2;
+
+/// The wing stalls at an angle of attack not far beyond this \[rad\].
+const LARGEST_ATTACK_RAD: f64 = 0.35;
+
+/// No difference dies away more slowly than at this share of the rate at constant coefficients: at a held pitch a glide far on the
+/// back of its drag curve has no rate at all, and a pilot, or a controller, holds it.
+const LEAST_RATE: f64 = 0.1;
+
+/// A difference of speed too small for a quotient \[1\].
+const SMALL: f64 = 1e-3;
+
+impl Steady {
+    /// By how much a glider is behind this glide that has long been following a straight line through these ones, of which this
+    /// is the first: times from now on \[s\], and speeds.
+    pub(super) fn behind(&self, flown: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
+        let n = flown.clone().count() as f64;
+        let mean_s = flown.clone().map(|(time_s, _)| time_s).sum::<f64>() / n;
+        let spread_s2: f64 = flown.clone().map(|(time_s, _)| (time_s - mean_s).powi(2)).sum();
+        let mean_m_s = flown.clone().map(|(_, speed_m_s)| speed_m_s).sum::<f64>() / n;
+        let moment: f64 = flown.map(|(time_s, speed_m_s)| (time_s - mean_s) * speed_m_s).sum();
+        let rate = if spread_s2 > 0.0 { moment / spread_s2 } else { 0.0 };
+        self.speed_m_s - (mean_m_s - rate * mean_s - rate * self.slow_s(1.0))
+    }
+
+    /// The glide at `u` times the steady speed and the same pitch, the steady speed growing by this share of itself a second.
+    fn at(&self, u: f64, growth_per_s: f64) -> Unsteady {
+        let pitch_rad = self.steep_rad - self.attack_rad;
+        let of_lift = self.attack_rad / (self.steep_rad.cos() * u * u);
+        let most_rad = LARGEST_ATTACK_RAD.max(self.attack_rad.abs());
+        let mut found = Unsteady { attack_rad: self.attack_rad / (u * u), along: 0.0, across: 0.0, growth_per_s: 0.0 };
+        for _ in 0..4 {
+            let (sin, cos) = (pitch_rad + found.attack_rad).sin_cos();
+            let step_rad = (found.attack_rad - of_lift * (cos - found.across)) / (1.0 + of_lift * sin);
+            found.attack_rad = (found.attack_rad - step_rad).clamp(-most_rad, most_rad);
+            let (sin, cos) = (pitch_rad + found.attack_rad).sin_cos();
+            let of_angle = if self.attack_rad == 0.0 { 1.0 } else { (found.attack_rad / self.attack_rad).powi(2) };
+            found.along = sin - self.steep_rad.sin() * u * u * (1.0 + self.induced * (of_angle - 1.0));
+            // The angle of attack goes with the speed over the steady one; the path turns by as much.
+            let turn = -2.0 * found.attack_rad / (u * (1.0 + found.attack_rad * sin / cos));
+            let (sin, cos) = found.attack_rad.sin_cos();
+            let mixed = (self.across - 1.0) * sin * cos;
+            let forced = found.along + self.free_s * mixed * u * turn * u * growth_per_s;
+            let share = forced / (cos * cos + self.across * sin * sin + mixed * u * turn);
+            found.growth_per_s = share / self.free_s;
+            let turning = u * turn * (share - self.free_s * u * growth_per_s);
+            found.across = mixed * share + (sin * sin + self.across * cos * cos) * turning;
+        }
+        found
+    }
+
+    /// The time in which the difference from `u` times the steady speed dies away \[s\].
+    pub(super) fn slow_s(&self, u: f64) -> f64 {
+        let u = if (1.0 - u).abs() < SMALL { 1.0 - SMALL } else { u };
+        let at_constant_coefficients = (1.0 + u) * self.steep_rad.sin() / self.free_s;
+        1.0 / (self.at(u, 0.0).growth_per_s / (1.0 - u)).max(LEAST_RATE * at_constant_coefficients)
+    }
+
+    /// Vertical velocity over that of the steady glide, at `u` times its speed.
+    pub(super) fn sink_at(&self, u: f64) -> f64 {
+        u * (self.steep_rad - self.attack_rad + self.at(u, 0.0).attack_rad).sin() / self.steep_rad.sin()
+    }
+
+    /// Speed of a glider at this pitch and weight that has this vertical velocity \[m/s\], within what is looked for. Below the speed
+    /// from which a slower glider sinks faster, its path being steeper, none is looked for. None without a vertical velocity.
+    pub(super) fn speed_at(&self, sink_m_s: f64) -> Option<f64> {
+        let wanted = sink_m_s / self.sink_m_s;
+        let (mut low, mut high) = (1.0, 2.0 - SLOWEST_BEGINNING);
+        while low > SLOWEST_BEGINNING && self.sink_at(low - 0.05) < self.sink_at(low) {
+            low -= 0.05;
+        }
+        for _ in 0..20 {
+            let middle = 0.5 * (low + high);
+            if self.sink_at(middle) < wanted { low = middle } else { high = middle }
+        }
+        wanted.is_finite().then_some(0.5 * (low + high) * self.speed_m_s)
+    }
+
+    /// The speed over the steady one of a glider that is so much behind it, within what a glide may be.
+    pub(super) fn share(&self, late_m_s: f64) -> f64 {
+        (1.0 - late_m_s / self.speed_m_s).clamp(SLOWEST_BEGINNING, 2.0 - SLOWEST_BEGINNING)
+    }
+
+    /// By how much the glider is behind this glide, `step_s` after it was `late_m_s` behind one from which the speed went here
+    /// at this rate.
+    pub(super) fn follow(&self, late_m_s: f64, rate_m_s2: f64, step_s: f64) -> f64 {
+        let after =
+            |step_s: f64, slow_s: f64| rate_m_s2 * slow_s + (late_m_s - rate_m_s2 * slow_s) * (-step_s / slow_s).exp();
+        // The rate is that half way.
+        let half_way_m_s = after(0.5 * step_s, self.slow_s(self.share(late_m_s)));
+        after(step_s, self.slow_s(self.share(half_way_m_s)))
+    }
+
+    /// What being late adds to the balance.
+    pub(super) fn inertia(&self, pitch_rad: f64, late_m_s: f64, growth_per_s: f64) -> Inertia {
+        let u = self.share(late_m_s);
+        let found = self.at(u, growth_per_s);
+        let steep_rad = self.steep_rad - self.attack_rad + found.attack_rad;
+        let most = MOST_OF_DRAG * self.steep_rad.sin();
+        let along = steep_rad.sin() - found.along.clamp(-most, most);
+        let across = steep_rad.cos() - found.across.clamp(-MOST_OF_LIFT, MOST_OF_LIFT);
+        Inertia {
+            net_mass_kg: self.net_kg * (across.hypot(along) - 1.0),
+            pitch_rad: (along.atan2(across) - steep_rad) * pitch_rad.signum(),
+            sink_rate_m_s2: 0.0,
+        }
+    }
+}
+
+/// A glide whose speed changes at a held pitch.
+#[derive(Debug, Clone, Copy)]
+struct Unsteady {
+    /// Angle of attack \[rad\].
+    attack_rad: f64,
+    /// Weight less drag along the path, and weight less lift across it, over the weight.
+    along: f64,
+    across: f64,
+    /// Rate of change of the speed over the steady one \[1/s\].
+    growth_per_s: f64,
+}
