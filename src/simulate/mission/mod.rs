@@ -12,9 +12,12 @@ mod controller;
 mod course;
 mod flight;
 mod keys;
+mod pilot;
 mod profile;
 mod read;
 mod route;
+mod route_account;
+mod space_course;
 mod spent;
 
 use std::path::Path;
@@ -27,7 +30,8 @@ pub use account::{Ending, Flight, Leg, LegKind, MISSION_COLUMNS, MissionError, M
 pub use flight::fly_mission;
 pub use keys::{KEYS, Key};
 pub use profile::Profile;
-pub use route::{Account, RouteError, RouteMoment, fly_route};
+pub use route::fly_route;
+pub use route_account::{Account, RouteError, RouteMoment};
 
 /// What a glider is commanded to do, and what it will meet.
 #[derive(Debug, Clone, PartialEq)]
