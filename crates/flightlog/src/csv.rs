@@ -243,8 +243,13 @@ pub(super) fn find_columns(
         let alike = |name: &str| header.iter().position(|found| name.contains('_') && found.eq_ignore_ascii_case(name));
         let mut exact = names.clone().filter_map(|(name, factor)| Some((position(name)?, factor)));
         let mut alike = names.filter_map(|(name, factor)| Some((alike(name)?, factor)));
-        if let Some((cell, factor)) = exact.next().or_else(|| alike.next()) {
-            let conversion = wanted.unit(info.channel).unwrap_or(Conversion::by(factor));
+        let found = exact.next().or_else(|| alike.next()).map(|(cell, factor)| (cell, Conversion::by(factor)));
+        let found = found.or_else(|| {
+            let of = |(cell, name): (usize, &String)| Some((cell, units::in_name(info.channel, name)?));
+            header.iter().enumerate().find_map(of)
+        });
+        if let Some((cell, conversion)) = found {
+            let conversion = wanted.unit(info.channel).unwrap_or(conversion);
             columns.push(Column { cell, channel: info.channel, conversion });
         }
     }
@@ -260,7 +265,7 @@ pub(super) fn find_columns(
             Some(name) => {
                 let channel = names.trim_start_matches('`').split('`').next().unwrap_or("");
                 error.help(format!(
-                    "is it `{}`? state it by --column {channel}={0}, with its unit in the first name",
+                    "is it `{}`? say --column {channel}={0}, and --unit {channel}=... where it is in another unit",
                     printable(name)
                 ))
             }

@@ -4,6 +4,7 @@
 
 use super::channels::{CHANNELS, Channel};
 use super::dates::epoch_s;
+use super::names;
 
 /// From the number in a file to the one that is kept: `factor * x + offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -288,6 +289,18 @@ pub(super) fn conversion(channel: Channel, unit: &str) -> Option<Conversion> {
         .map(|&(_, factor, offset)| Conversion { factor, offset: offset + epoch_s })
 }
 
+/// What a column's name says of its unit where it is a known name of the channel and a unit: `time_ms`, `pressure_bar`,
+/// `ballast_m3`.
+pub(super) fn in_name(channel: Channel, name: &str) -> Option<Conversion> {
+    let own = CHANNELS.iter().find(|info| info.channel == channel)?.name;
+    let own = own.split_once('_').map_or(own, |(stem, _)| stem);
+    let is_known =
+        |stem: &str| names::known(channel).iter().chain([&own]).any(|known| known.eq_ignore_ascii_case(stem));
+    let parts = name.match_indices(['_', '-', ' ', '.']).map(|(at, _)| (&name[..at], &name[at + 1..]));
+    let mut stated = parts.filter(|(stem, _)| is_known(stem)).filter_map(|(_, unit)| conversion(channel, unit));
+    stated.next()
+}
+
 /// The units of a channel, the first spelling of each.
 pub(super) fn known(channel: Channel) -> String {
     let names: Vec<&str> = units(channel).iter().map(|(names, ..)| names[0]).collect();
@@ -337,6 +350,23 @@ mod tests {
         near(Channel::Time, "matlab", 730_486.5, 946_728_000.0);
         near(Channel::Time, "julian", 2_451_545.0, 946_728_000.0);
         assert_eq!(conversion(Channel::Pitch, "fortnights"), None);
+    }
+
+    #[test]
+    fn a_name_may_say_its_unit() {
+        let factor = |channel, name| in_name(channel, name).map(|conversion| conversion.factor);
+        assert_eq!(factor(Channel::Time, "time_ms"), Some(1e-3));
+        assert_eq!(factor(Channel::Pressure, "Pressure_bar"), Some(10.0));
+        assert_eq!(factor(Channel::Ballast, "ballast_m3"), Some(1e6));
+        assert_eq!(factor(Channel::Pitch, "pitch deg"), Some(std::f64::consts::PI / 180.0));
+        for name in ["time_of_day", "pressure_lag", "ballast", "pitch_offset_rad", "depth_max_m"] {
+            assert!(
+                [Channel::Time, Channel::Pressure, Channel::Ballast, Channel::Pitch, Channel::Depth]
+                    .iter()
+                    .all(|channel| in_name(*channel, name).is_none()),
+                "{name}"
+            );
+        }
     }
 
     #[test]
