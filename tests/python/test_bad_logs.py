@@ -265,6 +265,22 @@ def test_a_density_in_another_unit_is_recognised_and_can_be_stated(glidepolar, t
     assert "unit of density" not in stated.stderr, stated.stderr
 
 
+@pytest.mark.parametrize("command", ["identify", "diagnose"])
+def test_rows_in_no_order_of_time_are_said_to_be(glidepolar, tmp_path, command):
+    """Newest first, as a database may hand them out, and in any order."""
+    dive = Dive(rows=400)
+    random = np.random.default_rng(3)
+    for name, order in [("newest", np.arange(400)[::-1]), ("mixed", random.permutation(400))]:
+        columns = {
+            column: (lambda row, column=column, order=order: dive[column][order[row]])
+            for column in ["time_s", "pressure_dbar", "pitch_deg", "vbd_cc"]
+        }
+        columns["density_kg_m3"] = lambda _: 1025.0
+        log_files.cells(tmp_path / f"{name}.csv", columns, dive.rows)
+        done = run(glidepolar, command, tmp_path / f"{name}.csv", "--vehicle", "seaglider")
+        assert done.returncode == 2 and "sort them by time" in done.stderr, done.stderr
+
+
 def test_a_pitch_in_another_unit_than_it_says_is_stated_by_hand(log_values, tmp_path):
     """Radians that are labelled degrees, and the other way round; the column by its name in degrees."""
     dive = Dive()

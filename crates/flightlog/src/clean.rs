@@ -56,7 +56,7 @@ pub(super) struct OtherUnits {
 
 /// How many of the values read are of a kind.
 #[derive(Debug, Clone, Copy, Default)]
-struct Share {
+pub(super) struct Share {
     read: usize,
     of_the_kind: usize,
 }
@@ -88,6 +88,13 @@ impl OtherUnits {
 }
 
 impl Share {
+    /// Counts the steps of a clock, and those of them that go back.
+    pub(super) fn count_steps_back(&mut self, time_s: &[f64]) {
+        let known: Vec<f64> = time_s.iter().copied().filter(|time| time.is_finite()).collect();
+        let steps: Vec<f64> = known.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        self.count(&steps, |step| step < 0.0);
+    }
+
     fn count(&mut self, values: &[f64], is_of_the_kind: impl Fn(f64) -> bool) {
         for &value in values.iter().filter(|value| value.is_finite()) {
             self.read += 1;
@@ -95,7 +102,7 @@ impl Share {
         }
     }
 
-    fn share(&self) -> f64 {
+    pub(super) fn share(&self) -> f64 {
         self.of_the_kind as f64 / self.read.max(1) as f64
     }
 }

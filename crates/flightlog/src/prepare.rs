@@ -4,7 +4,7 @@
 //! passes through a bounded memory.
 
 use super::channels::{Channel, FlightLog};
-use super::clean::{Notes, OtherUnits, despike, fill, fill_angle, median_step, order};
+use super::clean::{Notes, OtherUnits, Share, despike, fill, fill_angle, median_step, order};
 use super::density::{densities_kg_m3, practical_salinity};
 use super::motors::motors;
 use super::observation::{DBAR_PA, Observation};
@@ -42,6 +42,7 @@ pub struct Preparation {
     last_time_s: f64,
     noise_dbar: Vec<f64>,
     other_units: OtherUnits,
+    steps_back: Share,
     counters: Counters,
     turns_only: Vec<Observation>,
 }
@@ -66,6 +67,7 @@ impl Preparation {
             last_time_s: f64::NAN,
             noise_dbar: Vec::new(),
             other_units: OtherUnits::default(),
+            steps_back: Share::default(),
             counters: Counters::default(),
             turns_only: Vec::new(),
         }
@@ -103,6 +105,12 @@ impl Preparation {
         self.other_units.density_less_1000()
     }
 
+    /// Share of the steps from row to row read so far in which the clock goes back: a few are a clock that was set, most of them rows
+    /// in another order than that of time.
+    pub fn share_of_steps_back(&self) -> f64 {
+        self.steps_back.share()
+    }
+
     /// The filter for the vertical velocity in a sentence.
     pub fn filter(&self) -> String {
         format!(
@@ -113,6 +121,7 @@ impl Preparation {
 
     /// Takes the next piece; what is finished of it is added to `out`.
     pub fn push(&mut self, mut piece: FlightLog, out: &mut Vec<Observation>) {
+        self.steps_back.count_steps_back(piece.column(Channel::Time));
         order(&mut piece, self.last_time_s, &mut self.notes);
         if piece.is_empty() {
             return;

@@ -57,7 +57,10 @@ const LEAST_SAMPLES: usize = 30;
 /// stretch; degrees in a column of radians leave only the pitches under 1.6 deg, which a glider has in turns.
 const MOST: f64 = 0.5;
 
-/// The units of what the reading of a log took out, of which the samples show nothing any more: what is wrong.
+/// Share of the steps in which the clock goes back from which on rows are in no order of time: a random order has a half.
+const MOST_STEPS_BACK: f64 = 0.1;
+
+/// What the reading of a log mended or took out, of which the samples show nothing any more: what is wrong.
 pub fn taken_out(log: &Preparation) -> Vec<Check> {
     let (pitch, density) = (log.share_of_pitch_beyond(), log.share_of_density_less_1000());
     let wrong = |check, says| Check { check, outcome: Checked::Wrong, says };
@@ -84,7 +87,15 @@ pub fn taken_out(log: &Preparation) -> Vec<Check> {
             format!("{share:.0} % of the densities lie at 1: are they in g/cm3? (--unit density_kg_m3=g/cm3)"),
         )
     });
-    pitch.into_iter().chain(density).chain(g_cm3).collect()
+    let back = log.share_of_steps_back();
+    let order = (back > MOST_STEPS_BACK).then(|| {
+        let share = 100.0 * back;
+        wrong(
+            "order of time",
+            format!("the time goes back from one row to the next in {share:.0} % of the rows: sort them by time"),
+        )
+    });
+    order.into_iter().chain(pitch).chain(density).chain(g_cm3).collect()
 }
 
 /// Holds a log against itself. `carried_bias_kg_m3` is what the vehicle already adds to the density that is read.
