@@ -278,7 +278,8 @@ impl From<IdentifyError> for CliError {
 
 fn print(report: &IdentifyReport, found: &Identification) {
     let kind = if report.unsteady.is_some() { "samples" } else { "steady samples" };
-    println!("{} glides, {} {kind}, {} dives", report.n_glides, report.n_samples, found.dives.len());
+    let glides = number_of(report.n_glides, "glide");
+    println!("{glides}, {} {kind}, {}", report.n_samples, number_of(found.dives.len(), "dive"));
     if let Some(speed) = report.rows.get("speed").filter(|rows| rows.rows > 0) {
         println!(
             "measured speed: {} values on {} stretches of {} dives, worth {:.0} independent ones",
@@ -439,8 +440,16 @@ fn signed(value: f64) -> String {
     format!("{}{}", if value < 0.0 { '-' } else { '+' }, figure(value.abs()))
 }
 
+/// A count with its noun.
+fn number_of(n: usize, thing: &str) -> String {
+    format!("{n} {thing}{}", if n == 1 { "" } else { "s" })
+}
+
 /// Four significant digits, as short as they can be written.
 fn figure(value: f64) -> String {
+    if !value.is_finite() {
+        return "unknown".to_owned();
+    }
     if value != 0.0 && !(1e-3..1e5).contains(&value.abs()) {
         return format!("{value:.3e}");
     }

@@ -236,6 +236,7 @@ fn constants(p: &Parameters<f64>, report: &IdentifyReport, own: Option<&Calibrat
 fn digits(value: f64) -> String {
     match value.abs() {
         0.0 => "0".to_owned(),
+        size if !size.is_finite() => "unknown".to_owned(),
         size if size < 1e-2 => format!("{value:.3e}"),
         size if size < 10.0 => format!("{value:.4}"),
         _ => format!("{value:.1}"),

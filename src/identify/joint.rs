@@ -65,7 +65,7 @@ pub enum IdentifyError {
     NoSamples,
     /// Fewer dives than a standard error needs.
     #[error(
-        "{found} dives with steady samples, at least {needed} are needed to tell {parameters} parameters from the sea"
+        "dives with steady samples: {found}, at least {needed} are needed to tell {parameters} parameters from the sea"
     )]
     TooFewDives {
         /// How many there are.

@@ -290,7 +290,7 @@ fn a_log_of_one_dive_ends_with_one() {
     let output = run(folder.path(), &arguments).expect("it ran before");
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{said}");
-    assert!(said.contains("1 dives with steady samples, at least 2"), "{said}");
+    assert!(said.contains("dives with steady samples: 1, at least 2"), "{said}");
     // The figures are there for whoever wants them.
     assert!(folder.path().join("one.json").exists());
 }
