@@ -1,4 +1,4 @@
-//! What cannot be right: signs that no bare hull shows.
+//! What cannot be right: signs and sizes that no bare hull shows.
 
 use glidepolar_hull::hull_tests::{Estimate, HullFit};
 use glidepolar_input::printable;
@@ -7,7 +7,8 @@ use crate::campaign::Rejected;
 use crate::derivatives::Derivatives;
 use crate::fits::STEEPEST_PER_RAD;
 use crate::results::{HullResults, RunResults};
-use crate::series::robust_sd;
+use crate::series::{median, robust_sd};
+use crate::theory;
 use crate::trend::{COEFFICIENTS, Lines};
 
 /// Whether the slopes have signs that physics forbids, and which entry of the manifest would explain them.
@@ -47,6 +48,31 @@ pub fn signs(id: &str, fit: &HullFit) -> Vec<String> {
         ));
     }
     warnings
+}
+
+/// Drag coefficient of a disk across the flow (Hoerner 1965): no hull has as much.
+const DISK_DRAG: f64 = 1.17;
+
+/// Whether the drag is one that no hull has: below a laminar boundary layer's, or above a disk's.
+pub fn drag(hull: &HullResults) -> Option<String> {
+    let (id, b) = (&hull.hull.id, &hull.fit.as_ref().ok()?.estimates.b);
+    let reynolds: Vec<f64> = hull.sweep.points.iter().filter_map(|point| point.reynolds).collect();
+    let least = if reynolds.is_empty() { 0.0 } else { theory::least_drag(&hull.hull, median(&reynolds)) };
+    let units = "are the forces in newtons (1 kgf = 9.81 N, 1 lbf = 4.45 N), the speed in m/s and the diameter in m?";
+    // What is below zero is told as a wrong sign.
+    if (0.0..least).contains(&b.ci95[1]) {
+        Some(format!(
+            "{id}: drag b = {:.4} is below that of a laminar boundary layer, {least:.4}: impossible; {units}",
+            b.value
+        ))
+    } else if b.ci95[0] > DISK_DRAG {
+        Some(format!(
+            "{id}: drag b = {:.3} is more than that of a disk, {DISK_DRAG}: impossible for a hull; {units}",
+            b.value
+        ))
+    } else {
+        None
+    }
 }
 
 /// Derivatives of impossible sign, kinds of run that disagree, motions too quick.

@@ -381,6 +381,7 @@ fn hull_warnings(hull: &HullResults) -> Vec<String> {
         }
         Err(few) => warnings.push(format!("{id}: no fit: {few}")),
     }
+    warnings.extend(checks::drag(hull));
     warnings.extend(checks::dynamic(hull));
     warnings.extend(checks::blockage(hull));
     warnings

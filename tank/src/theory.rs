@@ -101,6 +101,13 @@ pub fn predict(
     found
 }
 
+/// Drag on its frontal area that no hull is below: the friction of a laminar boundary layer over all of its surface, Blasius'
+/// `1.328/sqrt(Re)`.
+pub fn least_drag(hull: &Hull, reynolds: f64) -> f64 {
+    let shape = Outline::like_suboff(hull.geometry.loa_m, hull.geometry.diameter_m).integrals();
+    1.328 / reynolds.sqrt() * hull.wetted_area_m2.unwrap_or(shape.wetted_m2) / hull.frontal_area_m2()
+}
+
 /// Drag of a hull's friction on its frontal area: `Cf (1 + k) Sw/A` with `Cf = 0.075/(log10 Re - 2)^2` and Hoerner's form
 /// factor `1 + k = 1 + 1.5 (d/l)^1.5 + 7 (d/l)^3`.
 fn friction(reynolds: f64, slenderness: f64, wetted_over_area: f64) -> f64 {

@@ -53,3 +53,20 @@ fn two_runs_of_one_file_are_no_repeats() {
     spoilt.change_table(|text| text.replace(&format!("data/{other}.csv"), &format!("data/{one}.csv")));
     assert!(warned(&reduce(&spoilt.folder), &[&one, &other, "the same file"]));
 }
+
+/// Every force in kgf, or far too large: the sweep is as smooth as before.
+#[test]
+fn a_campaign_in_other_units_is_named() {
+    assert!(!warned(&reduce(&Spoilt::new(15).folder), &["impossible"]));
+    for (factor, words) in [(1.0 / 9.81, ["laminar", "newtons"]), (25.0, ["disk", "newtons"])] {
+        let spoilt = Spoilt::new(15);
+        for file in std::fs::read_dir(spoilt.folder.join("data")).unwrap() {
+            let path = file.unwrap().path();
+            let text = std::fs::read_to_string(&path).unwrap();
+            let scaled = with_columns(&text, |cells| (4..7).for_each(|i| cells[i] *= factor));
+            std::fs::write(&path, scaled).unwrap();
+        }
+        let results = reduce(&spoilt.folder);
+        assert!(warned(&results, &words), "{:?}", results.warnings);
+    }
+}

@@ -22,10 +22,6 @@ const MAX_ROUNDS: usize = 6;
 /// but for a twentieth is that law, imperfectly written down, and the rest is reported as unexplained.
 const FULL_SHARE: f64 = 0.95;
 
-/// Most mechanisms that are named together. A fault is there in one log of ten, say: three at once are in one of a thousand, and a law
-/// that nobody wrote down, which three together resemble, is far more often.
-const MOST_NAMED: usize = 2;
-
 /// The diagnosis of a problem, and the point of the extended model.
 pub fn diagnose(problem: &impl Problem) -> (Diagnosis, Point) {
     let outcome = diagnose_in_full(problem);
@@ -69,7 +65,7 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
             break;
         }
     }
-    if present.included.len() > MOST_NAMED {
+    if present.included.len() > problem.most_named() {
         dropped.extend(present.included.iter().map(|member| (*member, Why::Equivalent)));
         let iteration = Iteration::new(candidates, &present);
         let curve = iteration.most_explaining_curve().and_then(|curve| iteration.curve_name(curve)).map(str::to_owned);

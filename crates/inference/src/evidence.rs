@@ -241,6 +241,11 @@ pub trait Problem {
         1.0
     }
 
+    /// Most mechanisms that are named together: more of them resemble a law that nobody wrote down.
+    fn most_named(&self) -> usize {
+        usize::MAX
+    }
+
     /// Probability by chance, corrected for the number of mechanisms, above which none is named.
     fn most_chance(&self) -> f64 {
         1.0

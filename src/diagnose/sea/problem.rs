@@ -39,6 +39,10 @@ const TRIM_STEPS: i32 = 10;
 /// one in a hundred may get a name.
 const MOST_CHANCE: f64 = 0.01;
 
+/// Most mechanisms that are named together. A fault is there in one log of ten, say: three at once are in one of a thousand, and a law
+/// that nobody wrote down, which three together resemble, is far more often.
+const MOST_NAMED: usize = 2;
+
 /// Relative change of a size that is never one size: the square of what is left is 4 % of the effect.
 const LARGE_CHANGE: f64 = 0.2;
 
@@ -106,6 +110,10 @@ impl Problem for SeaProblem {
 
     fn most_chance(&self) -> f64 {
         MOST_CHANCE
+    }
+
+    fn most_named(&self) -> usize {
+        MOST_NAMED
     }
 
     fn needs_both_legs(&self) -> bool {
