@@ -100,16 +100,19 @@ impl Terms {
             let remark = "the roll at rest does not exceed the limit of relevance for certain";
             return reject(found, &LEANS.map(name), Some(p_value), false, remark);
         }
-        let part = |wanted: Term| parts.sizes.iter().any(|(term, size)| *term == wanted && is_sure(*size));
-        let by_mass = part(Term::RollMassOffset) && !part(Term::List);
+        let size_of = |wanted: Term| parts.sizes.iter().find(|(term, _)| *term == wanted).map(|(_, size)| *size);
+        // That it leans is certain by now. Of two parts the one is the cause without which the other would have to be so large by chance.
+        let evidence = |wanted: Term| size_of(wanted).map_or(0.0, |size| full.evidence(size));
+        let for_mass = evidence(Term::RollMassOffset) - evidence(Term::List);
+        let by_mass = for_mass > FAR_LIKELIER.ln();
         // A large offset of the roll mass, fitted as a list, leaves some of itself to the sensor.
-        let askew = reads_askew && part(Term::Zero);
+        let askew = reads_askew && size_of(Term::Zero).is_some_and(is_sure);
         let mut sure: Vec<Term> = Vec::new();
         let mut alike: Vec<Term> = Vec::new();
         if leans || !askew {
             // A list stands for what is not known apart from it.
             sure.push(if by_mass { Term::RollMassOffset } else { Term::List });
-            let is_apart = by_mass || part(Term::List) && !part(Term::RollMassOffset);
+            let is_apart = by_mass || for_mass < -FAR_LIKELIER.ln();
             alike.extend((self.has_roll_mass && !is_apart).then_some(Term::RollMassOffset));
         }
         if askew {
@@ -283,6 +286,9 @@ impl Terms {
 
 /// So many standard errors two legs may differ by and still have one size, or by half of it: the limit of the vertical plane.
 const LEGS_DIFFER: f64 = 3.5;
+
+/// By what factor one cause must be likelier than another that it excludes: the margin of the vertical plane.
+const FAR_LIKELIER: f64 = 20.0;
 
 /// Causes of the roll at rest.
 const LEANS: [Term; 3] = [Term::List, Term::RollMassOffset, Term::Zero];
