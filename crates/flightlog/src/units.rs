@@ -293,12 +293,17 @@ pub(super) fn conversion(channel: Channel, unit: &str) -> Option<Conversion> {
 /// `ballast_m3`.
 pub(super) fn in_name(channel: Channel, name: &str) -> Option<Conversion> {
     let own = CHANNELS.iter().find(|info| info.channel == channel)?.name;
-    let own = own.split_once('_').map_or(own, |(stem, _)| stem);
+    let own = parts(own).find(|(_, unit)| conversion(channel, unit).is_some()).map(|(stem, _)| stem);
     let is_known =
-        |stem: &str| names::known(channel).iter().chain([&own]).any(|known| known.eq_ignore_ascii_case(stem));
-    let parts = name.match_indices(['_', '-', ' ', '.']).map(|(at, _)| (&name[..at], &name[at + 1..]));
-    let mut stated = parts.filter(|(stem, _)| is_known(stem)).filter_map(|(_, unit)| conversion(channel, unit));
-    stated.next()
+        |stem: &str| names::known(channel).iter().copied().chain(own).any(|known| known.eq_ignore_ascii_case(stem));
+    // A name that says all is taken at its word, also where it is that of another channel.
+    let mut stated = parts(name).filter(|(stem, _)| !names::is_known(name) && is_known(stem));
+    stated.find_map(|(_, unit)| conversion(channel, unit))
+}
+
+/// A name in two, at each place where its unit may begin.
+fn parts(name: &str) -> impl Iterator<Item = (&str, &str)> {
+    name.match_indices(['_', '-', ' ', '.']).map(|(at, _)| (&name[..at], &name[at + 1..]))
 }
 
 /// The units of a channel, the first spelling of each.
@@ -359,6 +364,7 @@ mod tests {
         assert_eq!(factor(Channel::Pressure, "Pressure_bar"), Some(10.0));
         assert_eq!(factor(Channel::Ballast, "ballast_m3"), Some(1e6));
         assert_eq!(factor(Channel::Pitch, "pitch deg"), Some(std::f64::consts::PI / 180.0));
+        assert_eq!(factor(Channel::RollMass, "roll_rad").or(factor(Channel::PitchMass, "pitch_m")), None);
         for name in ["time_of_day", "pressure_lag", "ballast", "pitch_offset_rad", "depth_max_m"] {
             assert!(
                 [Channel::Time, Channel::Pressure, Channel::Ballast, Channel::Pitch, Channel::Depth]
