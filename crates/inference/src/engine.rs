@@ -235,9 +235,7 @@ impl Fitted {
             if members == self.included {
                 break;
             }
-            let mut next = Fitted::new(problem, iteration.point_of(&members, problem), members.clone());
-            next.converge(problem);
-            *self = next;
+            *self = self.with_members(problem, members.clone());
             if tried.contains(&members) {
                 break;
             }

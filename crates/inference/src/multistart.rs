@@ -4,6 +4,7 @@
 use super::evidence::{Evidence, Point, Problem, Quantity};
 use super::fitted::{Fitted, belief_squares, believing, noises};
 use super::holdout;
+use super::iteration::Iteration;
 use super::score::{SIGNIFICANT, chance};
 use crate::noise::{self, Noise};
 
@@ -107,6 +108,28 @@ impl Fitted {
             let parameters: usize = trial.included.iter().map(|i| candidates[*i].neutral.len()).sum();
             (parameters, trial.included.clone())
         })
+    }
+
+    /// Other members fitted from here. Where the model bends, the sizes that the slopes give may lie far off: the fit begins at the best
+    /// of several points, with these sizes or those of here, what is new at neutral, and with the baseline of here or the believed one.
+    pub(super) fn with_members(&self, problem: &impl Problem, members: Vec<usize>) -> Fitted {
+        let by_slopes = Iteration::new(problem.candidates(), self).point_of(&members, problem);
+        let mut start = by_slopes.clone();
+        if problem.bends() {
+            let mut as_here = self.point.clone();
+            for (i, candidate) in problem.candidates().iter().enumerate().filter(|(i, _)| !members.contains(i)) {
+                as_here.candidates[i].clone_from(&candidate.neutral);
+            }
+            let believed = |point: &Point| Point { baseline: problem.start().baseline, ..point.clone() };
+            let starts = [believed(&by_slopes), believed(&as_here), by_slopes, as_here];
+            let of = |point: Point| (objective(&believing(problem, problem.evidence(&point), &point, &members)), point);
+            let best =
+                starts.into_iter().filter(|point| problem.admits(point)).map(of).min_by(|a, b| a.0.total_cmp(&b.0));
+            start = best.map_or(start, |(_, point)| point);
+        }
+        let mut fitted = Fitted::new(problem, start, members);
+        fitted.converge(problem);
+        fitted
     }
 
     /// Sets that hold the one mechanism found in full and predict no worse than this one, best first: that one alone where
