@@ -59,7 +59,7 @@ fn a_log_that_contradicts_itself_is_refused_by_every_command() {
         (changed(|row| row[3] *= -1.0), "sign of ballast volume"),
         (changed(|row| row[3] *= 1e-6), "unit of ballast volume"),
         (changed(|row| row[4] -= 1000.0), "unit of density"),
-        (reversed, "sign of pitch"),
+        (reversed, "order of time"),
     ] {
         for command in COMMANDS {
             let error = run_command(command, &rows).expect_err(check);
