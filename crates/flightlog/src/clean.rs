@@ -90,9 +90,13 @@ impl OtherUnits {
 impl Share {
     /// Counts the steps of a clock, and those of them that go back.
     pub(super) fn count_steps_back(&mut self, time_s: &[f64]) {
-        let known: Vec<f64> = time_s.iter().copied().filter(|time| time.is_finite()).collect();
-        let steps: Vec<f64> = known.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        self.count(&steps, |step| step < 0.0);
+        let mut last_s = None;
+        for &time_s in time_s.iter().filter(|time_s| time_s.is_finite()) {
+            if let Some(last_s) = last_s.replace(time_s) {
+                self.read += 1;
+                self.of_the_kind += usize::from(time_s < last_s);
+            }
+        }
     }
 
     fn count(&mut self, values: &[f64], is_of_the_kind: impl Fn(f64) -> bool) {
