@@ -440,7 +440,7 @@ fn signed(value: f64) -> String {
     format!("{}{}", if value < 0.0 { '-' } else { '+' }, figure(value.abs()))
 }
 
-/// A count with its noun.
+/// Formats a count with its noun.
 fn number_of(n: usize, thing: &str) -> String {
     format!("{n} {thing}{}", if n == 1 { "" } else { "s" })
 }

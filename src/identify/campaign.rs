@@ -395,11 +395,7 @@ fn warn(warnings: &mut Vec<String>, fitted: &JointFit, dives: &[Dive], has_speed
         ));
     }
     if dives.len() < 8 {
-        warnings.push(format!(
-            "only {} {}: standard errors, which compare dives, are rough",
-            dives.len(),
-            if dives.len() == 1 { "dive" } else { "dives" }
-        ));
+        warnings.push(format!("few dives ({}): standard errors, which compare dives, are rough", dives.len()));
     }
     if !fitted.converged {
         warnings.push("the solver stopped before the minimum was certain".into());

@@ -9,12 +9,12 @@
 //! hangs on `m0 hypot(cos s - y, sin s - x)`, turned by `atan2(sin s - x, cos s - y) - s`. The accelerations are those of the
 //! model along the leg: the measured ones hold the water's own, which carry the glider along.
 //!
-//! The model's speed follows that of the steady glide late, as `held_pitch` has it. The vertical velocity follows from the speed and
+//! The model's speed lags that of the steady glide (`constant_pitch`). The vertical velocity follows from the speed and
 //! the pitch; a late pressure sensor reads it through a first-order lag.
 //!
 //! Knows one leg at a time; what is steady, and what a fit does with it, others decide.
 
-use super::held_pitch::{SLOWEST_BEGINNING, Steady, steady};
+use super::constant_pitch::{SLOWEST_BEGINNING, Steady, steady};
 use super::model::Inertia;
 use crate::dynamics::Parameters;
 use crate::log::Observation;

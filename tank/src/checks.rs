@@ -1,4 +1,4 @@
-//! What cannot be right: signs and sizes that no bare hull shows.
+//! Checks of signs and magnitudes that are impossible for a bare hull.
 
 use glidepolar_hull::hull_tests::{Estimate, HullFit};
 use glidepolar_input::printable;
@@ -50,16 +50,16 @@ pub fn signs(id: &str, fit: &HullFit) -> Vec<String> {
     warnings
 }
 
-/// Drag coefficient of a disk across the flow (Hoerner 1965): no hull has as much.
+/// Drag coefficient of a disk normal to the flow (Hoerner 1965), an upper bound for any hull.
 const DISK_DRAG: f64 = 1.17;
 
-/// Whether the drag is one that no hull has: below a laminar boundary layer's, or above a disk's.
+/// Returns a warning where the drag is below that of a laminar boundary layer or above that of a disk.
 pub fn drag(hull: &HullResults) -> Option<String> {
     let (id, b) = (&hull.hull.id, &hull.fit.as_ref().ok()?.estimates.b);
     let reynolds: Vec<f64> = hull.sweep.points.iter().filter_map(|point| point.reynolds).collect();
-    let least = if reynolds.is_empty() { 0.0 } else { theory::least_drag(&hull.hull, median(&reynolds)) };
+    let least = if reynolds.is_empty() { 0.0 } else { theory::laminar_drag(&hull.hull, median(&reynolds)) };
     let units = "are the forces in newtons (1 kgf = 9.81 N, 1 lbf = 4.45 N), the speed in m/s and the diameter in m?";
-    // What is below zero is told as a wrong sign.
+    // A negative drag is reported by `signs`.
     if (0.0..least).contains(&b.ci95[1]) {
         Some(format!(
             "{id}: drag b = {:.4} is below that of a laminar boundary layer, {least:.4}: impossible; {units}",

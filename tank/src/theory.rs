@@ -101,9 +101,9 @@ pub fn predict(
     found
 }
 
-/// Drag on its frontal area that no hull is below: the friction of a laminar boundary layer over all of its surface, Blasius'
+/// Returns the friction of a laminar boundary layer over the whole surface, on frontal area, a lower bound of the drag: Blasius'
 /// `1.328/sqrt(Re)`.
-pub fn least_drag(hull: &Hull, reynolds: f64) -> f64 {
+pub fn laminar_drag(hull: &Hull, reynolds: f64) -> f64 {
     let shape = Outline::like_suboff(hull.geometry.loa_m, hull.geometry.diameter_m).integrals();
     1.328 / reynolds.sqrt() * hull.wetted_area_m2.unwrap_or(shape.wetted_m2) / hull.frontal_area_m2()
 }

@@ -88,8 +88,8 @@ impl OtherUnits {
 }
 
 impl Share {
-    /// Counts the steps of a clock, and those of them that go back.
-    pub(super) fn count_steps_back(&mut self, time_s: &[f64]) {
+    /// Counts the steps of a clock and how many of them go back.
+    pub(super) fn count_backward_steps(&mut self, time_s: &[f64]) {
         let mut last_s = None;
         for &time_s in time_s.iter().filter(|time_s| time_s.is_finite()) {
             if let Some(last_s) = last_s.replace(time_s) {

@@ -245,7 +245,7 @@ pub(super) fn find_columns(
         let mut alike = names.filter_map(|(name, factor)| Some((alike(name)?, factor)));
         let found = exact.next().or_else(|| alike.next()).map(|(cell, factor)| (cell, Conversion::by(factor)));
         let found = found.or_else(|| {
-            let of = |(cell, name): (usize, &String)| Some((cell, units::in_name(info.channel, name)?));
+            let of = |(cell, name): (usize, &String)| Some((cell, units::unit_in_name(info.channel, name)?));
             header.iter().enumerate().find_map(of)
         });
         if let Some((cell, conversion)) = found {

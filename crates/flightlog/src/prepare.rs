@@ -42,7 +42,7 @@ pub struct Preparation {
     last_time_s: f64,
     noise_dbar: Vec<f64>,
     other_units: OtherUnits,
-    steps_back: Share,
+    backward_steps: Share,
     counters: Counters,
     turns_only: Vec<Observation>,
 }
@@ -67,7 +67,7 @@ impl Preparation {
             last_time_s: f64::NAN,
             noise_dbar: Vec::new(),
             other_units: OtherUnits::default(),
-            steps_back: Share::default(),
+            backward_steps: Share::default(),
             counters: Counters::default(),
             turns_only: Vec::new(),
         }
@@ -105,10 +105,10 @@ impl Preparation {
         self.other_units.density_less_1000()
     }
 
-    /// Share of the steps from row to row read so far in which the clock goes back: a few are a clock that was set, most of them rows
-    /// in another order than that of time.
-    pub fn share_of_steps_back(&self) -> f64 {
-        self.steps_back.share()
+    /// Returns the share of the rows read so far before which the time goes back. A few are a clock that was set; many are rows that are
+    /// not sorted by time.
+    pub fn share_of_backward_steps(&self) -> f64 {
+        self.backward_steps.share()
     }
 
     /// The filter for the vertical velocity in a sentence.
@@ -121,7 +121,7 @@ impl Preparation {
 
     /// Takes the next piece; what is finished of it is added to `out`.
     pub fn push(&mut self, mut piece: FlightLog, out: &mut Vec<Observation>) {
-        self.steps_back.count_steps_back(piece.column(Channel::Time));
+        self.backward_steps.count_backward_steps(piece.column(Channel::Time));
         order(&mut piece, self.last_time_s, &mut self.notes);
         if piece.is_empty() {
             return;

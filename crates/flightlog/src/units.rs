@@ -289,19 +289,19 @@ pub(super) fn conversion(channel: Channel, unit: &str) -> Option<Conversion> {
         .map(|&(_, factor, offset)| Conversion { factor, offset: offset + epoch_s })
 }
 
-/// What a column's name says of its unit where it is a known name of the channel and a unit: `time_ms`, `pressure_bar`,
-/// `ballast_m3`.
-pub(super) fn in_name(channel: Channel, name: &str) -> Option<Conversion> {
+/// Returns the conversion that a column's name states where it is a known name of the channel with a unit behind it: `time_ms`,
+/// `pressure_bar`, `ballast_m3`.
+pub(super) fn unit_in_name(channel: Channel, name: &str) -> Option<Conversion> {
     let own = CHANNELS.iter().find(|info| info.channel == channel)?.name;
     let own = parts(own).find(|(_, unit)| conversion(channel, unit).is_some()).map(|(stem, _)| stem);
     let is_known =
         |stem: &str| names::known(channel).iter().copied().chain(own).any(|known| known.eq_ignore_ascii_case(stem));
-    // A name that says all is taken at its word, also where it is that of another channel.
+    // A complete name of any channel keeps its own meaning: `roll_rad` is no roll mass.
     let mut stated = parts(name).filter(|(stem, _)| !names::is_known(name) && is_known(stem));
     stated.find_map(|(_, unit)| conversion(channel, unit))
 }
 
-/// A name in two, at each place where its unit may begin.
+/// Splits a name at each place where its unit may begin.
 fn parts(name: &str) -> impl Iterator<Item = (&str, &str)> {
     name.match_indices(['_', '-', ' ', '.']).map(|(at, _)| (&name[..at], &name[at + 1..]))
 }
@@ -359,7 +359,7 @@ mod tests {
 
     #[test]
     fn a_name_may_say_its_unit() {
-        let factor = |channel, name| in_name(channel, name).map(|conversion| conversion.factor);
+        let factor = |channel, name| unit_in_name(channel, name).map(|conversion| conversion.factor);
         assert_eq!(factor(Channel::Time, "time_ms"), Some(1e-3));
         assert_eq!(factor(Channel::Pressure, "Pressure_bar"), Some(10.0));
         assert_eq!(factor(Channel::Ballast, "ballast_m3"), Some(1e6));
@@ -369,7 +369,7 @@ mod tests {
             assert!(
                 [Channel::Time, Channel::Pressure, Channel::Ballast, Channel::Pitch, Channel::Depth]
                     .iter()
-                    .all(|channel| in_name(*channel, name).is_none()),
+                    .all(|channel| unit_in_name(*channel, name).is_none()),
                 "{name}"
             );
         }

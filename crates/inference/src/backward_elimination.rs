@@ -1,5 +1,5 @@
-//! What goes out of a fit again, and in which order: mechanisms that do not predict, that chance explains, whose size says that they
-//! are something else (`sizes`), that spoil what another quantity tells, that nobody would act on (`irrelevant`).
+//! Backward elimination in its order: mechanisms that do not predict held-out data, that chance explains, whose magnitude is implausible
+//! (`magnitude_tests`), that make another quantity worse, that are irrelevant (`relevance_tests`).
 
 use super::evidence::{Headline, Problem, Quantity, names};
 use super::findings::Why;

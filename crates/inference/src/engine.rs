@@ -65,7 +65,7 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
             break;
         }
     }
-    if present.included.len() > problem.most_named() {
+    if present.included.len() > problem.max_causes() {
         dropped.extend(present.included.iter().map(|member| (*member, Why::Equivalent)));
         let iteration = Iteration::new(candidates, &present);
         let curve = iteration.most_explaining_curve().and_then(|curve| iteration.curve_name(curve)).map(str::to_owned);
@@ -235,7 +235,7 @@ impl Fitted {
             if members == self.included {
                 break;
             }
-            *self = self.with_members(problem, members.clone());
+            *self = self.with_members(problem, &iteration, members.clone());
             if tried.contains(&members) {
                 break;
             }

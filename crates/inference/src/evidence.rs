@@ -241,8 +241,8 @@ pub trait Problem {
         1.0
     }
 
-    /// Most mechanisms that are named together: more of them resemble a law that nobody wrote down.
-    fn most_named(&self) -> usize {
+    /// Returns the largest number of mechanisms that are named together.
+    fn max_causes(&self) -> usize {
         usize::MAX
     }
 
@@ -257,8 +257,8 @@ pub trait Problem {
         0.0
     }
 
-    /// Whether far from the truth the model bends so much that slopes mislead: then each mechanism is tried in full first.
-    fn bends(&self) -> bool {
+    /// Whether the model is so nonlinear that a linearisation misleads far from the truth: each mechanism is then first fitted in full.
+    fn is_strongly_nonlinear(&self) -> bool {
         false
     }
 

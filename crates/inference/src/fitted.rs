@@ -1,5 +1,5 @@
-//! A fit of the baseline with some mechanisms, and its noise: steps of Gauss and Newton, and what is left, of all data and of
-//! data that were held out. Names nothing.
+//! A fit of the baseline with some mechanisms, and its noise: Gauss-Newton steps, residuals, held-out residuals. Does not decide which
+//! mechanism is named.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -17,8 +17,8 @@ const MAX_QUICK_ROUNDS: usize = 4;
 /// Fall of the weighted sum of squares that ends a fit.
 const LEAST_FALL: f64 = 1e-3;
 
-/// Alternations of fit and noise.
-const MAX_NOISE_ROUNDS: usize = 4;
+/// Largest number of alternations of fit and noise estimate.
+pub(super) const MAX_NOISE_ROUNDS: usize = 4;
 
 /// Versions of one mechanism whose traces are kept out of the noise.
 const MAX_VERSIONS_IN_NOISE: usize = 3;
@@ -186,7 +186,7 @@ impl Fitted {
         quantities.map(of).collect()
     }
 
-    /// Less the logarithm of the likelihood of data that were held out, up to a constant.
+    /// Returns the negative log-likelihood of held-out data, up to a constant.
     pub(super) fn held_out_misfit(&self) -> f64 {
         let left = self.held_out();
         let of = |quantity: &Quantity| quantity.rows.len() as f64 * holdout::rms(&left, quantity.rows.clone()).ln();

@@ -1,28 +1,25 @@
-//! Where a fit begins: the baseline from other points where it contradicts what is believed, and each mechanism fitted in full,
-//! alone, where the model bends, with the sets that hold the one found so. Names nothing.
+//! Starting points of the fits of a strongly nonlinear model: other starts of the baseline where it contradicts the prior, a nonlinear
+//! refit of each mechanism alone, and the start of a set of mechanisms. Does not decide which mechanism is named.
 
 use super::evidence::{Evidence, Point, Problem, Quantity};
-use super::fitted::{Fitted, belief_squares, believing, noises};
+use super::fitted::{Fitted, MAX_NOISE_ROUNDS, belief_squares, believing, noises};
 use super::holdout;
 use super::iteration::Iteration;
 use super::score::{SIGNIFICANT, chance};
 use crate::noise::{self, Noise};
 
-/// Alternations of a mechanism's fit and its noise, at most.
-const MAX_TRIAL_ROUNDS: usize = 4;
-
-/// Other points from which a baseline is fitted, those first that leave least as they are.
+/// Largest number of further starts of the baseline, those with the smallest objective first.
 const MOST_STARTS: usize = 3;
 
-/// Part of what a mechanism fitted alone must explain that it explains at first, while all of the misfit counts as noise.
+/// Share of the required fall of the objective that a mechanism must reach in the first rounds, while all of the misfit counts as noise.
 const PROMISING: f64 = 0.1;
 
-/// Difference of the logarithm of the held-out likelihood within which two single mechanisms are as good as each other.
+/// Difference of the held-out log-likelihood within which two single mechanisms are equivalent.
 const SAME: f64 = 1.0;
 
 impl Fitted {
-    /// The baseline alone, fitted. A fit that contradicts the prior may have ended in a local minimum: then it is repeated from other
-    /// points, and the one with the smallest objective is returned.
+    /// Fits the baseline alone. A fit that contradicts the prior may have ended in a local minimum: then it is repeated from other
+    /// starting points, and the one with the smallest objective is returned.
     pub(super) fn baseline(problem: &impl Problem) -> Self {
         let from = |start: Point| {
             let mut baseline = Fitted::new(problem, start, Vec::new());
@@ -41,21 +38,21 @@ impl Fitted {
         others.fold(first, |best, other| if left(&other) < left(&best) { other } else { best })
     }
 
-    /// Whether the fitted parameters, taken together, agree with the prior.
+    /// Returns whether the fitted parameters, taken together, agree with the prior.
     fn agrees_with_prior(&self) -> bool {
         let prior = &self.evidence.prior;
         prior.is_empty() || chance(belief_squares(&self.evidence), prior.len()) >= SIGNIFICANT
     }
 
-    /// Far from the truth the model bends, and its slopes mislead: there each mechanism is fitted in full, alone, by plain
-    /// least squares, and the one that leaves least is the place to start from. Where this fit and all of those contradict the
-    /// prior, they are made again from what is believed: what is missing may have bent the baseline so far that no step leads back.
+    /// Fits each mechanism alone and in full, by ordinary least squares, and returns the one that predicts held-out data best. Far from the
+    /// truth a linearisation misleads. Where this fit and all trials contradict the prior, the trials are repeated from the prior mean:
+    /// the missing mechanism may have moved the baseline into a local minimum.
     pub(super) fn nonlinear_refit(&self, problem: &impl Problem) -> Option<Fitted> {
-        if !problem.bends() {
+        if !problem.is_strongly_nonlinear() {
             return None;
         }
         let plain = plain_noises(&self.evidence);
-        // By how much the objective falls where the squares of the quantity with the fewest rows are halved.
+        // Fall of the objective where the sum of squares of the quantity with the fewest rows is halved.
         let fewest_rows = self.evidence.quantities.iter().map(|quantity| quantity.rows.len()).min()?;
         let half = 0.5 * std::f64::consts::LN_2 * fewest_rows as f64;
         let before = objective(&self.evidence);
@@ -71,9 +68,9 @@ impl Fitted {
             for (i, _) in candidates.iter().enumerate().filter(|(_, candidate)| candidate.version.is_none()) {
                 let evidence = believing(first, here.clone(), &start, &[i]);
                 let mut trial = Fitted { point: start.clone(), included: vec![i], evidence, noises: plain.clone() };
-                // At first all of the misfit counts as noise, beside which beliefs about sizes weigh too much: once more with
-                // what is left, until no more goes, or it is clear that this mechanism explains next to nothing.
-                for _ in 0..MAX_TRIAL_ROUNDS {
+                // At first all of the misfit counts as noise, and the prior has too much weight. The noise is estimated again from the
+                // residuals until the objective no longer falls, or this mechanism clearly explains almost nothing.
+                for _ in 0..MAX_NOISE_ROUNDS {
                     if trial.descend(first) < 1e-2 || objective(&trial.evidence) > before - PROMISING * half {
                         break;
                     }
@@ -85,8 +82,8 @@ impl Fitted {
                 }
             }
         }
-        // Half of the squares of one quantity at least, or the slopes are as good a guide. What is left by the best ones is judged
-        // where they were not fitted.
+        // A trial must halve the sum of squares of one quantity, or the linearisation is as good. The best trials are compared on held-out
+        // data.
         let halves_one = |trial: &Fitted| {
             let rms = |fitted: &Fitted, rows| holdout::rms(&fitted.evidence.residual, rows);
             let mut quantities = self.evidence.quantities.iter();
@@ -101,8 +98,8 @@ impl Fitted {
         });
         let converged: Vec<(f64, Fitted)> = converged.collect();
         let least = converged.iter().map(|(left, _)| *left).min_by(f64::total_cmp)?;
-        // Where two are as good as each other the one with fewer parameters is, and of those the catalogue's order decides: the
-        // commoner stands first.
+        // Of equivalent trials the one with the fewest parameters is taken, then the first in the catalogue, which has the more frequent
+        // mechanisms first.
         let as_good = converged.into_iter().filter(|(left, _)| *left < least + SAME).map(|(_, trial)| trial);
         as_good.min_by_key(|trial| {
             let parameters: usize = trial.included.iter().map(|i| candidates[*i].neutral.len()).sum();
@@ -110,18 +107,24 @@ impl Fitted {
         })
     }
 
-    /// Other members fitted from here. Where the model bends, the sizes that the slopes give may lie far off: the fit begins at the best
-    /// of several points, with these sizes or those of here, what is new at neutral, and with the baseline of here or the believed one.
-    pub(super) fn with_members(&self, problem: &impl Problem, members: Vec<usize>) -> Fitted {
-        let by_slopes = Iteration::new(problem.candidates(), self).point_of(&members, problem);
-        let mut start = by_slopes.clone();
-        if problem.bends() {
-            let mut as_here = self.point.clone();
+    /// Fits another set of members. In a strongly nonlinear model the linearised magnitudes may be far off. The fit starts at the point
+    /// with the smallest objective among four: magnitudes linearised or as in this fit, with new members at neutral; baseline as
+    /// in this fit or at the prior mean. `iteration` is that of this fit.
+    pub(super) fn with_members(
+        &self,
+        problem: &impl Problem,
+        iteration: &Iteration<'_>,
+        members: Vec<usize>,
+    ) -> Fitted {
+        let linearised = iteration.point_of(&members, problem);
+        let mut start = linearised.clone();
+        if problem.is_strongly_nonlinear() {
+            let mut current = self.point.clone();
             for (i, candidate) in problem.candidates().iter().enumerate().filter(|(i, _)| !members.contains(i)) {
-                as_here.candidates[i].clone_from(&candidate.neutral);
+                current.candidates[i].clone_from(&candidate.neutral);
             }
-            let believed = |point: &Point| Point { baseline: problem.start().baseline, ..point.clone() };
-            let starts = [believed(&by_slopes), believed(&as_here), by_slopes, as_here];
+            let at_prior = |point: &Point| Point { baseline: problem.start().baseline, ..point.clone() };
+            let starts = [at_prior(&linearised), at_prior(&current), linearised, current];
             let of = |point: Point| (objective(&believing(problem, problem.evidence(&point), &point, &members)), point);
             let best =
                 starts.into_iter().filter(|point| problem.admits(point)).map(of).min_by(|a, b| a.0.total_cmp(&b.0));
@@ -132,8 +135,8 @@ impl Fitted {
         fitted
     }
 
-    /// Sets that hold the one mechanism found in full and predict no worse than this one, best first: that one alone where
-    /// this set has no more, and this set with that one in the place of each of its own.
+    /// Returns the sets that contain the mechanism found by the nonlinear refit and predict no worse than this one, best first: that
+    /// mechanism alone where this set is no larger, and this set with it in the place of each member.
     pub(super) fn rivals(&self, single: &Fitted, problem: &impl Problem) -> Vec<Fitted> {
         if self.included.iter().any(|member| single.included.contains(member)) {
             return Vec::new();
@@ -163,7 +166,7 @@ impl Fitted {
         rivals.into_iter().map(|(_, rival)| rival).collect()
     }
 
-    /// Whether it is no larger than another set and leaves no more of the data that were held out.
+    /// Returns whether it has no more members than another set and predicts held-out data as well.
     pub(super) fn predicts_as_well_as(&self, other: &Fitted) -> bool {
         self.included != other.included
             && self.included.len() >= other.included.len()
@@ -171,7 +174,7 @@ impl Fitted {
     }
 }
 
-/// White noise as large as what is left.
+/// Returns white noise with the variance of the residuals.
 fn plain_noises(evidence: &Evidence) -> Vec<Noise> {
     let of = |quantity: &Quantity| {
         let stated: f64 = quantity.rows.clone().map(|row| evidence.stated_sd[row].powi(2)).sum();
@@ -181,7 +184,7 @@ fn plain_noises(evidence: &Evidence) -> Vec<Noise> {
     evidence.quantities.iter().map(of).collect()
 }
 
-/// Less the logarithm of the likelihood of what is left with white noise of any size, and of the beliefs, up to a constant.
+/// Returns the negative log-likelihood of residuals and prior, with the white noise that fits best, up to a constant.
 fn objective(evidence: &Evidence) -> f64 {
     let of =
         |quantity: &Quantity| quantity.rows.len() as f64 * holdout::rms(&evidence.residual, quantity.rows.clone()).ln();

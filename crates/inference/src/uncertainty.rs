@@ -1,5 +1,5 @@
-//! How well a fit knows its parameters: covariances by the noise and by the scatter between clusters, errors that all rows share,
-//! sizes on each half of the data.
+//! Uncertainty of fitted parameters: covariance by the noise model, by the scatter between clusters and by shared errors; estimates on
+//! each half of the data.
 
 use std::collections::BTreeMap;
 

@@ -65,7 +65,7 @@ const STEPS: usize = 6;
 /// The file that says that a folder is a demonstration's.
 const MARK: &str = ".glidepolar-demo";
 
-/// Time from one communication point of FMPy to the next \[s\]: it holds the inputs between them, half of which is a delay.
+/// Communication step of FMPy \[s\]. It holds the inputs over a step, which delays them by half of it.
 const FMPY_INTERVAL_S: f64 = 0.25;
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {

@@ -57,10 +57,10 @@ const LEAST_SAMPLES: usize = 30;
 /// stretch; degrees in a column of radians leave only the pitches under 1.6 deg, which a glider has in turns.
 const MOST: f64 = 0.5;
 
-/// Share of the steps in which the clock goes back from which on rows are in no order of time: a random order has a half.
-const MOST_STEPS_BACK: f64 = 0.1;
+/// Share of rows before which the time goes back above which a log counts as unsorted; a random order has 0.5.
+const UNSORTED: f64 = 0.1;
 
-/// What the reading of a log mended or took out, of which the samples show nothing any more: what is wrong.
+/// Returns the errors in what the reading of a log corrected or removed: the samples do not show them any more.
 pub fn taken_out(log: &Preparation) -> Vec<Check> {
     let (pitch, density) = (log.share_of_pitch_beyond(), log.share_of_density_less_1000());
     let wrong = |check, says| Check { check, outcome: Checked::Wrong, says };
@@ -87,8 +87,8 @@ pub fn taken_out(log: &Preparation) -> Vec<Check> {
             format!("{share:.0} % of the densities lie at 1: are they in g/cm3? (--unit density_kg_m3=g/cm3)"),
         )
     });
-    let back = log.share_of_steps_back();
-    let order = (back > MOST_STEPS_BACK).then(|| {
+    let back = log.share_of_backward_steps();
+    let order = (back > UNSORTED).then(|| {
         let share = 100.0 * back;
         wrong(
             "order of time",

@@ -1,5 +1,5 @@
-//! What is said of a density that the checks found wrong, or could not check: the cause, the misfit of the log as it was read, and what
-//! looks like it. Knows the checks' answer and the diagnosis of the corrected log.
+//! Reports a density that the consistency checks found wrong, or could not check: the cause, the misfit of the log as read, and the
+//! equivalent mechanism. Knows the checks' answer and the diagnosis of the corrected log.
 
 use super::SeaProblem;
 use super::consistency::{self, DensityError};
@@ -11,8 +11,8 @@ use crate::estimate::Estimate;
 /// Relative compressibility of sea water \[1/Pa\], within a tenth over the ocean's upper kilometre (TEOS-10).
 const WATER_COMPRESSIBILITY_PER_PA: f64 = 4.4e-10;
 
-/// Names the error that the checks found as the first cause, with the misfit of the log as it was read, where that fits a glide at all.
-pub(super) fn name(
+/// Adds the error that the checks found as the first cause, with the misfit of the log as read where the model fits it at all.
+pub(super) fn add_cause(
     outcome: &mut Outcome,
     corrected: &SeaProblem,
     as_read: Option<&SeaProblem>,
@@ -30,7 +30,7 @@ pub(super) fn name(
     };
 }
 
-/// Puts the misfit of the log as it was read in place of the corrected log's baseline, row by row.
+/// Puts the misfit of the log as read in place of the corrected log's baseline, row by row.
 fn put_before(outcome: &mut Outcome, corrected: &SeaProblem, raw: &SeaProblem) {
     let (stage, wrong) = engine::baseline(raw);
     let key = |evidence: &Evidence, row: usize| {
@@ -52,7 +52,7 @@ fn put_before(outcome: &mut Outcome, corrected: &SeaProblem, raw: &SeaProblem) {
     outcome.diagnosis.gain = outcome.diagnosis.gains[0].clone();
 }
 
-/// The cause that the checks found; as with every other mechanism its size is all of it, what the vehicle has included.
+/// Returns the cause that the checks found. As for every mechanism, its magnitude includes what the vehicle file already has.
 fn density_cause(outcome: &Outcome, evidence: &Evidence, error: DensityError, carried_kg_m3: f64) -> Cause {
     let quantity = &evidence.quantities[0];
     let rms = |values| holdout::rms(values, quantity.rows.clone());
@@ -80,9 +80,9 @@ fn density_cause(outcome: &Outcome, evidence: &Evidence, error: DensityError, ca
     }
 }
 
-/// Without temperature and salinity a density at p = 0 is a hull that yields less than it does by the compressibility of
-/// the water: where that is the size that was found, the two cannot be separated.
-pub(super) fn name_what_density_hides(outcome: &mut Outcome, problem: &SeaProblem, checks: &[Check]) {
+/// Adds `density_at_zero_pressure` to the group of a compressibility. Without temperature and salinity, a density evaluated at p = 0 has
+/// the same effect as a hull compressibility smaller by that of water: where this difference was found the two are equivalent.
+pub(super) fn add_uncheckable(outcome: &mut Outcome, problem: &SeaProblem, checks: &[Check]) {
     let unchecked =
         checks.iter().any(|check| check.check == consistency::DENSITY && check.outcome == Checked::NotChecked);
     let row = parameter_index("hull_compressibility_per_Pa");

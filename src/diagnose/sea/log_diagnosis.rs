@@ -3,7 +3,9 @@
 use std::borrow::Cow;
 
 use super::{DiagnosisSettings, Lift, SeaError, SeaProblem};
-use super::{consistency, density_report, empirical, stated_polar, trim, unknown_temperature, unweighed, versions};
+use super::{
+    consistency, density_report, empirical, grid_refinement, not_assessed, stated_polar, trim, unknown_temperature,
+};
 use crate::diagnose::findings::{Checked, Verdict};
 use crate::diagnose::holdout;
 use crate::diagnose::{Evidence, Outcome, Problem};
@@ -66,7 +68,7 @@ pub fn diagnose_log(
     let by_temperature = if temperature_is_suggested { unknown_temperature::most_kg(&baseline) } else { 0.0 };
     let most_trim_kg = by_ballasting.max(by_temperature);
     let decided = |problem: SeaProblem| {
-        let (problem, outcome) = versions::in_full(problem);
+        let (problem, outcome) = grid_refinement::diagnose(problem);
         problem.with_trim_as_cause(outcome, most_trim_kg)
     };
     let (problem, outcome, uses_stated_polar) = with_stated_polar(problem, settings.polar_se, decided);
@@ -80,12 +82,12 @@ pub fn diagnose_log(
     match error {
         Some(error) => {
             let raw = as_read(observations, false, settings.lift).ok().map(|(raw, _)| raw);
-            density_report::name(&mut outcome, &problem, raw.as_ref(), error, carried_kg_m3);
+            density_report::add_cause(&mut outcome, &problem, raw.as_ref(), error, carried_kg_m3);
         }
-        None => density_report::name_what_density_hides(&mut outcome, &problem, &checks),
+        None => density_report::add_uncheckable(&mut outcome, &problem, &checks),
     }
     if problem.has_speed() {
-        unweighed::name_what_scales_hide(&mut outcome);
+        not_assessed::add_speed_scale(&mut outcome);
     }
     if assumed {
         trim::report(&mut outcome, most_trim_kg);
@@ -99,7 +101,7 @@ pub fn diagnose_log(
     if temperature_is_suggested {
         outcome.diagnosis.warnings.push(unknown_temperature::WARNING.to_owned());
     }
-    outcome.diagnosis.rejected.extend(unweighed::unweighed(&checks, &outcome, &problem));
+    outcome.diagnosis.rejected.extend(not_assessed::rejections(&checks, &outcome, &problem));
     outcome.diagnosis.consistency = checks;
     if problem.is_quasi_steady() {
         outcome.diagnosis.warnings.push(QUASI_STEADY.to_owned());

@@ -15,11 +15,13 @@ mod density_report;
 mod empirical;
 mod fit_warnings;
 mod flown;
+mod grid_refinement;
 mod history;
 mod jumps;
 mod late_attitude;
 mod log_diagnosis;
 mod model;
+mod not_assessed;
 mod problem;
 mod salinity;
 mod settings;
@@ -28,9 +30,7 @@ mod stated_polar;
 mod trim;
 mod turns;
 mod unknown_temperature;
-mod unweighed;
 mod vehicle_log;
-mod versions;
 
 use std::sync::Arc;
 

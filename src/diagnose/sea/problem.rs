@@ -39,9 +39,9 @@ const TRIM_STEPS: i32 = 10;
 /// one in a hundred may get a name.
 const MOST_CHANCE: f64 = 0.01;
 
-/// Most mechanisms that are named together. A fault is there in one log of ten, say: three at once are in one of a thousand, and a law
-/// that nobody wrote down, which three together resemble, is far more often.
-const MOST_NAMED: usize = 2;
+/// Largest number of mechanisms that are named together. If one log in ten has a given fault, which is an assumption, one in a thousand has
+/// three. An effect outside the catalogue, which three together can imitate, is far more frequent.
+const MAX_CAUSES: usize = 2;
 
 /// Relative change of a size that is never one size: the square of what is left is 4 % of the effect.
 const LARGE_CHANGE: f64 = 0.2;
@@ -81,7 +81,7 @@ impl Problem for SeaProblem {
         (-TRIM_STEPS..=TRIM_STEPS).filter(|step| *step != 0).filter_map(at).collect()
     }
 
-    fn bends(&self) -> bool {
+    fn is_strongly_nonlinear(&self) -> bool {
         true
     }
 
@@ -112,8 +112,8 @@ impl Problem for SeaProblem {
         MOST_CHANCE
     }
 
-    fn most_named(&self) -> usize {
-        MOST_NAMED
+    fn max_causes(&self) -> usize {
+        MAX_CAUSES
     }
 
     fn needs_both_legs(&self) -> bool {

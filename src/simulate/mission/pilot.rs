@@ -1,4 +1,4 @@
-//! Who flies a mission in space: when a leg ends, where the masses go, and how the heading is held from waypoint to waypoint.
+//! The controller of a mission in space: when a leg ends, the set-points of the masses, the heading from waypoint to waypoint.
 
 use super::Mission;
 use super::account::{Ending, LegKind};

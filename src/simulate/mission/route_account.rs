@@ -1,4 +1,4 @@
-//! What a mission in space hands over: its moments, what it came to, and why it could not be flown.
+//! Results of a mission in space: time history, totals and errors.
 
 use std::fmt;
 

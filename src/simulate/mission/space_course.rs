@@ -1,4 +1,4 @@
-//! The equations in space with the orders that hold, in the water and over the seabed of a mission. Decides nothing.
+//! The equations in space with the present set-points, in the water and over the seabed of a mission. Makes no decision.
 
 use glidepolar_ode::{Slopes, System};
 
@@ -24,7 +24,7 @@ pub(super) struct Course<'a> {
     pub(super) way_m: f64,
 }
 
-/// Where ballast, moving mass, roll mass and rudder are to go.
+/// Set-points of ballast, moving mass, roll mass and rudder.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Orders {
     pub(super) ballast_m3: f64,

@@ -240,7 +240,7 @@ impl Problem for TankProblem<'_> {
 
     /// An error of the moment centre passes on the side force, a strong crossflow included, which the slopes without it do not
     /// know: they give that crossflow a moment of the wrong sign.
-    fn bends(&self) -> bool {
+    fn is_strongly_nonlinear(&self) -> bool {
         true
     }
 

@@ -230,8 +230,8 @@ impl Fit {
         if is_relevant { (QUESTIONS * chance).min(1.0) } else { 1.0 }
     }
 
-    /// Logarithm of how much likelier a size is than none: the logarithm of Student's density at zero over that at the size.
-    pub(super) fn evidence(&self, [value, se]: [f64; 2]) -> f64 {
+    /// Returns the log-likelihood ratio of a size against zero, by Student's density.
+    pub(super) fn log_likelihood_ratio(&self, [value, se]: [f64; 2]) -> f64 {
         let (t, freedom) = (value / se.max(f64::MIN_POSITIVE), self.freedom().max(1.0));
         0.5 * (freedom + 1.0) * (t * t / freedom).ln_1p()
     }

@@ -101,10 +101,10 @@ impl Terms {
             return reject(found, &LEANS.map(name), Some(p_value), false, remark);
         }
         let size_of = |wanted: Term| parts.sizes.iter().find(|(term, _)| *term == wanted).map(|(_, size)| *size);
-        // That it leans is certain by now. Of two parts the one is the cause without which the other would have to be so large by chance.
-        let evidence = |wanted: Term| size_of(wanted).map_or(0.0, |size| full.evidence(size));
-        let for_mass = evidence(Term::RollMassOffset) - evidence(Term::List);
-        let by_mass = for_mass > FAR_LIKELIER.ln();
+        // The lean is established. List alone and roll mass alone are compared by their likelihoods.
+        let ratio = |wanted: Term| size_of(wanted).map_or(0.0, |size| full.log_likelihood_ratio(size));
+        let mass_over_list = ratio(Term::RollMassOffset) - ratio(Term::List);
+        let by_mass = mass_over_list > LEAST_RATIO.ln();
         // A large offset of the roll mass, fitted as a list, leaves some of itself to the sensor.
         let askew = reads_askew && size_of(Term::Zero).is_some_and(is_sure);
         let mut sure: Vec<Term> = Vec::new();
@@ -112,7 +112,7 @@ impl Terms {
         if leans || !askew {
             // A list stands for what is not known apart from it.
             sure.push(if by_mass { Term::RollMassOffset } else { Term::List });
-            let is_apart = by_mass || for_mass < -FAR_LIKELIER.ln();
+            let is_apart = by_mass || mass_over_list < -LEAST_RATIO.ln();
             alike.extend((self.has_roll_mass && !is_apart).then_some(Term::RollMassOffset));
         }
         if askew {
@@ -287,8 +287,8 @@ impl Terms {
 /// So many standard errors two legs may differ by and still have one size, or by half of it: the limit of the vertical plane.
 const LEGS_DIFFER: f64 = 3.5;
 
-/// By what factor one cause must be likelier than another that it excludes: the margin of the vertical plane.
-const FAR_LIKELIER: f64 = 20.0;
+/// Likelihood ratio from which on one cause excludes another: the margin of the diagnosis in the vertical plane.
+const LEAST_RATIO: f64 = 20.0;
 
 /// Causes of the roll at rest.
 const LEANS: [Term; 3] = [Term::List, Term::RollMassOffset, Term::Zero];

@@ -1,6 +1,6 @@
-//! A glide whose speed changes while its pitch is held.
+//! A glide at constant pitch whose speed changes.
 //!
-//! The model's speed follows that of the steady glide, `Vs`, late. The pitch `p` is held, so at `u = V/Vs` the wing needs
+//! The model's speed lags that of the steady glide, `Vs`. The pitch `p` is constant, so at `u = V/Vs` the wing needs
 //! another angle of attack, which turns the path and changes the drag; `k` is the share of lift in the steady drag:
 //! ```text
 //! alpha / (cos(p + alpha) - y) = alpha_s / (u^2 cos s),    x = sin(p + alpha) - u^2 (1 - k + k (alpha/alpha_s)^2) sin s
@@ -10,7 +10,7 @@
 //! than `c`. From sample to sample, `Vs` a straight line between them, the decay at one rate has a closed form, which holds for
 //! water that changes slowly and for a thermocline that is passed in a moment.
 //!
-//! `m0 g x` and `m0 g y` are what the balances along and across the path lack. Knows one sample and its step to the next.
+//! `m0 g x` and `m0 g y` are the inertia terms of the force balances along and across the path. Knows one sample and its step to the next.
 
 use rayon::prelude::*;
 
@@ -45,7 +45,7 @@ pub(super) struct Steady {
     across: f64,
 }
 
-/// The steady glide of each sample; none where there is none.
+/// Solves the steady glide of each sample; none where no glide exists.
 pub(super) fn steady(parameters: &Parameters<f64>, observations: &[&Observation]) -> Vec<Option<Steady>> {
     let glider = SteadyGlider::new(*parameters);
     let of_one = |guess: &mut Option<[f64; 2]>, observed: &Observation| {
@@ -199,7 +199,7 @@ impl Steady {
         after(step_s, self.slow_s(self.share(half_way_m_s)))
     }
 
-    /// What being late adds to the balance.
+    /// Returns the inertia of a glider whose speed lags by this much.
     pub(super) fn inertia(&self, pitch_rad: f64, late_m_s: f64, growth_per_s: f64) -> Inertia {
         let u = self.share(late_m_s);
         let found = self.at(u, growth_per_s);
@@ -215,7 +215,7 @@ impl Steady {
     }
 }
 
-/// A glide whose speed changes at a held pitch.
+/// A glide at constant pitch whose speed changes.
 #[derive(Debug, Clone, Copy)]
 struct Unsteady {
     /// Angle of attack \[rad\].

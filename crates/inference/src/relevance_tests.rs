@@ -1,4 +1,4 @@
-//! What goes out of a fit because nobody would act on it: alone, or because several only undo each other.
+//! Tests of relevance in the backward elimination: mechanisms whose effect is too small to act on, or that cancel each other.
 
 use nalgebra::DVector;
 
@@ -8,7 +8,7 @@ use super::holdout;
 use super::iteration::Iteration;
 
 impl Fitted {
-    /// What changes no quantity by enough to act on goes, the smallest first.
+    /// Drops mechanisms whose effect on every quantity is below the limit of relevance, the smallest first.
     pub(super) fn drop_what_is_irrelevant(&mut self, problem: &impl Problem, baseline: &Fitted) {
         while !self.included.is_empty() {
             let limits = self.limits(problem);
@@ -64,8 +64,8 @@ impl Fitted {
         fitted_again.find(|other| !self.leaves_less_than(other, limits))
     }
 
-    /// Several that change much beside each other and little beside the baseline, each alone and all together, undo each other: what
-    /// they leave of the misfit was never worth acting on.
+    /// Drops mechanisms that cancel each other: each is relevant beside the others, but neither one alone nor all together are relevant
+    /// beside the baseline.
     fn drop_what_only_undoes_each_other(&mut self, problem: &impl Problem, baseline: &Fitted) {
         if self.included.len() < 2 {
             return;

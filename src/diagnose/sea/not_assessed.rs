@@ -1,14 +1,14 @@
-//! What the engine does not weigh, and why: mechanisms that no steady glide shows, and those that look like another by the way a log
-//! is read. Knows the finished diagnosis.
+//! Mechanisms that the engine cannot assess, with the reason: those that no steady glide shows, and those equivalent to another one.
+//! Knows the finished diagnosis.
 
 use super::SeaProblem;
 use super::consistency;
 use crate::diagnose::Outcome;
 use crate::diagnose::findings::{Check, Checked, Rejected, Why};
 
-/// With a polar that is fitted, a wrong scale of the vertical velocity and one of the speed differ by a factor of all
+/// Adds `speed_scale` to the group of the other scales. With a fitted polar, a wrong scale of the vertical velocity and one of the speed differ by a factor of all
 /// velocities alone, which the polar takes up; a scale of the pitch changes their ratio as well.
-pub(super) fn name_what_scales_hide(outcome: &mut Outcome) {
+pub(super) fn add_speed_scale(outcome: &mut Outcome) {
     for cause in &mut outcome.diagnosis.causes {
         if ["pressure_scale", "pitch_scale"].contains(&cause.cause.as_str()) {
             cause.indistinguishable_from.push("speed_scale".to_owned());
@@ -16,8 +16,8 @@ pub(super) fn name_what_scales_hide(outcome: &mut Outcome) {
     }
 }
 
-/// The mechanisms that no steady glide can show, and those that the checks decide.
-pub(super) fn unweighed(checks: &[Check], outcome: &Outcome, problem: &SeaProblem) -> Vec<Rejected> {
+/// Returns the mechanisms that no steady glide can show, and those that the consistency checks decide.
+pub(super) fn rejections(checks: &[Check], outcome: &Outcome, problem: &SeaProblem) -> Vec<Rejected> {
     let density = checks.iter().find(|check| check.check == consistency::DENSITY);
     let reject = |cause: &str, remark: String| Rejected {
         cause: cause.to_owned(),

@@ -1,5 +1,5 @@
-//! What goes out of a fit for its size: hardly known, another one in another regime, on one leg or on half of the data, or one that
-//! nature does not have.
+//! Tests of a mechanism's magnitude in the backward elimination: too uncertain; different in another regime, on one leg or on half of
+//! the data; physically impossible.
 
 use nalgebra::DVector;
 
@@ -18,17 +18,17 @@ const LEAST_CHANGE: f64 = 0.1;
 const SHOWN_ON_A_LEG: f64 = 1.645;
 
 /// Standard errors by which the sizes on the halves of the data, or on the legs, must differ: 1 in 400 by chance, the few that are
-/// named being asked.
+/// named being tested.
 const SURELY_APART: f64 = 3.0;
 
 /// Standard errors by which a size must lie beyond those that nature has: 95 %, one-sided.
 const BEYOND_NATURE: f64 = 1.645;
 
-/// Least evidence for such a change, beyond the cost of having looked for it everywhere: a factor of 4.
+/// Smallest log-likelihood excess for such a change, beyond the cost of the search over covariates: a factor of 4.
 const LEAST_EXCESS: f64 = 3.0;
 
-/// How much better the size of a mechanism must be known that stands beside one which explains more: on each half of the data as well
-/// as a single one on the whole. What the larger law does not quite say, another small law may seem to.
+/// Factor on the required certainty of a mechanism beside one that explains more, so that each half of the data knows it as well as the
+/// whole knows a single one: a small error of the larger mechanism may look like another mechanism.
 const BESIDE_ANOTHER: f64 = std::f64::consts::SQRT_2;
 
 impl Fitted {
