@@ -326,6 +326,21 @@ frame.addEventListener("load", () => setTimeout(() => {
 </script>"""
 
 
+def test_ticks_of_small_values_have_labels_of_their_own(page, tmp_path):
+    """uPlot's labels have three decimals: ticks at -5e-4, 0 and 5e-4 would all read 0."""
+    text = page.read_text(encoding="utf-8")
+    if 'id="figures"' not in text:
+        return
+    ask = "document.getElementById('ticks').textContent = JSON.stringify(glidepolarPage.ticked(null, [-5e-4, 0, 5e-4, 1e-3, 0.0015, 2500, null]))"
+    copy = tmp_path / "copy.html"
+    # The page allows its own scripts alone; the question is another one.
+    text = re.sub(r'<meta http-equiv="Content-Security-Policy"[^>]*>', "", text)
+    copy.write_text(text.replace("</body>", f'<pre id="ticks"></pre><script>{ask}</script></body>'), encoding="utf-8")
+    seen = browse(copy, tmp_path, "--dump-dom", "--virtual-time-budget=5000", width=1000)
+    labels = json.loads(re.search(r'<pre id="ticks">(.*?)</pre>', seen.output)[1])
+    assert labels == ["-5e-4", "0", "5e-4", "0.001", "0.0015", "2500", ""]
+
+
 @pytest.mark.parametrize("width", WIDTHS)
 def test_a_figure_answers_the_mouse(page, tmp_path, width):
     """Pointing at a figure shows the numbers there, dragging zooms; the drawing makes room for it on the screen."""

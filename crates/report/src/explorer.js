@@ -4,7 +4,7 @@
   "use strict";
   const source = document.getElementById("explorers");
   if (!source || typeof uPlot === "undefined") return;
-  const { style, named, shown } = glidepolarPage;
+  const { style, named, shown, ticked } = glidepolarPage;
 
   function path(draw) {
     return (u, index) => {
@@ -61,7 +61,7 @@
     });
     place.append(list);
     const grid = { stroke: style("--rule"), width: 1 };
-    const side = (axis, more) => ({ label: named(axis), stroke: style("--ink"), grid, ticks: grid, font: "13px system-ui, sans-serif", labelFont: "13px system-ui, sans-serif", ...more });
+    const side = (axis, more) => ({ label: named(axis), values: ticked, stroke: style("--ink"), grid, ticks: grid, font: "13px system-ui, sans-serif", labelFont: "13px system-ui, sans-serif", ...more });
     const facets = [{ scale: "x", auto: false }, { scale: "y", auto: false }];
     const plot = new uPlot({
       mode: 2,

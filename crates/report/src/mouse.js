@@ -9,7 +9,14 @@
   const named = (axis) => axis.label + (axis.symbol ? " " + axis.symbol : "") + (axis.unit ? " [" + axis.unit + "]" : "");
   const shown = (value) => (value == null ? "–" : String(Number(value.toPrecision(5))));
 
-  globalThis.glidepolarPage = { style, named, shown };
+  /* Labels of the ticks of an axis: uPlot's own have three decimals, and a tick at 0.0005 would read 0. */
+  const ticked = (_, splits) => splits.map((value) => {
+    if (value == null) return "";
+    const short = Number(value.toPrecision(5));
+    return short !== 0 && Math.abs(short) < 1e-3 ? short.toExponential() : String(short);
+  });
+
+  globalThis.glidepolarPage = { style, named, shown, ticked };
   const source = document.getElementById("figures");
   if (!source || typeof uPlot === "undefined") return;
   const figures = JSON.parse(source.textContent);
@@ -142,7 +149,7 @@
       if (!data[0].length) return;
       const bands = columns.flatMap((c, i) => (c.edge === "high" ? [{ series: [i + 1, i], fill: shade(c.colour) + "33" }] : []));
       const grid = { stroke: style("--rule"), width: 1 };
-      const axis = (label, more) => ({ label, stroke: style("--ink"), grid, ticks: grid, font, labelFont: font, ...more });
+      const axis = (label, more) => ({ label, values: ticked, stroke: style("--ink"), grid, ticks: grid, font, labelFont: font, ...more });
       const called = names(columns, named(panel.y));
       const y = { range: panel.y.range ? () => panel.y.range : around(panel) };
       // All of the data stand in the figure's own range, as in the drawing; a stretch that was dragged over in its own.
