@@ -14,7 +14,8 @@
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use crate::noise::orthonormal;
+use super::evidence::Evidence;
+use crate::noise::{Noise, longest_correlation_s, orthonormal};
 
 /// Clusters into which few long blocks are divided and many short ones put together: with fewer the quantiles of F reject next
 /// to nothing, with more a cluster lasts no longer than what makes its rows err together.
@@ -24,9 +25,20 @@ const ENOUGH_CLUSTERS: usize = 24;
 /// whitening what correlation is left beyond e^-2 is small.
 const CORRELATION_TIMES: f64 = 2.0;
 
+/// Returns the cluster of each row under this noise.
+///
+/// Rows that were made independent have no neighbours that err together: each block is a cluster. Were neighbours put together,
+/// an effect that the runs at one speed alone show would lie in one cluster, and without that cluster there is no estimate of it.
+pub fn clusters_of(evidence: &Evidence, noises: &[Noise]) -> Vec<usize> {
+    match evidence.decorrelation {
+        Some(_) => evidence.block.clone(),
+        None => clusters(&evidence.block, &evidence.time_s, longest_correlation_s(noises)),
+    }
+}
+
 /// Which cluster each row belongs to: its block; where blocks are few and long an equal part of it, where they are many some
 /// neighbours together, since what lasts longer than a block makes neighbours err together.
-pub fn clusters(block: &[usize], time_s: &[f64], longest_correlation_s: f64) -> Vec<usize> {
+fn clusters(block: &[usize], time_s: &[f64], longest_correlation_s: f64) -> Vec<usize> {
     let mut spans: std::collections::BTreeMap<usize, (f64, f64)> = std::collections::BTreeMap::new();
     for (block, time_s) in block.iter().zip(time_s) {
         let span = spans.entry(*block).or_insert((*time_s, *time_s));

@@ -51,6 +51,12 @@ impl Noise {
     }
 }
 
+/// The longest correlation time of the noises, s; 0 where all are white.
+pub fn longest_correlation_s(noises: &[Noise]) -> f64 {
+    let slow = noises.iter().flat_map(|noise| &noise.slow).filter(|slow| slow.variance > 0.0);
+    slow.map(|slow| slow.correlation_time_s).fold(0.0, f64::max)
+}
+
 /// The rows of one quantity in the order of time.
 #[derive(Debug, Clone, Copy)]
 pub struct Series<'a> {

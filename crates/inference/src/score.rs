@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::clusters::{chance_by_clusters, clusters};
+use super::clusters::{chance_by_clusters, clusters_of};
 use super::covariance::unit_columns;
 use super::evidence::Evidence;
 use crate::noise::{self, Noise, orthonormal};
@@ -128,7 +128,7 @@ impl Score {
             whitened: all,
             n_baseline: nb,
             absorbed,
-            clusters: clusters(&evidence.block, &evidence.time_s, longest_correlation_s(noises)),
+            clusters: clusters_of(evidence, noises),
             effective_rows: effective_rows(evidence, noises),
         }
     }
@@ -191,12 +191,6 @@ fn absorbed(all: &DMatrix<f64>, nb: usize, nc: usize) -> DMatrix<f64> {
     let mut steps = inverse * design.tr_mul(&all.columns(nb, nc));
     sizes.iter().enumerate().for_each(|(j, size)| steps.row_mut(j).unscale_mut(*size));
     steps
-}
-
-/// The longest correlation time of the noises, s; 0 where all are white.
-pub fn longest_correlation_s(noises: &[Noise]) -> f64 {
-    let slow = noises.iter().flat_map(|noise| &noise.slow).filter(|slow| slow.variance > 0.0);
-    slow.map(|slow| slow.correlation_time_s).fold(0.0, f64::max)
 }
 
 /// To how many independent rows these rows amount: what the mean of them all is worth.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::clusters::clusters;
+use super::clusters::clusters_of;
 use super::covariance::{inverse_symmetric, jackknife_beside};
 use super::evidence::{Candidate, Problem};
 use super::findings::HalfSize;
@@ -13,7 +13,7 @@ use super::fitted::Fitted;
 use super::gram::Gram;
 use super::holdout;
 use super::outcome::Stage;
-use super::score::{longest_correlation_s, whiten, whiten_with_prior};
+use super::score::{whiten, whiten_with_prior};
 
 /// Standard errors from having no effect at which half of the data shows a mechanism: 95 %.
 const FOUND_AT: f64 = 2.0;
@@ -56,7 +56,7 @@ impl Fitted {
         // Parameters have units of their own: unscaled, the singular values of their products may not converge.
         let by_model = inverse_symmetric(&design.tr_mul(&design));
         let (mut prior, mut by_cluster) = (Gram::new(k), BTreeMap::new());
-        let cluster = clusters(&self.evidence.block, &self.evidence.time_s, longest_correlation_s(&self.noises));
+        let cluster = clusters_of(&self.evidence, &self.noises);
         for row in 0..all.nrows() {
             let gram = match cluster.get(row) {
                 Some(cluster) => by_cluster.entry(*cluster).or_insert_with(|| Gram::new(k)),
