@@ -40,8 +40,13 @@ impl Fitted {
 
     /// Returns whether the fitted parameters, taken together, agree with the prior.
     fn agrees_with_prior(&self) -> bool {
+        self.probability_by_prior() >= SIGNIFICANT
+    }
+
+    /// Returns the probability that parameters drawn from the prior lie at least as far from its mean as the fitted ones.
+    pub(super) fn probability_by_prior(&self) -> f64 {
         let prior = &self.evidence.prior;
-        prior.is_empty() || chance(belief_squares(&self.evidence), prior.len()) >= SIGNIFICANT
+        if prior.is_empty() { 1.0 } else { chance(belief_squares(&self.evidence), prior.len()) }
     }
 
     /// Fits each mechanism alone and in full, by ordinary least squares, and returns the one that predicts held-out data best. Far from the

@@ -6,6 +6,7 @@ use super::evidence::{Problem, Quantity};
 use super::fitted::Fitted;
 use super::holdout;
 use super::iteration::Iteration;
+use super::score::{CLEARLY_WRONG, SIGNIFICANT};
 
 impl Fitted {
     /// Drops mechanisms whose effect on every quantity is below the limit of relevance, the smallest first.
@@ -27,13 +28,17 @@ impl Fitted {
 
     /// The fit without the member whose loss the others make good best, once all are fitted again: no held-out reading would be missed by
     /// more than the limit of its quantity, in quadrature and over the rows in which it acts. Its own size says less: what a polar makes
-    /// good is no error of the predictions.
+    /// good is no error of the predictions. A member whose loss the others make good with parameters that the prior excludes is not lost:
+    /// in a log with little noise a current of metres per second can do what a ballast offset does.
     fn smallest_by_what_is_missed(&self, problem: &impl Problem, baseline: &Fitted, limits: &[f64]) -> Option<Fitted> {
         let iteration = Iteration::new(problem.candidates(), self);
         let here = self.evidence.column_as_read(&self.held_out());
         let missed = |place: usize| {
             let other = self.without(problem, baseline, place);
             let there = self.evidence.column_as_read(&other.held_out());
+            if self.probability_by_prior() >= SIGNIFICANT && other.probability_by_prior() < CLEARLY_WRONG {
+                return (f64::INFINITY, other);
+            }
             let quantities = self.evidence.quantities.iter().zip(limits);
             let of_quantity = |(quantity, limit): (&Quantity, &f64)| {
                 let rows = iteration.rows_of(self.included[place], quantity);

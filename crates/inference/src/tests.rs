@@ -164,6 +164,48 @@ fn one_cause_is_named_sized_and_gains_on_held_out_data() {
     assert!(covered as f64 >= 0.85 * right as f64, "{covered} of {right}");
 }
 
+/// A level that the prior excludes, and a cause that the level nearly imitates.
+struct Believed(Toy);
+
+impl Problem for Believed {
+    fn baseline(&self) -> &[(&'static str, &'static str)] {
+        self.0.baseline()
+    }
+
+    fn candidates(&self) -> &[Candidate] {
+        self.0.candidates()
+    }
+
+    fn start(&self) -> Point {
+        self.0.start()
+    }
+
+    fn relevance(&self, _quantity: &Quantity, _scatter: f64) -> f64 {
+        0.1
+    }
+
+    fn evidence(&self, point: &Point) -> Evidence {
+        Evidence { prior: vec![(-point.baseline[0], 0.1)], ..self.0.evidence(point) }
+    }
+}
+
+/// With little noise a baseline may imitate a cause within the limit of relevance, with parameters that the prior excludes. Then the cause
+/// is relevant all the same; where the parameters are plausible it is not.
+#[test]
+fn a_cause_is_relevant_where_the_baseline_must_be_implausible_without_it() {
+    let found = |size: f64| {
+        let mut toy = Toy::new(180, |_, _| 0.0);
+        toy.columns[0] = toy.columns[0].map(|leg| 1.0 + 0.02 * leg);
+        toy.y = (&toy.y).add_scalar(-3.0) * 1e-3 + &toy.columns[0] * size;
+        diagnose(&Believed(toy)).0
+    };
+    let implausible = found(3.0);
+    assert!(implausible.causes.len() == 1 && implausible.causes[0].cause == "offset", "{implausible:?}");
+    let size = &implausible.causes[0].parameters["offset"];
+    assert!(size.ci95[0] < 3.0 && 3.0 < size.ci95[1] && (size.value - 3.0).abs() < 0.2, "{size:?}");
+    assert!(found(0.1).causes.is_empty());
+}
+
 /// The same misfit is named where its size is known well enough, and not where it is not.
 #[test]
 fn a_size_that_is_hardly_known_gets_no_name() {

@@ -132,8 +132,8 @@ fn explains_as_well(problem: &SeaProblem, outcome: &Outcome, other: &Outcome) ->
 
 /// Diagnoses a problem with the errors that the vehicle states of its polar; returns whether they are used.
 ///
-/// A log may contradict them because the polar is another, or because of what is wrong. Where all is well with a polar of its own, or
-/// the stated one leaves something unexplained or does not stay within its errors, it is another.
+/// A log may contradict them because the polar is another, or because of what is wrong. Where all is well with a plausible polar of its
+/// own, or the stated one leaves something unexplained or does not stay within its errors, it is another.
 fn with_stated_polar(
     problem: SeaProblem,
     stated: [Option<f64>; 3],
@@ -145,7 +145,9 @@ fn with_stated_polar(
         return (problem, outcome, true);
     }
     let (free, of_free) = decided(free);
-    if of_free.diagnosis.verdict != Verdict::None {
+    let is_well =
+        of_free.diagnosis.verdict == Verdict::None && !stated_polar::is_implausible(&free, &of_free.after.point);
+    if !is_well {
         let (problem, outcome) = decided(problem);
         let stays = stated_polar::stays_within(&problem, &outcome.after.point, stated);
         if outcome.diagnosis.verdict == Verdict::Explained && stays {

@@ -47,6 +47,13 @@ pub(super) fn stays_within(problem: &SeaProblem, point: &Point, stated: [Option<
     known.is_empty() || chance(squares, known.len()) >= CONTRADICTED
 }
 
+/// Whether the baseline at this point has a polar or a current that, without the stated errors, the prior excludes as well.
+pub(super) fn is_implausible(free: &SeaProblem, point: &Point) -> bool {
+    let prior = free.evidence(point).prior;
+    let squares: f64 = prior[..free.baseline().len()].iter().map(|(belief, sd)| (belief / sd).powi(2)).sum();
+    chance(squares, free.baseline().len()) < CONTRADICTED
+}
+
 /// A coefficient of which an error is stated.
 struct Known {
     /// Its place in the baseline.
