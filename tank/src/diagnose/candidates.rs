@@ -70,7 +70,6 @@ impl TankProblem<'_> {
             }
             "wall_interference" if one_sided => Some("only one side was towed"),
             "balance_hysteresis" if !self.data.is_raw => Some("the points came reduced, without their order"),
-            "balance_hysteresis" if !self.data.in_time => Some("the runs do not say when they were made"),
             "zero_drift" if !self.data.is_raw => Some("the points came reduced, without their zeros"),
             "zero_drift" if !self.data.in_time => Some("the runs do not say when they were made"),
             "water_temperature" if self.days.count() < 2 => Some("all runs were made on one day"),

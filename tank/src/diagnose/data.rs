@@ -123,16 +123,16 @@ impl Data {
         for (run, point) in runs.iter().zip(&sweep.points) {
             let map = run.to_coefficients(hull);
             let density = run.run.water.density_kg_m3;
-            let errors = common.shared().into_iter().filter(|kind| *kind != SharedKind::Zeros).map(|kind| {
-                match (kind, common.tare) {
-                    (SharedKind::Tare(channel), Some(tare)) => {
-                        let of_terms = tare.gradient(channel, &run.motion, density);
-                        let parts = tare.considered_root(channel).tr_mul(&-of_terms);
-                        let of_channel = Influence::of_all(DMatrix::from_row_slice(1, parts.len(), parts.as_slice()));
-                        map * of_channel.on_channel(channel).on
-                    }
-                    _ => map * common.influence(kind, run).on,
+            // Each run has its zeros; the speed's error is in a, b, c, d and in nothing else.
+            let of_rig = |kind: &SharedKind| !matches!(kind, SharedKind::Zeros | SharedKind::Speed);
+            let errors = common.shared().into_iter().filter(of_rig).map(|kind| match (kind, common.tare) {
+                (SharedKind::Tare(channel), Some(tare)) => {
+                    let of_terms = tare.gradient(channel, &run.motion, density);
+                    let parts = tare.considered_root(channel).tr_mul(&-of_terms);
+                    let of_channel = Influence::of_all(DMatrix::from_row_slice(1, parts.len(), parts.as_slice()));
+                    map * of_channel.on_channel(channel).on
                 }
+                _ => map * common.influence(kind, run).on,
             });
             let tare_weights = [0, 1, 2].map(|channel| match common.tare {
                 Some(tare) => tare.weights(channel, &run.motion, density),

@@ -10,7 +10,7 @@ use super::model::{self, Term, Values};
 use super::problem::{Shape, TankProblem};
 
 /// A run is not its own predecessor \[s\].
-const SAME_TIME_S: f64 = 1.0;
+const SAME_TIME_S: f64 = 0.5;
 
 impl TankProblem<'_> {
     /// The values of all terms for a run at a point.

@@ -18,6 +18,7 @@ mod model;
 mod problem;
 mod reduced;
 mod repeats;
+mod run_scatter;
 #[cfg(test)]
 mod tests;
 mod zero_runs;
@@ -97,6 +98,7 @@ impl Diagnoses {
         let mut outcome = diagnose_in_full(&problem);
         repeats::add(&mut outcome, &data, &problem);
         let mut diagnoses = findings::write(&data, &problem, &outcome, hulls);
+        diagnoses.warnings.extend(run_scatter::warnings(&outcome, &data, &problem));
         if let Some(cause) = wrong_temperature {
             let all = diagnoses.campaign.iter_mut();
             for diagnosis in all.chain(diagnoses.hulls.iter_mut().flatten().map(|hull| &mut hull.diagnosis)) {

@@ -35,7 +35,7 @@ const PART_UNEXPLAINED: f64 = 0.1;
 const LARGE_CHANGE: f64 = 0.2;
 /// Standard deviation of the logarithm of a run's variance by its own record: sqrt(2/n) with n = 8 degrees of freedom, as many as
 /// the lowest cosines have from which it is judged.
-const RECORDS_KNOWN_TO: f64 = 0.5;
+pub(super) const RECORDS_KNOWN_TO: f64 = 0.5;
 /// Standard errors by which the height of a bump of drag must be known, as at sea: one that is broader than the range of Froude
 /// numbers has any height, and is a slope.
 const HEIGHT_KNOWN: f64 = 6.0;

@@ -7,6 +7,7 @@
 //!
 //! Knows rows and their settings; no mechanisms.
 
+use glidepolar_inference::noise::orthonormal;
 use glidepolar_inference::regression::f_p_value;
 use glidepolar_inference::relevance::ONE_SIDED;
 use glidepolar_inference::score::CLEARLY_WRONG;
@@ -15,9 +16,6 @@ use nalgebra::{DMatrix, DVector};
 
 use super::data::Data;
 use super::problem::TankProblem;
-
-/// A column of which less than this is left beside the others says nothing more.
-const NOTHING_LEFT: f64 = 1e-6;
 
 /// Where the repeats tell of a misfit, adds it to what was said: a verdict `none` becomes `unexplained`.
 pub fn add(outcome: &mut Outcome, data: &Data, problem: &TankProblem<'_>) {
@@ -115,39 +113,30 @@ struct LackOfFit {
 }
 
 impl LackOfFit {
-    /// Of independent rows of one variance; none without repeats, or where the model has a mean for each setting.
+    /// Of independent rows of one variance and the residuals of their fit; none without repeats, or where the model has a mean for
+    /// each setting.
+    ///
+    /// Angles and speeds differ a little between repeats. What the model makes of that is in the residuals already, so the scatter of
+    /// repeats is that of their residuals about the mean of their setting, and costs the repeats no degree of freedom.
     fn new(model: &DMatrix<f64>, means: &DMatrix<f64>, residual: &DVector<f64>) -> Option<LackOfFit> {
-        let mut basis: Vec<DVector<f64>> = Vec::new();
-        let mut left = residual.clone();
-        let mut take = |columns: &DMatrix<f64>, left: &mut DVector<f64>| {
-            let before = basis.len();
-            for column in columns.column_iter() {
-                let mut direction = column.into_owned();
-                let size = direction.norm();
-                // Twice is enough (Giraud, Langou and Rozloznik 2005).
-                for _ in 0..2 {
-                    basis.iter().for_each(|known| direction.axpy(-known.dot(&direction), known, 1.0));
-                }
-                if direction.norm() > NOTHING_LEFT * size && basis.len() < residual.len() {
-                    direction.normalize_mut();
-                    left.axpy(-direction.dot(left), &direction, 1.0);
-                    basis.push(direction);
-                }
-            }
-            basis.len() - before
+        let rows = residual.len();
+        let beside = |columns: &DMatrix<f64>| -> (DVector<f64>, usize) {
+            let basis = orthonormal(columns.clone());
+            (residual - &basis * basis.tr_mul(residual), basis.ncols())
         };
-        let of_model = take(model, &mut left);
-        let beside_model = left.norm_squared();
-        let misfit_dof = take(means, &mut left);
-        let repeat_dof = residual.len() - of_model - misfit_dof;
+        let (beside_model, of_model) = beside(model);
+        let (beside_means, of_means) = beside(means);
+        let repeat_dof = rows - of_means;
+        let misfit_dof = of_means.saturating_sub(of_model);
         if misfit_dof == 0 || repeat_dof == 0 {
             return None;
         }
         let [misfit_dof, repeat_dof] = [misfit_dof, repeat_dof].map(|dof| dof as f64);
-        let repeat_square = left.norm_squared() / repeat_dof;
-        let ratio = (beside_model - left.norm_squared()).max(0.0) / misfit_dof / repeat_square;
+        let repeat_square = beside_means.norm_squared() / repeat_dof;
+        let misfit = (beside_model.norm_squared() - beside_means.norm_squared()).max(0.0);
+        let ratio = misfit / misfit_dof / repeat_square;
         let p_value = f_p_value(ratio, misfit_dof, repeat_dof);
-        Some(LackOfFit { rows: residual.len(), misfit_dof, ratio, repeat_square, p_value })
+        Some(LackOfFit { rows, misfit_dof, ratio, repeat_square, p_value })
     }
 
     /// Rms of the misfit over the rows in units of the repeats' scatter, the share of the noise removed.
@@ -187,5 +176,18 @@ mod tests {
         let expected = 1.0 - 2.0 / std::f64::consts::PI * (u.atan() + u / (1.0 + u * u));
         assert!((test.p_value - expected).abs() < 1e-9, "{} against {expected}", test.p_value);
         assert!(LackOfFit::new(&means, &means, &y).is_none());
+    }
+    /// Angles differ a little from repeat to repeat. They take up no degree of freedom of the repeats, and a law with more terms none
+    /// either.
+    #[test]
+    fn repeats_at_nearly_one_angle_keep_their_degrees_of_freedom() {
+        let angle = |i: usize| (i / 2) as f64 + 1e-3 * (i % 2) as f64;
+        let model = DMatrix::from_fn(10, 4, |i, j| angle(i).powi(j as i32 + 1));
+        let means = DMatrix::from_fn(10, 5, |i, j| f64::from(u8::from(i / 2 == j)));
+        // Repeats are 2e-3 apart; one setting is off by 1.
+        let y = DVector::from_fn(10, |i, _| f64::from(u8::from(i / 2 == 0)) + 1e-3 * (1.0 - 2.0 * (i % 2) as f64));
+        let test = LackOfFit::new(&model, &means, &y).expect("repeats");
+        assert!((test.repeat_square - 10.0 * 1e-6 / 5.0).abs() < 1e-12 && test.misfit_dof == 1.0);
+        assert!(test.p_value < 1e-6, "{}", test.p_value);
     }
 }
