@@ -1,4 +1,4 @@
-//! Errors that runs share: those of the tare, the zeros, the interaction matrix, the calibration. Each kind is taken apart
+//! Errors that runs share: those of the tare, the zeros, the interaction matrix, the calibration, the carriage's speed. Each kind is taken apart
 //! into independent parts of one standard error each, and a run carries only the parts that it feels: a long campaign has
 //! thousands of zeros, and every run rests on two of them.
 
@@ -9,6 +9,10 @@ use crate::influence::Influence;
 use crate::steady_run::SteadyRun;
 use crate::tare::Tare;
 use crate::zeros::Zeros;
+
+/// Standard uncertainty of the carriage's speed, which all runs share, as a share of it: speed shall be measured to within 0.1 % (ITTC
+/// 7.5-02-02-01, Resistance Test), a rectangular distribution of that half-width. The force coefficients move by twice as much.
+const SPEED_UNCERTAINTY: f64 = 1e-3 / 1.732_050_8;
 
 /// What all runs of a campaign have in common.
 #[derive(Debug, Clone)]
@@ -32,6 +36,8 @@ pub enum SharedKind {
     Interaction,
     /// The calibration of the balance.
     Calibration,
+    /// The speed of the carriage.
+    Speed,
 }
 
 impl SharedKind {
@@ -44,12 +50,13 @@ impl SharedKind {
             SharedKind::Zeros => "zeros",
             SharedKind::Interaction => "interaction",
             SharedKind::Calibration => "calibration",
+            SharedKind::Speed => "speed",
         }
     }
 }
 
 impl Common<'_> {
-    /// The errors that a campaign's runs share: the tare channel by channel, the zeros, the calibration.
+    /// The errors that a campaign's runs share: the tare channel by channel, the zeros, the calibration, the speed.
     pub fn shared(&self) -> Vec<SharedKind> {
         let mut kinds = Vec::new();
         if self.tare.is_some() {
@@ -64,6 +71,7 @@ impl Common<'_> {
         if self.balance.uncertainty.is_some() {
             kinds.push(SharedKind::Calibration);
         }
+        kinds.push(SharedKind::Speed);
         kinds
     }
 
@@ -90,6 +98,11 @@ impl Common<'_> {
             (SharedKind::Calibration, _) => {
                 let side = run.steps.water()[1].signum();
                 self.calibration_influence(Vector3::new(1.0, side, side))
+            }
+            // Forces go with the square of the speed: a speed that is high by a share is a force that is low by two.
+            (SharedKind::Speed, _) => {
+                let force = -2.0 * SPEED_UNCERTAINTY * run.steps.water();
+                Influence::of_all(DMatrix::from_column_slice(3, 1, force.as_slice()))
             }
             (SharedKind::Tare(_), None) => Influence::none(3),
         }

@@ -99,6 +99,8 @@ fn oscillation(common: &Common, hull: &Hull, index: usize, run: &Run, harmonics:
                     SharedKind::Calibration => common.calibration_influence(at(&cycle.side)).through(&map),
                     // The zero is constant over a run: it stands in the mean only.
                     SharedKind::Zeros => Influence::none(2),
+                    // No more than a share of a derivative that is far below what the harmonics are known to.
+                    SharedKind::Speed => Influence::none(2),
                 })
                 .collect();
             Observation {

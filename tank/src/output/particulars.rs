@@ -131,7 +131,7 @@ fn is_of(index: Option<usize>, results: &Results, hull: &HullResults) -> bool {
 /// The uncertainty budget: what scatters from run to run, and what all runs share.
 pub fn uncertainty(results: &Results) -> Section {
     let mut table = Table::new(
-        "Uncertainty budget, standard uncertainties. Precision: what scatters from run to run and falls with the number of runs. Bias: what runs share (zeros, tare, and the uncertainties that campaign.toml states for calibration, interaction, moment centre and centre of buoyancy). Combined: the root of the sum of squares. Expanded: half the 95 % interval.",
+        "Uncertainty budget, standard uncertainties. Precision: what scatters from run to run and falls with the number of runs. Bias: what runs share (zeros, tare, 0.058 % of the carriage's speed, and the uncertainties that campaign.toml states for calibration, interaction, moment centre and centre of buoyancy). Combined: the root of the sum of squares. Expanded: half the 95 % interval.",
         ["Hull", "coefficient", "value", "precision", "bias", "combined", "expanded, 95 %"],
     );
     for hull in &results.hulls {
