@@ -114,6 +114,34 @@ fn a_dive_of_the_seaglider_basestation_is_read() {
 }
 
 #[test]
+fn a_pressure_is_in_the_unit_that_netcdf_states() {
+    for (unit, factor) in [("Pa", 1e4), ("kPa", 10.0), ("hPa", 100.0), ("bar", 0.1), ("dbar", 1.0), ("", 1.0)] {
+        let pressure = [1.0, 3.0, 5.0].map(|dbar| dbar * factor);
+        let basestation = classic::File::new(3)
+            .variable("ctd_time", "seconds since 1970-1-1 00:00:00", &[100.0, 110.0, 120.0])
+            .variable("ctd_pressure", unit, &pressure)
+            .variable("eng_pitchAng", "degrees", &[-20.0, -21.0, -22.0])
+            .variable("eng_vbdCC", "", &[-100.0; 3])
+            .with_moves(&[(118.0, 119.0)])
+            .bytes();
+        let series = classic::File::new(3)
+            .variable("TIME", "seconds since 1970-01-01T00:00:00Z", &[10.0, 20.0, 30.0])
+            .variable("PRES", unit, &pressure)
+            .variable("PITCH", "degrees", &[-25.0, -26.0, -27.0])
+            .variable("vbd_cc", "cm3", &[-200.0; 3])
+            .bytes();
+        for (name, bytes) in [("p5420042.nc", basestation), ("glider.nc", series)] {
+            let log = OneFile::new(name, &bytes).series().unwrap();
+            assert!(
+                (log.at(Channel::Pressure, 2) - 5.0).abs() < 1e-9,
+                "{name}, {unit}: {:?}",
+                log.column(Channel::Pressure)
+            );
+        }
+    }
+}
+
+#[test]
 fn an_og1_time_series_is_read_with_its_units() {
     let file = classic::File::new(3)
         .variable("TIME", "seconds since 1970-01-01T00:00:00Z", &[10.0, 20.0, 30.0])
