@@ -217,8 +217,9 @@ pub(super) fn find_columns(
                 }
             })?;
             let by_name = || {
-                let alias = info.aliases.iter().find(|(alias, _)| same_unit(alias, name)).map(|alias| alias.1);
-                Conversion::by(alias.or_else(|| maker_factor(info.channel, name)).unwrap_or(1.0))
+                let of_table = stated[cell].1.as_deref().and_then(|unit| units::conversion(info.channel, unit));
+                let maker = || maker_factor(info.channel, name).map(Conversion::by);
+                of_table.or_else(maker).or_else(|| units::unit_at_end(info.channel, name)).unwrap_or(Conversion::NONE)
             };
             let conversion = wanted.unit(info.channel).unwrap_or_else(by_name);
             columns.push(Column { cell, channel: info.channel, conversion });
@@ -357,12 +358,6 @@ const MAKERS: &[(Channel, &str, f64)] = &[
 /// What a maker's name says of the unit.
 fn maker_factor(channel: Channel, name: &str) -> Option<f64> {
     MAKERS.iter().find(|(of, known, _)| *of == channel && *known == name).map(|(.., factor)| *factor)
-}
-
-/// Whether a name that the user gave ends in the unit of an alias, as `pitch_deg` and `pitch_corrected_deg` do.
-fn same_unit(alias: &str, name: &str) -> bool {
-    let unit = |text: &str| text.rsplit_once('_').map(|(_, unit)| unit.to_owned());
-    unit(alias).is_some() && unit(alias) == unit(name)
 }
 
 fn listed(header: &[String]) -> String {
