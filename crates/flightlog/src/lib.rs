@@ -19,6 +19,7 @@
 
 mod ad2cp;
 mod calibration;
+mod cells;
 mod channels;
 mod clean;
 mod columns;
@@ -35,6 +36,7 @@ mod gzip;
 mod in_memory;
 mod interpolated_speed;
 mod lost_speed;
+mod makers;
 mod motors;
 mod names;
 mod netcdf;
@@ -43,6 +45,7 @@ mod og1;
 mod open;
 mod prepare;
 mod resample;
+mod row_dates;
 mod seaexplorer;
 mod seaglider;
 mod segment;

@@ -251,7 +251,21 @@ fn units(channel: Channel) -> &'static [Unit] {
 }
 
 /// Numbers that stand for a missing value in files that do not declare one, in whatever unit: no channel has them.
-const FILLS: [f64; 7] = [-999.0, -999.9, -9999.0, -9999.9, -99_999.0, -999_999.0, -9_999_999.0];
+const FILLS: [f64; 13] = [
+    -999.0,
+    -999.25,
+    -999.9,
+    -999.99,
+    -9999.0,
+    -9999.25,
+    -9999.9,
+    -9999.99,
+    -32_768.0,
+    -99_999.0,
+    -999_999.0,
+    -9_999_999.0,
+    -2_147_483_648.0,
+];
 
 /// As well, in what is no time, depth, count or conductivity.
 const LARGE_FILLS: [f64; 4] = [9999.0, 9999.9, 99_999.0, 999_999.0];
@@ -315,6 +329,14 @@ pub(super) fn unit_at_end(channel: Channel, name: &str) -> Option<Conversion> {
 /// A unit as names spell it, where a quotient has no slash: `cm_s`, `kg_m3`.
 fn spelled(channel: Channel, unit: &str) -> Option<Conversion> {
     conversion(channel, unit).or_else(|| conversion(channel, &unit.replacen('_', "/", 1)))
+}
+
+/// Whether a name, or the unit that a table states of it, is that of a mass: no volume of ballast follows from it without the
+/// density of the water.
+pub(super) fn is_mass(name: &str, stated: Option<&str>) -> bool {
+    const MASSES: [&str; 6] = ["g", "gr", "gram", "grams", "kg", "kilograms"];
+    let is_one = |unit: &str| MASSES.iter().any(|mass| unit.trim().eq_ignore_ascii_case(mass));
+    stated.map_or_else(|| parts(name).any(|(_, unit)| is_one(unit)), is_one)
 }
 
 /// Splits a name at each place where its unit may begin.
@@ -406,7 +428,8 @@ mod tests {
 
     #[test]
     fn a_fill_value_is_no_value() {
-        for fill in [-9999.0, -999.0, 9999.0, 1e20, 9.969_209_968_386_869e36] {
+        assert!(is_mass("ballast_g", None) && is_mass("ballast", Some("kg")) && !is_mass("ballast_cc", None));
+        for fill in [-9999.0, -999.0, -999.25, -32_768.0, 9999.0, 1e20, 9.969_209_968_386_869e36] {
             assert!(is_fill(Channel::Ballast, fill) && is_fill(Channel::Heading, fill), "{fill}");
         }
         for (channel, value) in [
