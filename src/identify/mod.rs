@@ -59,4 +59,4 @@ pub use within_bin::{Inside, Parts};
 pub(crate) use within_bin::{felt_density_kg_m3, turns_by_rad};
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -12,7 +12,7 @@ use crate::glide::{Attitude, at_path, at_pitch};
 use crate::log::Observation;
 use crate::vehicle::Vehicle;
 
-pub(super) fn glider() -> (Vehicle, Parameters<f64>) {
+pub(crate) fn glider() -> (Vehicle, Parameters<f64>) {
     let vehicle = Vehicle::load("slocum-graver").expect("a built-in vehicle");
     let mut p = vehicle.glide_parameters();
     (p.a_per_rad, p.b, p.c_per_rad2, p.ballast_offset_kg) = (18.0, 0.4, 8.0, 0.05);
@@ -25,7 +25,7 @@ fn water(p: &Parameters<f64>) -> Surroundings<f64> {
 }
 
 /// One sample of a glide at this path angle and speed, by the closed form; mass and pitch follow from the forces.
-pub(super) fn sample(p: &Parameters<f64>, path_deg: f64, speed_m_s: f64, dive: u32, time_s: f64) -> Observation {
+pub(crate) fn sample(p: &Parameters<f64>, path_deg: f64, speed_m_s: f64, dive: u32, time_s: f64) -> Observation {
     sample_in(p, &water(p), path_deg, speed_m_s, dive, time_s)
 }
 

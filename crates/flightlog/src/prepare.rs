@@ -105,6 +105,16 @@ impl Preparation {
         self.other_units.density_less_1000()
     }
 
+    /// Share of the pressures and depths read so far that no sea has and that were taken out.
+    pub fn share_of_depth_beyond(&self) -> f64 {
+        self.other_units.depth_beyond()
+    }
+
+    /// Share of the measured speeds read so far that no glider has and that were taken out.
+    pub fn share_of_speed_beyond(&self) -> f64 {
+        self.other_units.speed_beyond()
+    }
+
     /// Returns the share of the rows read so far before which the time goes back. A few are a clock that was set; many are rows that are
     /// not sorted by time.
     pub fn share_of_backward_steps(&self) -> f64 {
