@@ -96,13 +96,14 @@ pub fn read_watched(
         }
         watch(gathering.progress(&files));
     }
+    let assumed_temperature = gathering.assumed_temperature(vehicle);
     let nothing_left = gathering.nothing_left(&logs[0], request.density_kg_m3.is_some());
     let mut log = gathering.finish()?;
     if log.observations.is_empty() {
         return Err(nothing_left.into());
     }
     check_pitch(&logs[0], &log.observations)?;
-    log.notes.splice(0..0, files.notes().iter().cloned());
+    log.notes.splice(0..0, files.notes().iter().cloned().chain(assumed_temperature));
     log.left_out.splice(0..0, files.warnings().iter().cloned());
     log.calibration = files.calibration().cloned();
     Ok(log)
@@ -275,6 +276,19 @@ impl Gathering {
         self.steady[0] += glides.iter().filter(|o| o.steady).count();
         self.steady[1] += glides.len();
         self.condenser.take(&mut glides);
+    }
+
+    /// What is assumed of the temperature of a log that has none, for a hull that expands with it.
+    fn assumed_temperature(&self, vehicle: &Vehicle) -> Option<String> {
+        let p = vehicle.glide_parameters();
+        let is_assumed =
+            p.hull_thermal_expansion_per_K != 0.0 && self.rows > 0 && !self.recorded.contains(&Channel::Temperature);
+        is_assumed.then(|| {
+            format!(
+                "no water temperature in the log: {} degC assumed, at which the volume of the hull is stated",
+                p.reference_temperature_C
+            )
+        })
     }
 
     /// Why no sample came of a log.

@@ -218,6 +218,10 @@ impl Preparation {
         let has_temperature = self.has_temperature(&mut log);
         let water = teos10(&log);
         let density = density_kg_m3(&log, &water, &s);
+        if let Some(given) = s.density_kg_m3.filter(|given| density.iter().all(|density| density == given)) {
+            let of_record = "parts of the record without a density, or temperature with salinity or conductivity";
+            self.notes.add(&format!("{of_record}: {given} kg/m3 assumed at all depths, as given by --density"), 1);
+        }
         let pressure = log.column(Channel::Pressure);
         let time = log.column(Channel::Time);
         let velocity = vertical_velocity(time, pressure, s.half_window_s);

@@ -115,6 +115,23 @@ fn a_density_that_the_log_shows_to_be_wrong_is_corrected_by_every_command_and_it
     assert!(expected > 100.0 && (as_read / expected - 1.0).abs() < 1e-6, "{as_read} m beside {expected} m");
 }
 
+/// The same log without a record of the water.
+fn without_water() -> Vec<Row> {
+    changed(|row| row[4] = f64::NAN)
+}
+
+#[test]
+fn what_is_assumed_of_the_water_is_said() {
+    let notes = |rows: &[Row], water: &str| {
+        let found = run_on(&["identify", "--density", "1026"], rows, water).expect("a fit");
+        found["notes"].to_string()
+    };
+    let said = notes(&without_water(), ",");
+    assert!(said.contains("1026 kg/m3 assumed") && said.contains("15 degC assumed"), "{said}");
+    let said = notes(&rows(), "10,35");
+    assert!(!said.contains("assumed"), "{said}");
+}
+
 #[test]
 fn a_pressure_or_a_speed_in_another_unit_is_warned_of() {
     let warned = |command: &[&str], factor: f64| {
