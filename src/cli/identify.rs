@@ -89,6 +89,7 @@ impl TrimChoice {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    let pin = pins(&arguments.pin)?;
     let vehicle = log_vehicle::load(&arguments.vehicle, &arguments.logs)?;
     let how = if arguments.unsteady { Shorten::Dives } else { Shorten::Means };
     let mut log = arguments.reading.read_shortened(&arguments.logs, &vehicle, how)?;
@@ -108,7 +109,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
             vehicle.name
         )));
     }
-    let request = Request { trim, free: arguments.free.clone(), pin: pins(&arguments.pin)?, unsteady };
+    let request = Request { trim, free: arguments.free.clone(), pin, unsteady };
     let steady = log.steady_share();
     // What contradicts the vehicle may be why nothing can be fitted.
     let found = identify(&vehicle, &log.observations, &request).inspect_err(|_| warn(&warnings))?;
@@ -240,13 +241,16 @@ fn write_page(arguments: &Arguments, page: Report, folder: OutputFolder) -> Resu
     Ok(page.write(folder)?)
 }
 
+/// What is to be held, refused before a log is read where no glider has such a value.
 fn pins(texts: &[String]) -> Result<Vec<Given>, CliError> {
     texts
         .iter()
         .map(|text| {
-            pin(text).ok_or_else(|| {
+            let given = pin(text).ok_or_else(|| {
                 CliError::Usage(format!("--pin {text}: expected NAME=VALUE or NAME=VALUE+-SE with numbers"))
-            })
+            })?;
+            given.check()?;
+            Ok(given)
         })
         .collect()
 }

@@ -36,6 +36,7 @@ fn numbers_beyond_their_bounds_are_named() {
         (&["glide", "slocum-graver", "--net-mass-kg", "0.2", "--pitch-deg", "inf"], "--pitch-deg inf"),
         (&["plan", "seaglider", "--battery-Wh", "2700", "--depth-m", "-5"], "--depth-m -5"),
         (&["plan", "seaglider", "--battery-Wh", "2700", "--depth-m", "500", "--density", "5"], "--density 5"),
+        (&["identify", "none.csv", "--vehicle", "seaglider", "--pin", "a=-3"], "`a` = -3 is beyond what it can be"),
         (&["simulate", "slocum-graver", "--stop", "-5"], "--stop -5"),
         (&["turn", "seawing", "--roll-mass-deg", "nan"], "--roll-mass-deg NaN"),
         (&["turn", "seawing", "--roll-mass-deg", "120"], "--roll-mass-deg 120 is beyond its limits"),
