@@ -153,19 +153,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     }
     arguments.output.write_json(&report)?;
     // What one dive shows stands above; no error of it is known, so that nothing is identified.
-    match found.dives.len() {
-        dives if dives >= LEAST_DIVES => Ok(()),
-        dives => Err(IdentifyError::TooFewDives {
-            found: dives,
-            needed: LEAST_DIVES,
-            parameters: found.best_fit().free.len(),
-        }
-        .into()),
-    }
+    Ok(found.has_enough_dives()?)
 }
-
-/// Fewest dives of which a scatter is known.
-const LEAST_DIVES: usize = 2;
 
 /// Standard errors from which on the log contradicts the vehicle's own lift slope: by chance in 3 logs of 1000.
 const CONTRADICTS_SE: f64 = 3.0;

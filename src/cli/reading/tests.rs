@@ -147,6 +147,15 @@ fn a_pressure_or_a_speed_in_another_unit_is_warned_of() {
 }
 
 #[test]
+fn a_log_of_one_dive_identifies_nothing_in_any_command() {
+    for command in [&["identify"][..], &["compare", "seaglider"]] {
+        let error = run_command(command, &rows()[..300]).expect_err("one dive");
+        assert!(error.to_string().contains("dives with steady samples: 1, at least 2"), "{command:?}: {error}");
+        assert_eq!(error.exit_code(), ExitCode::from(1), "{command:?}");
+    }
+}
+
+#[test]
 fn descents_alone_at_one_ballast_volume_contradict_nothing() {
     let descents: Vec<Row> = rows().into_iter().filter(|row| row[2] < 0.0).collect();
     for command in [COMMANDS[0], COMMANDS[2]] {
