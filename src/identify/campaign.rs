@@ -260,6 +260,11 @@ fn identify_from(
     if let Some(propagated) = fitted.propagated.iter().find(|propagated| propagated.considered.name == "a") {
         warnings.push(speed_warning(&fitted, propagated, &dives));
     }
+    if let Some(why) = pitch_balance.as_ref().and_then(|balance| balance.failure.as_ref()) {
+        warnings
+            .push(format!("the balance of moments is not identifiable, d and the centre of gravity with it: {why}"));
+    }
+    let pitch_balance = pitch_balance.filter(|balance| balance.failure.is_none());
     if pitch_balance.as_ref().is_some_and(|balance| !balance.is_identified) {
         warnings.push(
             "d and the height of the centre of gravity rest on the arm of the ballast, which these data do not identify: give the vehicle its `ballast.forward_m`"
