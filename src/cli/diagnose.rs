@@ -58,7 +58,13 @@ pub struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    arguments.output.begin(&[("--extended", arguments.extended.as_deref()), ("--out", arguments.out.as_deref())])?;
     let vehicle = log_vehicle::load(&arguments.vehicle, &arguments.logs)?;
+    let replace = if arguments.output.force { Replace::Any } else { Replace::Never };
+    // A diagnosis takes long: what cannot be written is refused before it.
+    if let Some(path) = &arguments.extended {
+        check(path, vehicle.to_toml().as_bytes(), replace)?;
+    }
     let mut log = arguments.reading.read(&arguments.logs, &vehicle)?;
     let vehicle = log.located(vehicle)?;
     let trim = TrimChoice::trim(arguments.trim, &vehicle);
@@ -79,11 +85,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         })?;
     found.outcome.diagnosis.warnings.splice(0..0, log.left_out.iter().cloned().chain(contradictions));
 
-    let replace = if arguments.output.force { Replace::Any } else { Replace::Never };
     let extended = arguments.extended.as_ref().map(|path| Ok::<_, CliError>((path, extended(&vehicle, &found)?)));
     let extended = extended.transpose()?;
-    if let Some((path, extended)) = &extended {
-        check(path, extended.to_toml().as_bytes(), replace)?;
+    if let Some((path, _)) = &extended {
         found.outcome.diagnosis.extended = Some(path.display().to_string());
     }
     if let Some(out) = &arguments.out {

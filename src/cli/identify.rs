@@ -90,7 +90,12 @@ impl TrimChoice {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let pin = pins(&arguments.pin)?;
+    arguments.output.begin(&[("--write", arguments.write.as_deref()), ("--out", arguments.out.as_deref())])?;
     let vehicle = log_vehicle::load(&arguments.vehicle, &arguments.logs)?;
+    // A fit takes long: what cannot be written is refused before it.
+    if let Some(path) = &arguments.write {
+        arguments.output.check(path, vehicle.to_toml().as_bytes())?;
+    }
     let how = if arguments.unsteady { Shorten::Dives } else { Shorten::Means };
     let mut log = arguments.reading.read_shortened(&arguments.logs, &vehicle, how)?;
     let vehicle = log.located(vehicle)?;
@@ -123,11 +128,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         report.warnings.extend(turning.warnings.iter().cloned());
     }
     let identified = match &arguments.write {
-        Some(path) => {
-            let identified = identify_write::identified(&vehicle, &found, &report)?;
-            arguments.output.check(path, identified.to_toml().as_bytes())?;
-            Some((path, identified))
-        }
+        Some(path) => Some((path, identify_write::identified(&vehicle, &found, &report)?)),
         None => None,
     };
     if arguments.output.shows_tables() {
