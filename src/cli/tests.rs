@@ -36,6 +36,8 @@ fn numbers_beyond_their_bounds_are_named() {
         (&["glide", "slocum-graver", "--net-mass-kg", "0.2", "--pitch-deg", "inf"], "--pitch-deg inf"),
         (&["plan", "seaglider", "--battery-Wh", "2700", "--depth-m", "-5"], "--depth-m -5"),
         (&["plan", "seaglider", "--battery-Wh", "2700", "--depth-m", "500", "--density", "5"], "--density 5"),
+        (&["plan", "seaglider", "--battery-Wh", "-5", "--depth-m", "500"], "--battery-Wh -5"),
+        (&["plan", "seaglider", "--battery-Ah", "100", "--battery-V", "0", "--depth-m", "500"], "--battery-V 0"),
         (&["identify", "none.csv", "--vehicle", "seaglider", "--pin", "a=-3"], "`a` = -3 is beyond what it can be"),
         (&["simulate", "slocum-graver", "--stop", "-5"], "--stop -5"),
         (&["simulate", "slocum-graver", "--tolerance", "10"], "--tolerance 10"),
@@ -69,6 +71,19 @@ fn a_place_that_cannot_be_written_is_refused_before_the_log_is_read() {
         let found = refused(&[&arguments[1..], &["--json", place.to_str().unwrap(), "--force"]].concat());
         assert!(found.contains(&format!("{option} and --json name the same place")), "{found}");
     }
+}
+
+#[test]
+fn a_plan_at_a_pitch_that_no_glider_flies_is_warned_of() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let warns = |pitch_deg: &str| {
+        let json = folder.path().join(format!("{pitch_deg}.json"));
+        let plan =
+            ["glidepolar", "plan", "seaglider", "--battery-Wh", "2700", "--depth-m", "500", "--quiet", "--pitch-deg"];
+        run(Cli::parse_from(plan.into_iter().chain([pitch_deg, "--json", json.to_str().unwrap()]))).expect("a plan");
+        std::fs::read_to_string(json).expect("a result").contains("no measured glide is as flat")
+    };
+    assert!(warns("2") && !warns("20"));
 }
 
 #[test]
