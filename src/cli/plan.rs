@@ -132,7 +132,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     arguments.output.write_json(&report)
 }
 
-/// What is to be said of the calibration, then of the plan.
+/// Warnings about the calibration, then about the plan.
 fn all_warnings<'a>(calibration: Option<&'a Calibration>, plan: Option<&'a Plan>) -> impl Iterator<Item = &'a String> {
     let of_plan = plan.into_iter().flat_map(|plan| &plan.warnings);
     calibration.into_iter().flat_map(|calibration| &calibration.warnings).chain(of_plan)

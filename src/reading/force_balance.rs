@@ -124,7 +124,7 @@ mod tests {
     /// Descents and ascents in turn, their vertical velocities times a factor.
     fn log(factor: f64) -> Vec<Observation> {
         let (_, p) = glider();
-        let path_deg = |i: u32| if i % 2 == 0 { -30.0 } else { 30.0 };
+        let path_deg = |i: u32| if i.is_multiple_of(2) { -30.0 } else { 30.0 };
         let of = |i: u32| sample(&p, path_deg(i), 0.3 + 1e-3 * f64::from(i), i / 2, f64::from(i));
         (0..80).map(of).map(|o| Observation { sink_m_s: factor * o.sink_m_s, ..o }).collect()
     }

@@ -82,7 +82,7 @@ mod tests {
 
     fn says(factor: f64) -> Option<String> {
         let (_, p) = glider();
-        let of = |i: u32| sample(&p, if i % 2 == 0 { -28.0 } else { 33.0 }, 0.3, i / 2, f64::from(i));
+        let of = |i: u32| sample(&p, if i.is_multiple_of(2) { -28.0 } else { 33.0 }, 0.3, i / 2, f64::from(i));
         let log: Vec<_> = (0..60).map(of).map(|o| Observation { speed_m_s: factor * o.speed_m_s, ..o }).collect();
         contradiction(&log, &p)
     }

@@ -99,7 +99,7 @@ impl RowDates {
 mod tests {
     use super::super::{Channel, Columns, CsvLog};
 
-    /// The times of a table of these names and rows, and what was said of them.
+    /// The times of a table of these names and rows, and the warnings about them.
     fn times(names: &str, rows: &[&str], unit: Option<&str>) -> (Vec<f64>, Vec<String>) {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("log.csv");
