@@ -27,6 +27,7 @@ mod condense;
 mod csv;
 mod dates;
 mod density;
+mod dialect;
 mod dinkum_ascii;
 mod files;
 mod fix;

@@ -5,8 +5,8 @@
 
 use std::path::Path;
 
-use super::csv::{csv_error, reader};
 use super::dates::{DateOrder, Shows, has_year_last, ordered_unix_s, shows_order};
+use super::dialect::{csv_error, reader};
 use glidepolar_input::{InputError, printable};
 
 /// Names of a column that holds the date of a clock in another.
