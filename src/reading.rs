@@ -3,17 +3,22 @@
 //!
 //! Knows no command and no fit.
 
+mod force_balance;
+mod measured_speed;
+mod prepared_log;
+
 use std::path::{Path, PathBuf};
 
+use crate::diagnose::Check;
 use crate::diagnose::sea::SeaError;
-use crate::diagnose::sea::consistency::{self, DensityError};
-use crate::diagnose::{Check, Checked};
-use crate::input::{InputError, Place};
+use crate::diagnose::sea::consistency;
+use crate::input::{InputError, Place, printable};
 use crate::log::{
-    CHANNELS, Calibration, Channel, Columns, Condenser, FlightLog, ForwardFilled, LogFiles, MOST_OBSERVATIONS,
-    Observation, Piece, Preparation, PreparationSettings, Shorten, take_out_interpolated_speeds, take_out_lost_speeds,
+    CHANNELS, Channel, Columns, Condenser, FlightLog, ForwardFilled, LogFiles, MOST_OBSERVATIONS, Observation, Piece,
+    Preparation, PreparationSettings, Shorten, take_out_interpolated_speeds, take_out_lost_speeds,
 };
 use crate::vehicle::Vehicle;
+pub use prepared_log::PreparedLog;
 
 /// Why a log gives no samples.
 #[derive(Debug, thiserror::Error)]
@@ -22,13 +27,24 @@ pub enum ReadingError {
     #[error(transparent)]
     Input(#[from] InputError),
     /// A log that contradicts itself. What was taken out in the reading may be what is wrong, so the notes stand with it.
-    #[error("{}{}", SeaError::Inconsistent(.checks.clone()), noted(.notes))]
+    #[error("{}{}; {REMEDY}{}", named(.log.as_deref()), SeaError::Inconsistent(.checks.clone()), noted(.notes))]
     Inconsistent {
+        /// The first file of the log, where it is known.
+        log: Option<PathBuf>,
         /// The checks that the log does not pass.
         checks: Vec<Check>,
         /// What was found in the reading.
         notes: Vec<String>,
     },
+}
+
+/// What to do with a log that contradicts itself.
+const REMEDY: &str =
+    "choose another column by --column CHANNEL=COLUMN, state its unit by --unit CHANNEL=UNIT, or correct the file";
+
+/// The file as the beginning of an error.
+fn named(log: Option<&Path>) -> String {
+    log.map(|log| format!("{}: ", printable(&log.to_string_lossy()))).unwrap_or_default()
 }
 
 /// Notes of the reading as the end of an error.
@@ -71,6 +87,7 @@ pub fn read_watched(
     settings.half_window_s = request.half_window_s.unwrap_or(settings.half_window_s);
     let mut gathering = Gathering::new(settings, request.shorten);
     gathering.gravity_is_known = states_gravity(vehicle);
+    gathering.log = logs.first().cloned();
     let mut files = LogFiles::open(logs, &request.columns)?;
     while let Some(piece) = files.next_piece(PIECE_ROWS)? {
         match piece {
@@ -79,13 +96,14 @@ pub fn read_watched(
         }
         watch(gathering.progress(&files));
     }
+    let assumed_temperature = gathering.assumed_temperature(vehicle);
     let nothing_left = gathering.nothing_left(&logs[0], request.density_kg_m3.is_some());
     let mut log = gathering.finish()?;
     if log.observations.is_empty() {
         return Err(nothing_left.into());
     }
     check_pitch(&logs[0], &log.observations)?;
-    log.notes.splice(0..0, files.notes().iter().cloned());
+    log.notes.splice(0..0, files.notes().iter().cloned().chain(assumed_temperature));
     log.left_out.splice(0..0, files.warnings().iter().cloned());
     log.calibration = files.calibration().cloned();
     Ok(log)
@@ -130,88 +148,6 @@ fn with_density(
         return Err(error.help("give it with --density"));
     }
     Ok(glides)
-}
-
-/// Samples of a log, and how they were come by.
-#[derive(Debug)]
-pub struct PreparedLog {
-    /// Samples in the order of time.
-    pub observations: Vec<Observation>,
-    /// Samples without density or ballast volume: for turn rates alone.
-    pub turns_only: Vec<Observation>,
-    /// How the vertical velocity was measured.
-    pub w_filter: String,
-    /// What was found in the log and done about it.
-    pub notes: Vec<String>,
-    /// What was left out as a whole: files, the speeds of legs on which the sensor had lost the water, speeds that were
-    /// interpolated or repeated.
-    pub left_out: Vec<String>,
-    /// What the files say of the vehicle; Seaglider only.
-    pub calibration: Option<Calibration>,
-    /// Steady samples and all samples on legs, before a long log was shortened.
-    pub steady: [usize; 2],
-    /// Acceleration of gravity where the log was recorded; nothing without a position \[m/s2\].
-    pub gravity_m_s2: Option<f64>,
-}
-
-impl PreparedLog {
-    /// The vehicle where the log was recorded: with the acceleration of gravity there, unless its file states one.
-    pub fn located(&mut self, vehicle: Vehicle) -> Result<Vehicle, InputError> {
-        let mut here = vehicle;
-        if states_gravity(&here) {
-            return Ok(here);
-        }
-        match self.gravity_m_s2 {
-            Some(gravity_m_s2) => {
-                here.set("mass.gravity_m_s2", (gravity_m_s2 * 1e5).round() / 1e5)?;
-                self.notes.push(format!("g = {gravity_m_s2:.4} m/s2 by the latitude of the log"));
-            }
-            None => self.notes.push("g = 9.81 m/s2: the log has no position".to_owned()),
-        }
-        Ok(here)
-    }
-
-    /// All samples that show how the glider turned, in the order of time.
-    pub fn for_turning(&self) -> Vec<Observation> {
-        let mut all: Vec<Observation> = self.observations.iter().chain(&self.turns_only).copied().collect();
-        all.sort_by(|a, b| (a.stretch, a.leg).cmp(&(b.stretch, b.leg)).then(a.time_s.total_cmp(&b.time_s)));
-        all
-    }
-
-    /// The share of the samples on legs that are steady, in a sentence.
-    pub fn steady_share(&self) -> String {
-        let [steady, all] = self.steady;
-        format!("{steady} of {all} samples on legs are steady ({:.0} %)", 100.0 * steady as f64 / all.max(1) as f64)
-    }
-
-    /// Corrects a density whose error the log's own temperature, salinity and pressure show, as `diagnose` does; what was
-    /// done comes back as warnings.
-    ///
-    /// # Errors
-    /// Where the log contradicts itself so that nothing follows from it, in the words of `diagnose`.
-    pub fn corrected(&mut self, vehicle: &Vehicle) -> Result<Vec<String>, ReadingError> {
-        let (warnings, error) = self.checked(vehicle)?;
-        if let Some(error) = error {
-            let carried_kg_m3 = vehicle.glide_parameters().density_bias_kg_m3;
-            self.observations = consistency::corrected(&self.observations, error, carried_kg_m3);
-        }
-        Ok(warnings)
-    }
-
-    /// Holds the log against itself: what is wrong and can be corrected comes back as warnings, and the error of the density.
-    ///
-    /// # Errors
-    /// Where the log contradicts itself so that nothing follows from it, in the words of `diagnose`.
-    pub fn checked(&self, vehicle: &Vehicle) -> Result<(Vec<String>, Option<DensityError>), ReadingError> {
-        let bias_kg_m3 = vehicle.glide_parameters().density_bias_kg_m3;
-        let (checks, error) = consistency::checks(&self.observations, bias_kg_m3);
-        if checks.iter().any(|check| check.outcome == Checked::Wrong) {
-            return Err(ReadingError::Inconsistent { checks, notes: self.notes.clone() });
-        }
-        let found = checks.iter().filter(|check| check.outcome == Checked::Corrected);
-        let warning = |check: &Check| format!("{}: {}; corrected before anything else", check.check, check.says);
-        Ok((self.left_out.iter().cloned().chain(found.map(warning)).collect(), error))
-    }
 }
 
 /// Whether the vehicle's file states its acceleration of gravity.
@@ -271,6 +207,7 @@ pub struct Gathering {
     steady: [usize; 2],
     gravity_is_known: bool,
     gravity_m_s2: Option<f64>,
+    log: Option<PathBuf>,
 }
 
 impl Gathering {
@@ -289,6 +226,7 @@ impl Gathering {
             steady: [0; 2],
             gravity_is_known: false,
             gravity_m_s2: None,
+            log: None,
         }
     }
 
@@ -338,6 +276,19 @@ impl Gathering {
         self.steady[0] += glides.iter().filter(|o| o.steady).count();
         self.steady[1] += glides.len();
         self.condenser.take(&mut glides);
+    }
+
+    /// What is assumed of the temperature of a log that has none, for a hull that expands with it.
+    fn assumed_temperature(&self, vehicle: &Vehicle) -> Option<String> {
+        let p = vehicle.glide_parameters();
+        let is_assumed =
+            p.hull_thermal_expansion_per_K != 0.0 && self.rows > 0 && !self.recorded.contains(&Channel::Temperature);
+        is_assumed.then(|| {
+            format!(
+                "no water temperature in the log: {} degC assumed, at which the volume of the hull is stated",
+                p.reference_temperature_C
+            )
+        })
     }
 
     /// Why no sample came of a log.
@@ -394,9 +345,11 @@ impl Gathering {
                 calibration: None,
                 steady: self.steady,
                 gravity_m_s2: self.gravity_m_s2,
+                log: self.log,
             })
         } else {
-            Err(ReadingError::Inconsistent { checks: wrong, notes: notes.into_iter().chain(lost).collect() })
+            let notes = notes.into_iter().chain(lost).collect();
+            Err(ReadingError::Inconsistent { log: self.log, checks: wrong, notes })
         }
     }
 }

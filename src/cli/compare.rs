@@ -112,6 +112,7 @@ fn glider(a: &Arguments, what: &str, warnings: &mut Vec<String>) -> Result<Vehic
     let trim = if vehicle.is_builtin { Trim::Neutral } else { Trim::Vehicle };
     let request = Request { trim, free: Vec::new(), pin: Vec::new(), unsteady: None };
     let found = identify(&vehicle, &log.observations, &request)?;
+    found.has_enough_dives()?;
     let report = found.report(&vehicle, log.w_filter, log.notes);
     warnings.extend(report.warnings.iter().map(|warning| format!("{what}: {warning}")));
     super::identify_write::identified(&vehicle, &found, &report)

@@ -17,7 +17,7 @@ use crate::diagnose::{Checked, Diagnosis, Relevance};
 use crate::identify::ExternalValue;
 use crate::input::printable;
 use crate::output::{Replace, check, write_whole};
-use crate::reading::{ReadingError, noted};
+use crate::reading::noted;
 use crate::report::{InputFile, Report as Page};
 
 /// What is wrong in a log against a vehicle, why, the extended vehicle, the measured gain
@@ -58,7 +58,13 @@ pub struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    arguments.output.begin(&[("--extended", arguments.extended.as_deref()), ("--out", arguments.out.as_deref())])?;
     let vehicle = log_vehicle::load(&arguments.vehicle, &arguments.logs)?;
+    let replace = if arguments.output.force { Replace::Any } else { Replace::Never };
+    // A diagnosis takes long: what cannot be written is refused before it.
+    if let Some(path) = &arguments.extended {
+        check(path, vehicle.to_toml().as_bytes(), replace)?;
+    }
     let mut log = arguments.reading.read(&arguments.logs, &vehicle)?;
     let vehicle = log.located(vehicle)?;
     let trim = TrimChoice::trim(arguments.trim, &vehicle);
@@ -67,22 +73,21 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let relevance = Relevance::parse(&arguments.relevant, &quantities, "vertical_velocity=0.002")
         .map_err(|error| CliError::Usage(format!("--relevant: {error}")))?;
     let request = Request { trim: Some(trim), lift_slope, relevance };
-    let (vehicle, mut found) =
-        diagnose_vehicle(&vehicle, &log.observations, &request).map_err(|error| match error {
+    let contradictions = log.contradictions(&vehicle);
+    // What contradicts the vehicle may be why there is no diagnosis.
+    let (vehicle, mut found) = diagnose_vehicle(&vehicle, &log.observations, &request)
+        .inspect_err(|_| warn(&contradictions))
+        .map_err(|error| match error {
             VehicleLogError::Vehicle(error) => error.into(),
-            VehicleLogError::Log(SeaError::Inconsistent(checks)) => {
-                ReadingError::Inconsistent { checks, notes: log.notes.clone() }.into()
-            }
+            VehicleLogError::Log(SeaError::Inconsistent(checks)) => log.inconsistent(checks).into(),
             // What was taken out in the reading may be what is missing.
             VehicleLogError::Log(error) => CliError::Failed(format!("{error}{}", noted(&log.notes))),
         })?;
-    found.outcome.diagnosis.warnings.splice(0..0, log.left_out.iter().cloned());
+    found.outcome.diagnosis.warnings.splice(0..0, log.left_out.iter().cloned().chain(contradictions));
 
-    let replace = if arguments.output.force { Replace::Any } else { Replace::Never };
     let extended = arguments.extended.as_ref().map(|path| Ok::<_, CliError>((path, extended(&vehicle, &found)?)));
     let extended = extended.transpose()?;
-    if let Some((path, extended)) = &extended {
-        check(path, extended.to_toml().as_bytes(), replace)?;
+    if let Some((path, _)) = &extended {
         found.outcome.diagnosis.extended = Some(path.display().to_string());
     }
     if let Some(out) = &arguments.out {

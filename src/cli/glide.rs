@@ -159,7 +159,7 @@ struct Optimum {
 }
 
 /// Angle of attack up to which hulls are usually towed: beyond it the coefficients are extrapolated \[deg\].
-const USUALLY_TOWED_TO_DEG: f64 = 10.0;
+pub(super) const USUALLY_TOWED_TO_DEG: f64 = 10.0;
 
 impl Optimum {
     /// The least of a figure over the glides of a polar, between the whole degrees where it lies within them.

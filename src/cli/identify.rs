@@ -89,7 +89,13 @@ impl TrimChoice {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    let pin = pins(&arguments.pin)?;
+    arguments.output.begin(&[("--write", arguments.write.as_deref()), ("--out", arguments.out.as_deref())])?;
     let vehicle = log_vehicle::load(&arguments.vehicle, &arguments.logs)?;
+    // A fit takes long: what cannot be written is refused before it.
+    if let Some(path) = &arguments.write {
+        arguments.output.check(path, vehicle.to_toml().as_bytes())?;
+    }
     let how = if arguments.unsteady { Shorten::Dives } else { Shorten::Means };
     let mut log = arguments.reading.read_shortened(&arguments.logs, &vehicle, how)?;
     let vehicle = log.located(vehicle)?;
@@ -108,7 +114,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
             vehicle.name
         )));
     }
-    let request = Request { trim, free: arguments.free.clone(), pin: pins(&arguments.pin)?, unsteady };
+    let request = Request { trim, free: arguments.free.clone(), pin, unsteady };
     let steady = log.steady_share();
     // What contradicts the vehicle may be why nothing can be fitted.
     let found = identify(&vehicle, &log.observations, &request).inspect_err(|_| warn(&warnings))?;
@@ -122,11 +128,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         report.warnings.extend(turning.warnings.iter().cloned());
     }
     let identified = match &arguments.write {
-        Some(path) => {
-            let identified = identify_write::identified(&vehicle, &found, &report)?;
-            arguments.output.check(path, identified.to_toml().as_bytes())?;
-            Some((path, identified))
-        }
+        Some(path) => Some((path, identify_write::identified(&vehicle, &found, &report)?)),
         None => None,
     };
     if arguments.output.shows_tables() {
@@ -152,19 +154,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     }
     arguments.output.write_json(&report)?;
     // What one dive shows stands above; no error of it is known, so that nothing is identified.
-    match found.dives.len() {
-        dives if dives >= LEAST_DIVES => Ok(()),
-        dives => Err(IdentifyError::TooFewDives {
-            found: dives,
-            needed: LEAST_DIVES,
-            parameters: found.best_fit().free.len(),
-        }
-        .into()),
-    }
+    Ok(found.has_enough_dives()?)
 }
-
-/// Fewest dives of which a scatter is known.
-const LEAST_DIVES: usize = 2;
 
 /// Standard errors from which on the log contradicts the vehicle's own lift slope: by chance in 3 logs of 1000.
 const CONTRADICTS_SE: f64 = 3.0;
@@ -240,13 +231,16 @@ fn write_page(arguments: &Arguments, page: Report, folder: OutputFolder) -> Resu
     Ok(page.write(folder)?)
 }
 
+/// What is to be held, refused before a log is read where no glider has such a value.
 fn pins(texts: &[String]) -> Result<Vec<Given>, CliError> {
     texts
         .iter()
         .map(|text| {
-            pin(text).ok_or_else(|| {
+            let given = pin(text).ok_or_else(|| {
                 CliError::Usage(format!("--pin {text}: expected NAME=VALUE or NAME=VALUE+-SE with numbers"))
-            })
+            })?;
+            given.check()?;
+            Ok(given)
         })
         .collect()
 }

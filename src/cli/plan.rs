@@ -5,11 +5,15 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
+use super::glide::USUALLY_TOWED_TO_DEG;
 use super::plan_page::{self, Calibrated, Planned};
 use super::plan_tables::{read_dives, read_strokes};
 use super::{Changes, CliError, Output, vehicle_input, warn, water_density};
+use crate::dynamics::{Parameters, Surroundings};
 use crate::estimate::Estimate;
+use crate::glide::{Attitude, at_pitch};
 use crate::plan::calibrate::{DiveFit, PumpFit, Stroke, fit_dives, fit_pump};
+use crate::plan::plausible::contradictions;
 use crate::plan::{Ask, Dive, Outlook, PlanError, Sensor, UNSTATED_SPEED_ERROR, outlook, states_polar_errors};
 use crate::report::InputFile;
 use crate::simulate::mission::LegOrder;
@@ -97,6 +101,7 @@ pub struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    arguments.output.begin(&[("--write", arguments.write.as_deref()), ("--out", arguments.out.as_deref())])?;
     let mut vehicle = arguments.changes.load(&arguments.vehicle)?;
     let calibration = calibrate(arguments, &mut vehicle)?;
     let plan = match arguments.depth_m {
@@ -112,7 +117,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         let calibrated =
             calibration.as_ref().map(|c| Calibrated { pump: &c.pump, dives: &c.dives, strokes: &c.strokes });
         let mut page = plan_page::page(&vehicle, planned.as_ref(), calibrated.as_ref());
-        page = plan.iter().flat_map(|plan| &plan.warnings).fold(page, |page, warning| page.warning(warning.clone()));
+        page = all_warnings(calibration.as_ref(), plan.as_ref()).fold(page, |page, text| page.warning(text.clone()));
         page = page.input(vehicle_input(&arguments.vehicle)?);
         for file in arguments.moves.iter().chain(&arguments.dives) {
             page = page.input(InputFile::read(file)?);
@@ -123,8 +128,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if arguments.output.shows_tables() {
         report.print();
     }
-    warn(report.plan.iter().flat_map(|plan| &plan.warnings));
+    warn(all_warnings(report.calibration.as_ref(), report.plan.as_ref()));
     arguments.output.write_json(&report)
+}
+
+/// Warnings about the calibration, then about the plan.
+fn all_warnings<'a>(calibration: Option<&'a Calibration>, plan: Option<&'a Plan>) -> impl Iterator<Item = &'a String> {
+    let of_plan = plan.into_iter().flat_map(|plan| &plan.warnings);
+    calibration.into_iter().flat_map(|calibration| &calibration.warnings).chain(of_plan)
 }
 
 fn calibrate(arguments: &Arguments, vehicle: &mut Vehicle) -> Result<Option<Calibration>, CliError> {
@@ -136,6 +147,7 @@ fn calibrate(arguments: &Arguments, vehicle: &mut Vehicle) -> Result<Option<Cali
     let failed = |error: crate::plan::calibrate::CalibrationError| CliError::Failed(error.to_string());
     let pump = fit_pump(&strokes).map_err(failed)?;
     let dives = fit_dives(&strokes, &table.dives).map_err(failed)?;
+    let warnings = contradictions(vehicle, &pump, &dives);
     let factor = dives.pump_factor.value;
     for (path, estimate, factor) in [
         ("energy.pump_J_per_dbar_cc", &pump.pump_J_per_dbar_cc, factor),
@@ -149,7 +161,7 @@ fn calibrate(arguments: &Arguments, vehicle: &mut Vehicle) -> Result<Option<Cali
     if let Some(path) = &arguments.write {
         arguments.output.write(path, vehicle.to_toml().as_bytes())?;
     }
-    Ok(Some(Calibration { pump, dives, strokes }))
+    Ok(Some(Calibration { pump, dives, strokes, warnings }))
 }
 
 /// Share of the ballast engine that a dive uses where nothing else is said. A pump costs as the volume, speed comes as its
@@ -231,10 +243,38 @@ fn plan(arguments: &Arguments, vehicle: &Vehicle, depth_m: f64) -> Result<Plan, 
             100.0 * UNSTATED_SPEED_ERROR
         ));
     }
+    warnings.extend(shallow(&parameters, &ask.dive));
     Ok(Plan { ask, battery_Wh: battery_J / 3600.0, outlook: without, with_sensor, sensor_costs_days, warnings })
 }
 
+/// What to say of a glide whose angle of attack is larger than its pitch, or than hulls are towed at: no log of a glider shows
+/// one, and the coefficients are extrapolated.
+fn shallow(p: &Parameters<f64>, dive: &Dive) -> Option<String> {
+    let water = Surroundings {
+        density_kg_m3: dive.surface_density_kg_m3,
+        pressure_Pa: 0.0,
+        temperature_C: p.reference_temperature_C,
+        time_s: 0.0,
+    };
+    let order = dive.descent;
+    let attitude = Attitude { pitch_rad: order.pitch_rad, net_mass_kg: p.net_mass_kg(order.ballast_m3, &water) };
+    let alpha_deg = at_pitch(p, &water, attitude).ok()?.angle_of_attack_rad.to_degrees().abs();
+    let pitch_deg = order.pitch_rad.to_degrees().abs();
+    (alpha_deg > pitch_deg.min(USUALLY_TOWED_TO_DEG)).then(|| {
+        format!(
+            "at a pitch of {pitch_deg:.1} deg the angle of attack is {alpha_deg:.1} deg, {}: no measured glide is as flat, lift and drag are extrapolated, and the glider may stall; gliders fly 12 to 50 deg",
+            if alpha_deg > pitch_deg { "more than the pitch" } else { "more than hulls are towed at" }
+        )
+    })
+}
+
 fn battery_J(a: &Arguments, vehicle: &Vehicle) -> Result<f64, CliError> {
+    let given = [("--battery-Ah", a.battery_ah), ("--battery-Wh", a.battery_wh), ("--battery-V", a.battery_v)];
+    for (name, value) in given.into_iter().filter_map(|(name, value)| Some((name, value?))) {
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(CliError::Usage(format!("{name} {value}: expected a number above zero")));
+        }
+    }
     let volts = a.battery_v.or_else(|| vehicle.get("energy.battery_V"));
     let watt_hours = match (a.battery_ah, volts) {
         (Some(_), None) => {
@@ -277,6 +317,8 @@ struct Calibration {
     dives: DiveFit,
     #[serde(skip)]
     strokes: Vec<Stroke>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    warnings: Vec<String>,
 }
 
 #[derive(Debug, Serialize)]

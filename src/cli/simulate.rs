@@ -122,6 +122,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         return Ok(());
     }
     let settings = settings(arguments)?;
+    arguments.output.begin(&[
+        ("--csv", arguments.csv.as_deref()),
+        ("--log", arguments.mission.log.as_deref()),
+        ("--fixes", arguments.mission.fixes.as_deref()),
+        ("--out", arguments.mission.out.as_deref()),
+    ])?;
     let name = arguments.vehicle.as_deref().unwrap_or_default();
     if let Some(file) = &arguments.mission.mission {
         let frame = Frame {
@@ -213,6 +219,9 @@ fn in_space(arguments: &Arguments, vehicle: &Vehicle, settings: &SimulationSetti
     space::history(&vehicle.name, &body, arguments.inputs.as_deref(), &in_space, arguments.csv.as_deref(), places)
 }
 
+/// Largest relative tolerance: with more, a step may be as wrong as the motion is large.
+const MOST_TOLERANCE: f64 = 0.1;
+
 fn settings(arguments: &Arguments) -> Result<SimulationSettings, CliError> {
     let stop_s = arguments.stop.unwrap_or(STOP_S);
     let interval_s = arguments.interval.unwrap_or(INTERVAL_S);
@@ -220,6 +229,12 @@ fn settings(arguments: &Arguments) -> Result<SimulationSettings, CliError> {
         if !(value > 0.0 && value.is_finite()) {
             return Err(CliError::Usage(format!("{name} {value}: expected a number above zero")));
         }
+    }
+    if arguments.tolerance > MOST_TOLERANCE {
+        return Err(CliError::Usage(format!(
+            "--tolerance {}: expected at most {MOST_TOLERANCE}, an error of a tenth in each step",
+            arguments.tolerance
+        )));
     }
     if stop_s / interval_s > MAX_ROWS {
         return Err(CliError::Usage(format!("--stop {stop_s} with --interval {interval_s} makes too many rows")));

@@ -36,7 +36,12 @@ fn numbers_beyond_their_bounds_are_named() {
         (&["glide", "slocum-graver", "--net-mass-kg", "0.2", "--pitch-deg", "inf"], "--pitch-deg inf"),
         (&["plan", "seaglider", "--battery-Wh", "2700", "--depth-m", "-5"], "--depth-m -5"),
         (&["plan", "seaglider", "--battery-Wh", "2700", "--depth-m", "500", "--density", "5"], "--density 5"),
+        (&["plan", "seaglider", "--battery-Wh", "-5", "--depth-m", "500"], "--battery-Wh -5"),
+        (&["plan", "seaglider", "--battery-Ah", "100", "--battery-V", "0", "--depth-m", "500"], "--battery-V 0"),
+        (&["identify", "none.csv", "--vehicle", "seaglider", "--pin", "a=-3"], "`a` = -3 is beyond what it can be"),
         (&["simulate", "slocum-graver", "--stop", "-5"], "--stop -5"),
+        (&["simulate", "slocum-graver", "--tolerance", "10"], "--tolerance 10"),
+        (&["simulate", "slocum-graver", "--csv", "./a.out", "--json", "a.out"], "--csv and --json name the same place"),
         (&["turn", "seawing", "--roll-mass-deg", "nan"], "--roll-mass-deg NaN"),
         (&["turn", "seawing", "--roll-mass-deg", "120"], "--roll-mass-deg 120 is beyond its limits"),
         (&["turn", "seawing", "--rudder-deg", "5"], "--rudder-deg: this vehicle has none"),
@@ -52,6 +57,33 @@ fn numbers_beyond_their_bounds_are_named() {
         let found = refused(arguments);
         assert!(found.contains(expected), "{arguments:?}: {found}");
     }
+}
+
+#[test]
+fn a_place_that_cannot_be_written_is_refused_before_the_log_is_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let place = folder.path().join("kept.toml");
+    std::fs::write(&place, "mine").expect("a file");
+    for (command, option) in [("identify", "--write"), ("diagnose", "--extended")] {
+        let arguments = ["glidepolar", command, "none.csv", "--vehicle", "seaglider", option, place.to_str().unwrap()];
+        let error = run(Cli::parse_from(arguments)).expect_err("a file of somebody else").to_string();
+        assert!(error.contains("kept.toml") && !error.contains("none.csv"), "{command}: {error}");
+        let found = refused(&[&arguments[1..], &["--json", place.to_str().unwrap(), "--force"]].concat());
+        assert!(found.contains(&format!("{option} and --json name the same place")), "{found}");
+    }
+}
+
+#[test]
+fn a_plan_at_a_pitch_that_no_glider_flies_is_warned_of() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let warns = |pitch_deg: &str| {
+        let json = folder.path().join(format!("{pitch_deg}.json"));
+        let plan =
+            ["glidepolar", "plan", "seaglider", "--battery-Wh", "2700", "--depth-m", "500", "--quiet", "--pitch-deg"];
+        run(Cli::parse_from(plan.into_iter().chain([pitch_deg, "--json", json.to_str().unwrap()]))).expect("a plan");
+        std::fs::read_to_string(json).expect("a result").contains("no measured glide is as flat")
+    };
+    assert!(warns("2") && !warns("20"));
 }
 
 #[test]

@@ -9,6 +9,7 @@ use super::consider_parameters::{considered_of, propagate};
 use super::considered::{Considered, Propagated};
 use super::data::{Dive, by_dive};
 use super::external_values::{ExternalValue, HeldLiftSlope, Pin, considered, from_outside, held_lift_slope};
+use super::given::{Given, LARGEST_A, SMALLEST_A};
 use super::holdout::{HeldOut, hold_out};
 use super::identifiability::{ProfilePoint, is_identified, profile};
 use super::inflections::{Inflections, UNSTEADY_ONLY, Unsteady, inflections};
@@ -37,15 +38,6 @@ pub struct Request {
     pub pin: Vec<Given>,
     /// Whether, and how, dives are flown through time, inflections included.
     pub unsteady: Option<Unsteady>,
-}
-
-/// A parameter that the user holds.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Given {
-    /// Its name, short or long.
-    pub name: String,
-    /// Its value; one without a standard error is taken for exact, and the report says so.
-    pub known: ExternalValue,
 }
 
 /// The result.
@@ -111,6 +103,19 @@ pub fn identify(
     observations: &[Observation],
     request: &Request,
 ) -> Result<Identification, IdentifyError> {
+    identify_from(vehicle, observations, request).map_err(|error| match error {
+        IdentifyError::CannotFly { unflyable, samples, .. } => {
+            IdentifyError::CannotFly { unflyable, samples, trim: Some(request.trim) }
+        }
+        other => other,
+    })
+}
+
+fn identify_from(
+    vehicle: &Vehicle,
+    observations: &[Observation],
+    request: &Request,
+) -> Result<Identification, IdentifyError> {
     let mut dives = by_dive(observations);
     if dives.is_empty() {
         return Err(IdentifyError::NoSamples);
@@ -136,7 +141,8 @@ pub fn identify(
         return Err(IdentifyError::NeedsUnsteady((*name).to_owned()));
     }
 
-    for Given { name, known: ExternalValue { value, se } } in &request.pin {
+    for given @ Given { name, known: ExternalValue { value, se } } in &request.pin {
+        given.check()?;
         let row = parameter_index(long_name(name)).ok_or_else(|| IdentifyError::UnknownParameter(name.clone()))?;
         *baseline.at(row) = *value;
         free.retain(|free| *free != PARAMETERS[row].name);
@@ -254,6 +260,11 @@ pub fn identify(
     if let Some(propagated) = fitted.propagated.iter().find(|propagated| propagated.considered.name == "a") {
         warnings.push(speed_warning(&fitted, propagated, &dives));
     }
+    if let Some(why) = pitch_balance.as_ref().and_then(|balance| balance.failure.as_ref()) {
+        warnings
+            .push(format!("the balance of moments is not identifiable, d and the centre of gravity with it: {why}"));
+    }
+    let pitch_balance = pitch_balance.filter(|balance| balance.failure.is_none());
     if pitch_balance.as_ref().is_some_and(|balance| !balance.is_identified) {
         warnings.push(
             "d and the height of the centre of gravity rest on the arm of the ballast, which these data do not identify: give the vehicle its `ballast.forward_m`"
@@ -415,7 +426,7 @@ fn warn(warnings: &mut Vec<String>, fitted: &JointFit, dives: &[Dive], has_speed
                 fitted.se(i)
             ));
         }
-        if info.name == "a_per_rad" && (value <= 1.0 || value >= 60.0) {
+        if info.name == "a_per_rad" && (value <= SMALLEST_A || value >= LARGEST_A) {
             warnings.push(format!(
                 "a lift slope of {value:.1} +- {:.1} per rad is none that a glider has; check pitch and speed",
                 fitted.se(i)

@@ -8,7 +8,7 @@ use super::campaign::{Identification, LegsApart};
 use super::external_values::Pin;
 use super::identifiability::{ProfilePoint, is_identified};
 use super::inflections::Comparison;
-use super::joint::JointFit;
+use super::joint::{IdentifyError, JointFit};
 use super::names::{long_name, short_name};
 use super::pitch_balance::{PitchBalance, PitchBalanceSummary};
 use super::speeds::Rows;
@@ -117,7 +117,23 @@ pub struct Halves {
     pub difference_se: f64,
 }
 
+/// Fewest dives of which a scatter is known.
+const LEAST_DIVES: usize = 2;
+
 impl Identification {
+    /// Whether there are dives enough for an error of anything: of one dive none is known, so that nothing is identified.
+    ///
+    /// # Errors
+    /// With fewer.
+    pub fn has_enough_dives(&self) -> Result<(), IdentifyError> {
+        match self.dives.len() {
+            dives if dives >= LEAST_DIVES => Ok(()),
+            found => {
+                Err(IdentifyError::TooFewDives { found, needed: LEAST_DIVES, parameters: self.best_fit().free.len() })
+            }
+        }
+    }
+
     fn halves(&self) -> BTreeMap<String, Halves> {
         let halves = self.held_out.iter().flat_map(|held_out| &held_out.halves);
         let of_row = |&(row, values): &(usize, [f64; 2])| {

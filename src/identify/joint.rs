@@ -16,6 +16,7 @@ use super::blocks::Blocks;
 use super::considered::Propagated;
 use super::data::Dive;
 use super::evaluate::{MOST_FREE, Tally, Weights};
+use super::trim::Trim;
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
 use glidepolar_inference::covariance::{inverse_symmetric_at_least, jackknife};
 use glidepolar_inference::gram::Gram;
@@ -92,14 +93,42 @@ pub enum IdentifyError {
     },
     /// The glider that the baseline describes does not fly the way the log does.
     #[error(
-        "at {unflyable} of {samples} stretches no glide exists at the recorded pitch and the vehicle's net mass: the baseline is far from this glider; check mass and volume of the vehicle, or use --trim neutral"
+        "at {unflyable} of {samples} stretches no glide exists at the recorded pitch and the net mass of the baseline: {}",
+        cause(*.trim)
     )]
     CannotFly {
         /// Bins without a glide.
         unflyable: usize,
         /// All bins.
         samples: usize,
+        /// What the baseline takes for the net weight, where it is known.
+        trim: Option<Trim>,
     },
+    /// A value for a parameter that no glider has.
+    #[error("`{name}` = {value} is beyond what it can be: {min} to {max}")]
+    OutOfBounds {
+        /// The parameter.
+        name: &'static str,
+        /// What was asked for.
+        value: f64,
+        /// Smallest possible value.
+        min: f64,
+        /// Largest possible value.
+        max: f64,
+    },
+}
+
+/// Why no glide may exist, by what the baseline takes for the net weight.
+fn cause(trim: Option<Trim>) -> &'static str {
+    match trim {
+        // A unit divides the speed and so the drag; the weight is the log's own then.
+        Some(Trim::Neutral) => {
+            "the trim is neutral already, so that mass and volume are no cause; check the units of pressure or depth, of ballast volume and of pitch (--unit), and the values that are held (--pin)"
+        }
+        _ => {
+            "check the units of pressure or depth and of ballast volume (--unit), the values that are held (--pin), and mass and volume of the vehicle; --trim neutral sets aside the last"
+        }
+    }
 }
 
 /// The result of a fit.
@@ -270,7 +299,7 @@ impl<'a> Solver<'a> {
             (tally, self.grams) = at_start;
         }
         if 2 * tally.unflyable > samples {
-            return Err(IdentifyError::CannotFly { unflyable: tally.unflyable, samples });
+            return Err(IdentifyError::CannotFly { unflyable: tally.unflyable, samples, trim: None });
         }
         let n = self.question.free.len();
         Ok(JointFit {

@@ -20,6 +20,7 @@ mod data;
 mod evaluate;
 pub mod external_values;
 mod form;
+mod given;
 pub mod holdout;
 pub mod identifiability;
 mod inertia;
@@ -40,12 +41,13 @@ pub mod unsteady;
 mod within_bin;
 
 pub use bins::{Bin, bins};
-pub use campaign::{Given, Identification, Request, identify};
+pub use campaign::{Identification, Request, identify};
 pub use considered::{Considered, Propagated};
 pub use data::{Dive, by_dive, ranges};
 pub use evaluate::{MOST_FREE, Scatter, Tally, Weights, evaluate};
 pub use external_values::{ExternalValue, Pin};
 pub use form::{CorrelationTable, FitQuality, IdentifyReport};
+pub use given::Given;
 pub use glidepolar_inference::gram::Gram;
 pub use inertia::{inertia, median_step_s};
 pub use inflections::Unsteady;
@@ -59,4 +61,4 @@ pub use within_bin::{Inside, Parts};
 pub(crate) use within_bin::{felt_density_kg_m3, turns_by_rad};
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

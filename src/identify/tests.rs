@@ -12,7 +12,7 @@ use crate::glide::{Attitude, at_path, at_pitch};
 use crate::log::Observation;
 use crate::vehicle::Vehicle;
 
-pub(super) fn glider() -> (Vehicle, Parameters<f64>) {
+pub(crate) fn glider() -> (Vehicle, Parameters<f64>) {
     let vehicle = Vehicle::load("slocum-graver").expect("a built-in vehicle");
     let mut p = vehicle.glide_parameters();
     (p.a_per_rad, p.b, p.c_per_rad2, p.ballast_offset_kg) = (18.0, 0.4, 8.0, 0.05);
@@ -25,7 +25,7 @@ fn water(p: &Parameters<f64>) -> Surroundings<f64> {
 }
 
 /// One sample of a glide at this path angle and speed, by the closed form; mass and pitch follow from the forces.
-pub(super) fn sample(p: &Parameters<f64>, path_deg: f64, speed_m_s: f64, dive: u32, time_s: f64) -> Observation {
+pub(crate) fn sample(p: &Parameters<f64>, path_deg: f64, speed_m_s: f64, dive: u32, time_s: f64) -> Observation {
     sample_in(p, &water(p), path_deg, speed_m_s, dive, time_s)
 }
 
@@ -307,8 +307,33 @@ fn the_balance_of_moments_returns_d_and_the_height_of_the_centre_of_gravity() {
     assert!((p.ballast_forward_m - 0.5).abs() < 1e-5, "arm {}", p.ballast_forward_m);
     let expected = truth.hull_mass_kg * 0.006 / truth.mass_kg();
     assert!((found.cg_below_cb_m().0 - expected).abs() < 1e-7, "{:?} against {expected}", found.cg_below_cb_m());
-    assert!(found.pitch_rms_rad < 1e-6 && found.is_identified);
+    assert!(found.pitch_rms_rad < 1e-6 && found.is_identified && found.failure.is_none());
     assert!(found.pitch_rms_without_d_rad.is_none_or(|rms| rms > 1e-4));
+}
+
+/// The same glider whose battery reads something else.
+fn with_battery(of: impl Fn(usize, &Observation) -> f64) -> Identification {
+    let (vehicle, mut truth) = glider();
+    truth.offset_mass_kg = truth.hull_mass_kg;
+    (truth.moving_mass_height_m, truth.offset_mass_below_m, truth.d_per_rad) = (0.0, 0.006, -1.4);
+    let read = |(i, o): (usize, Observation)| Observation { battery_forward_m: of(i, &o), ..o };
+    let all: Vec<Observation> = balanced(&truth).into_iter().enumerate().map(read).collect();
+    let request = Request { trim: Trim::Vehicle, free: Vec::new(), pin: Vec::new(), unsteady: None };
+    identify(&vehicle, &all, &request).expect("a polar")
+}
+
+#[test]
+fn a_balance_that_explains_no_pitch_is_not_reported() {
+    assert!(with_battery(|_, o| o.battery_forward_m).pitch_balance.is_some());
+    // A battery whose position has nothing to do with the pitch but a trace of the right sign.
+    let noise = |i: usize| 0.05 * ((i * 37 % 23) as f64 / 11.0 - 1.0);
+    let none = with_battery(|i, o| noise(i) + 0.2 * o.battery_forward_m);
+    assert!(none.pitch_balance.is_none());
+    assert!(
+        none.warnings.iter().any(|text| text.contains("balance of moments is not identifiable")),
+        "{:?}",
+        none.warnings
+    );
 }
 
 #[test]

@@ -10,6 +10,7 @@
 
 pub mod calibrate;
 mod outlook;
+pub mod plausible;
 
 use crate::dynamics::{Energy, Parameters, Surroundings, Usage};
 use crate::glide::{Attitude, GlideError, at_pitch};

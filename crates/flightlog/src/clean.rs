@@ -40,6 +40,15 @@ impl Notes {
 /// Largest pitch that there is, with a margin for noise \[rad\].
 const MOST_PITCH_RAD: f64 = 1.6;
 
+/// Deeper than the sea: its deepest place, 10 935 m, has 11 300 dbar \[dbar\].
+const MOST_PRESSURE_DBAR: f64 = 11_400.0;
+
+/// Deeper than the sea \[m\].
+const MOST_DEPTH_M: f64 = 11_000.0;
+
+/// Faster than any glider \[m/s\].
+const MOST_SPEED_M_S: f64 = 5.0;
+
 /// A density less 1000 kg/m3, as it is often written, of any water \[kg/m3\].
 const LESS_1000_KG_M3: std::ops::RangeInclusive<f64> = 0.5..=100.0;
 
@@ -52,6 +61,8 @@ pub(super) struct OtherUnits {
     pitch: Share,
     density: Share,
     density_g_cm3: Share,
+    depth: Share,
+    speed: Share,
 }
 
 /// How many of the values read are of a kind.
@@ -69,6 +80,19 @@ impl OtherUnits {
         let density = log.column(Channel::Density);
         self.density.count(density, |density| LESS_1000_KG_M3.contains(&density) && !is_g_cm3(density));
         self.density_g_cm3.count(density, is_g_cm3);
+        self.depth.count(log.column(Channel::Pressure), |pressure| pressure > MOST_PRESSURE_DBAR);
+        self.depth.count(log.column(Channel::Depth), |depth| depth > MOST_DEPTH_M);
+        self.speed.count(log.column(Channel::Speed), |speed| speed > MOST_SPEED_M_S);
+    }
+
+    /// The share of the pressures and depths that no sea has.
+    pub(super) fn depth_beyond(&self) -> f64 {
+        self.depth.share()
+    }
+
+    /// The share of the measured speeds that no glider has.
+    pub(super) fn speed_beyond(&self) -> f64 {
+        self.speed.share()
     }
 
     /// The share of the pitch angles beyond 90 deg.
@@ -180,11 +204,12 @@ pub(super) fn despike(log: &mut FlightLog, notes: &mut Notes) {
     }
     for (channel, low, high, name) in [
         (Channel::Pitch, -MOST_PITCH_RAD, MOST_PITCH_RAD, "values of pitch beyond 90 deg, taken out"),
-        (Channel::Pressure, -20.0, 12_000.0, "values of pressure that no sea has, taken out"),
+        (Channel::Pressure, -20.0, MOST_PRESSURE_DBAR, "values of pressure that no sea has, taken out"),
+        (Channel::Depth, -MOST_DEPTH_M, MOST_DEPTH_M, "values of depth that no sea has, taken out"),
         (Channel::Density, 900.0, 1300.0, "values of density that no sea has, taken out"),
         (Channel::Temperature, -5.0, 50.0, "values of temperature that no sea has, taken out"),
         (Channel::Salinity, 0.0, 50.0, "values of salinity that no sea has, taken out"),
-        (Channel::Speed, 0.0, 5.0, "values of measured speed that no glider has, taken out"),
+        (Channel::Speed, 0.0, MOST_SPEED_M_S, "values of measured speed that no glider has, taken out"),
     ] {
         if log.column(channel).is_empty() {
             continue;

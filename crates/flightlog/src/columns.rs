@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use super::channels::{CHANNELS, Channel};
+use super::dates::DateOrder;
 use super::units::{self, Conversion};
 use glidepolar_input::{nearest, printable};
 
@@ -13,6 +14,7 @@ pub struct Columns {
     chosen: Vec<(Channel, String, Option<Conversion>)>,
     units: Vec<(Channel, Conversion)>,
     caches: Vec<PathBuf>,
+    date_order: Option<DateOrder>,
 }
 
 impl Columns {
@@ -51,6 +53,10 @@ impl Columns {
             .split_once('=')
             .ok_or_else(|| format!("`{}` states no unit, expected CHANNEL=UNIT", printable(text)))?;
         let (channel, _) = channel(name)?;
+        if let Some(order) = DateOrder::parse(unit).filter(|_| channel == Channel::Time) {
+            self.date_order = Some(order);
+            return Ok(());
+        }
         let conversion = units::conversion(channel, unit).ok_or_else(|| {
             let known = units::known(channel);
             let known = if known.is_empty() { "it has none".to_owned() } else { format!("known are {known}") };
@@ -59,6 +65,11 @@ impl Columns {
         self.units.retain(|(stated, _)| *stated != channel);
         self.units.push((channel, conversion));
         Ok(())
+    }
+
+    /// What the user says of the order of day and month in dates.
+    pub(super) fn date_order(&self) -> Option<DateOrder> {
+        self.date_order
     }
 
     /// Looks for a Slocum's lists of sensors in this folder, before those beside the files.

@@ -9,10 +9,15 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
+use super::cells::no_time;
+pub(super) use super::cells::{not_a_number, number};
 use super::channels::{CHANNELS, Channel, FlightLog};
 use super::columns::Columns;
 use super::dates::unix_s;
+pub(super) use super::dialect::{csv_error, reader};
+use super::makers;
 use super::names;
+use super::row_dates::RowDates;
 use super::times;
 use super::units::{self, Conversion};
 use glidepolar_input::{InputError, Place, nearest, printable};
@@ -25,6 +30,9 @@ pub struct CsvLog {
     record: ::csv::ByteRecord,
     /// Whether the record is a row of data that was read to see whether it holds units.
     has_row: bool,
+    dates: RowDates,
+    /// What a user should know of it.
+    warnings: Vec<String>,
     /// Whether the times are known to be seconds.
     is_checked: bool,
     /// Cells that hold something else than a number, with the place of the first.
@@ -63,7 +71,11 @@ impl CsvLog {
                 error
             }
         })?;
-        Ok(CsvLog { path: path.to_owned(), reader, columns: found, record, has_row, is_checked: false, header })
+        let time = found.iter().find(|column| column.channel == Channel::Time).map_or(0, |column| column.cell);
+        let mut warnings = Vec::new();
+        let dates = RowDates::find(path, &header, time, columns.date_order(), &mut warnings)?;
+        let path = path.to_owned();
+        Ok(CsvLog { path, reader, columns: found, record, has_row, dates, warnings, is_checked: false, header })
     }
 
     /// The next piece of at most `rows` samples; nothing at the end.
@@ -78,35 +90,62 @@ impl CsvLog {
             if !is_read && !self.reader.read_byte_record(&mut self.record).map_err(|e| csv_error(&self.path, &e))? {
                 break;
             }
-            let line = self.record.position().map_or(0, |p| p.line() as usize);
-            if self.record.len() != self.header.len() {
-                let place = Place::line(&self.path, line);
-                let problem = format!("{} cells, expected {} as in the header", self.record.len(), self.header.len());
-                return Err(InputError::new(place, problem).help("was the file cut off while it was written?"));
-            }
             row.clear();
-            for column in &self.columns {
-                let cell = self.record.get(column.cell).unwrap_or(b"");
-                let date = || unix_s(std::str::from_utf8(cell).ok()?).filter(|_| column.channel == Channel::Time);
-                let read = number(cell).map(|value| column.value(value)).or_else(date);
-                let value = read.ok_or_else(|| {
-                    let place = Place::line(&self.path, line).column(column.cell + 1);
-                    let name = &self.header[column.cell];
-                    if column.channel == Channel::Time {
-                        no_time(place, name, cell)
-                    } else {
-                        not_a_number(place, name, cell)
-                    }
-                })?;
-                row.push((column.channel, value));
+            match self.read_row(&mut row) {
+                Ok(()) => piece.push(&row),
+                Err(error) if self.is_cut_off()? => {
+                    let error = InputError { help: None, ..error };
+                    self.warnings.push(format!("the last line is cut off and left out: {error}"));
+                    break;
+                }
+                Err(error) => return Err(error),
             }
-            piece.push(&row);
         }
         if !self.is_checked && times::is_enough(&piece) {
             times::check(&self.path, &piece)?;
             self.is_checked = true;
         }
         Ok((!piece.is_empty()).then_some(piece))
+    }
+
+    /// What a user should know of what was read so far; it is said once.
+    pub fn take_warnings(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.warnings)
+    }
+
+    /// The values of the row that was read last.
+    fn read_row(&self, row: &mut Vec<(Channel, f64)>) -> Result<(), InputError> {
+        let line = self.record.position().map_or(0, |p| p.line() as usize);
+        if self.record.len() != self.header.len() {
+            let place = Place::line(&self.path, line);
+            let problem = format!("{} cells, expected {} as in the header", self.record.len(), self.header.len());
+            return Err(InputError::new(place, problem).help("was the file cut off while it was written?"));
+        }
+        for column in &self.columns {
+            let cell = self.record.get(column.cell).unwrap_or(b"");
+            let is_time = column.channel == Channel::Time;
+            let date = || if is_time { self.dates.unix_s(&self.record) } else { None };
+            let read = number(cell).map(|value| column.value(value)).or_else(date);
+            let value = read.ok_or_else(|| {
+                let place = Place::line(&self.path, line).column(column.cell + 1);
+                let name = &self.header[column.cell];
+                if is_time { no_time(place, name, cell) } else { not_a_number(place, name, cell) }
+            })?;
+            row.push((column.channel, value));
+        }
+        Ok(())
+    }
+
+    /// Whether the row that was read last is the end of a file without an end of line: one that was cut off while it was
+    /// written.
+    fn is_cut_off(&mut self) -> Result<bool, InputError> {
+        let io = |error: std::io::Error| InputError::io(&self.path, &error);
+        let mut file = File::open(&self.path).map_err(io)?;
+        let mut last = [0u8; 1];
+        file.seek(SeekFrom::End(-1)).map_err(io)?;
+        file.read_exact(&mut last).map_err(io)?;
+        let mut next = ::csv::ByteRecord::new();
+        Ok(last[0] != b'\n' && !self.reader.read_byte_record(&mut next).map_err(|e| csv_error(&self.path, &e))?)
     }
 }
 
@@ -115,40 +154,6 @@ impl Column {
     pub(super) fn value(&self, number: f64) -> f64 {
         if units::is_fill(self.channel, number) { f64::NAN } else { self.conversion.convert(number) }
     }
-}
-
-/// A reader for the dialect: `#` comments, blanks around cells allowed, cells separated as in the line of names.
-pub(super) fn reader(path: &Path) -> Result<::csv::Reader<File>, InputError> {
-    let separator = separator(path)?;
-    let mut file = File::open(path).map_err(|error| InputError::io(path, &error))?;
-    skip_separator_line(&mut file).map_err(|error| InputError::io(path, &error))?;
-    let mut builder = ::csv::ReaderBuilder::new();
-    builder.comment(Some(b'#')).trim(::csv::Trim::All).flexible(true).delimiter(separator);
-    Ok(builder.from_reader(file))
-}
-
-/// A spreadsheet's `sep=;` above the names is no line of the table.
-fn skip_separator_line(file: &mut File) -> std::io::Result<()> {
-    let mut start = [0u8; 16];
-    let read = file.read(&mut start)?;
-    let text = start[..read].strip_prefix(b"\xef\xbb\xbf").unwrap_or(&start[..read]);
-    let line = text.iter().position(|byte| *byte == b'\n').filter(|_| text.starts_with(b"sep="));
-    let at = line.map_or(0, |line| (read - text.len()) + line + 1);
-    file.seek(SeekFrom::Start(at as u64)).map(|_| ())
-}
-
-/// What separates the names in the first line that is no comment: tabs before semicolons before bars before commas, since a
-/// name may hold the latter.
-fn separator(path: &Path) -> Result<u8, InputError> {
-    /// Longest beginning that is looked into.
-    const LONGEST: u64 = 1 << 16;
-    let mut start = Vec::new();
-    let file = File::open(path).map_err(|error| InputError::io(path, &error))?;
-    file.take(LONGEST).read_to_end(&mut start).map_err(|error| InputError::io(path, &error))?;
-    let lines = start.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
-    let is_names = |line: &&[u8]| !line.is_empty() && !line.starts_with(b"#") && !line.starts_with(b"sep=");
-    let names = lines.into_iter().find(is_names).unwrap_or_default();
-    Ok([b'\t', b';', b'|'].into_iter().find(|separator| names.contains(separator)).unwrap_or(b','))
 }
 
 /// The names of the columns.
@@ -216,9 +221,13 @@ pub(super) fn find_columns(
                     None => error.help(format!("the columns are: {}", listed(header))),
                 }
             })?;
+            if info.channel == Channel::Ballast && wanted.unit(info.channel).is_none() {
+                refuse_mass(path, cell, &stated[cell])?;
+            }
             let by_name = || {
-                let alias = info.aliases.iter().find(|(alias, _)| same_unit(alias, name)).map(|alias| alias.1);
-                Conversion::by(alias.or_else(|| maker_factor(info.channel, name)).unwrap_or(1.0))
+                let of_table = stated[cell].1.as_deref().and_then(|unit| units::conversion(info.channel, unit));
+                let maker = || makers::factor(info.channel, name).map(Conversion::by);
+                of_table.or_else(maker).or_else(|| units::unit_at_end(info.channel, name)).unwrap_or(Conversion::NONE)
             };
             let conversion = wanted.unit(info.channel).unwrap_or_else(by_name);
             columns.push(Column { cell, channel: info.channel, conversion });
@@ -236,8 +245,10 @@ pub(super) fn find_columns(
             columns.push(Column { cell, channel: info.channel, conversion });
             continue;
         }
-        let makers =
-            MAKERS.iter().filter(|(channel, ..)| *channel == info.channel).map(|(_, name, factor)| (*name, *factor));
+        let makers = makers::MAKERS
+            .iter()
+            .filter(|(channel, ..)| *channel == info.channel)
+            .map(|(_, name, factor)| (*name, *factor));
         let names = std::iter::once((info.name, 1.0)).chain(info.aliases.iter().copied()).chain(makers);
         // Without capital letters where no column has the very name; a plain word as `Pitch` is no maker's in small letters.
         let alike = |name: &str| header.iter().position(|found| name.contains('_') && found.eq_ignore_ascii_case(name));
@@ -282,122 +293,26 @@ pub(super) fn find_columns(
         return Err(need("pitch", "`pitch_rad` or `pitch_deg`"));
     }
     if !has(Channel::Ballast) {
+        let is_ballast = |name: &str| ["ballast", "vbd", "oil"].iter().any(|word| name.to_lowercase().contains(word));
+        for (cell, column) in stated.iter().enumerate().filter(|(_, (name, _))| is_ballast(name)) {
+            refuse_mass(path, cell, column)?;
+        }
         return Err(need("ballast volume", "`vbd_cc` or `vbd_m3`"));
     }
     Ok(columns)
 }
 
-const DEG: f64 = std::f64::consts::PI / 180.0;
-
-/// Names that the makers and the formats use, the factor to the unit kept here: Slocum (bar, rad, inches), Seaglider's
-/// basestation (degrees, cm), SeaExplorer (degrees, mm), OG1 (degrees).
-const MAKERS: &[(Channel, &str, f64)] = &[
-    (Channel::Time, "m_present_time", 1.0),
-    (Channel::Time, "sci_m_present_time", 1.0),
-    (Channel::Time, "Timestamp", 1.0),
-    (Channel::Time, "PLD_REALTIMECLOCK", 1.0),
-    (Channel::Time, "TIME", 1.0),
-    (Channel::Time, "time", 1.0),
-    (Channel::Time, "datetime", 1.0),
-    (Channel::Pressure, "sci_water_pressure", 10.0),
-    (Channel::Pressure, "m_pressure", 10.0),
-    (Channel::Pressure, "ctd_pressure", 1.0),
-    (Channel::Pressure, "GPCTD_PRESSURE", 1.0),
-    (Channel::Pressure, "LEGATO_PRESSURE", 1.0),
-    (Channel::Pressure, "PRES", 1.0),
-    (Channel::Pressure, "pressure", 1.0),
-    (Channel::Depth, "m_depth", 1.0),
-    (Channel::Depth, "Depth", 1.0),
-    (Channel::Depth, "DEPTH", 1.0),
-    (Channel::Depth, "GLIDER_DEPTH", 1.0),
-    (Channel::Depth, "depth", 1.0),
-    (Channel::Pitch, "m_pitch", 1.0),
-    (Channel::Pitch, "eng_pitchAng", DEG),
-    (Channel::Pitch, "Pitch", DEG),
-    (Channel::Pitch, "PITCH", DEG),
-    (Channel::Pitch, "GLIDER_PITCH", DEG),
-    (Channel::Ballast, "m_ballast_pumped", 1.0),
-    (Channel::Ballast, "m_de_oil_vol", 1.0),
-    (Channel::Ballast, "eng_vbdCC", 1.0),
-    (Channel::Ballast, "BallastPos", 1.0),
-    (Channel::Density, "DENSITY", 1.0),
-    (Channel::Density, "density", 1.0),
-    (Channel::Temperature, "sci_water_temp", 1.0),
-    (Channel::Temperature, "GPCTD_TEMPERATURE", 1.0),
-    (Channel::Temperature, "LEGATO_TEMPERATURE", 1.0),
-    (Channel::Temperature, "TEMP", 1.0),
-    (Channel::Temperature, "temperature", 1.0),
-    (Channel::Salinity, "LEGATO_SALINITY", 1.0),
-    (Channel::Salinity, "PSAL", 1.0),
-    (Channel::Salinity, "salinity", 1.0),
-    (Channel::Conductivity, "sci_water_cond", 1.0),
-    (Channel::Conductivity, "GPCTD_CONDUCTIVITY", 1.0),
-    (Channel::Conductivity, "LEGATO_CONDUCTIVITY", 0.1),
-    (Channel::Roll, "m_roll", 1.0),
-    (Channel::Roll, "eng_rollAng", DEG),
-    (Channel::Roll, "Roll", DEG),
-    (Channel::Roll, "ROLL", DEG),
-    (Channel::Roll, "GLIDER_ROLL", DEG),
-    (Channel::Heading, "m_heading", 1.0),
-    (Channel::Heading, "eng_head", DEG),
-    (Channel::Heading, "Heading", DEG),
-    (Channel::Heading, "HEADING", DEG),
-    (Channel::Rudder, "m_fin", 1.0),
-    (Channel::BatteryPosition, "m_battpos", 0.0254),
-    (Channel::BatteryPosition, "LinPos", 0.001),
-    (Channel::PitchMass, "eng_pitchCtl", 0.01),
-    (Channel::Charge, "m_coulomb_amphr_total", 1.0),
-    (Channel::Voltage, "m_battery", 1.0),
-    (Channel::Latitude, "LATITUDE", 1.0),
-    (Channel::Latitude, "latitude", 1.0),
-    (Channel::Longitude, "LONGITUDE", 1.0),
-    (Channel::Longitude, "longitude", 1.0),
-];
-
-/// What a maker's name says of the unit.
-fn maker_factor(channel: Channel, name: &str) -> Option<f64> {
-    MAKERS.iter().find(|(of, known, _)| *of == channel && *known == name).map(|(.., factor)| *factor)
-}
-
-/// Whether a name that the user gave ends in the unit of an alias, as `pitch_deg` and `pitch_corrected_deg` do.
-fn same_unit(alias: &str, name: &str) -> bool {
-    let unit = |text: &str| text.rsplit_once('_').map(|(_, unit)| unit.to_owned());
-    unit(alias).is_some() && unit(alias) == unit(name)
+/// Refuses a mass of ballast: its volume depends on the water.
+fn refuse_mass(path: &Path, cell: usize, (name, unit): &(String, Option<String>)) -> Result<(), InputError> {
+    if !units::is_mass(name, unit.as_deref()) {
+        return Ok(());
+    }
+    let problem = format!("`{}` is a mass, expected the volume of the ballast", printable(name));
+    Err(InputError::new(Place::line(path, 1).column(cell + 1), problem).help(
+        "divide grams by the density of the water, 1.025 g/cc in the sea, and name the column `vbd_cc`; more buoyant is positive",
+    ))
 }
 
 fn listed(header: &[String]) -> String {
     header.iter().map(|name| printable(name)).collect::<Vec<_>>().join(", ")
-}
-
-/// What programs write for a value that is missing.
-const MISSING: [&str; 8] = ["nan", "na", "n/a", "null", "none", "--", "-", "nat"];
-
-/// The number in a cell; NaN for an empty one; nothing where it holds something else.
-pub(super) fn number(cell: &[u8]) -> Option<f64> {
-    let text = std::str::from_utf8(cell).ok()?.trim();
-    if text.is_empty() || MISSING.iter().any(|missing| text.eq_ignore_ascii_case(missing)) {
-        return Some(f64::NAN);
-    }
-    // A comma in a cell is the decimal mark of half the world.
-    let parsed = if text.contains(',') { text.replacen(',', ".", 1).parse() } else { text.parse() };
-    parsed.ok().filter(|value: &f64| value.is_finite())
-}
-
-pub(super) fn not_a_number(place: Place, column: &str, cell: &[u8]) -> InputError {
-    let found = printable(&String::from_utf8_lossy(cell));
-    InputError::new(place, format!("`{}` is `{found}`, expected a number or an empty cell", printable(column)))
-}
-
-fn no_time(place: Place, column: &str, cell: &[u8]) -> InputError {
-    let found = printable(&String::from_utf8_lossy(cell));
-    let problem = format!("`{}` is `{found}`, neither seconds nor a date that is known", printable(column));
-    InputError::new(place, problem).help("dates are 2022-06-13T18:00:00Z or, the day first, 13/06/2022 18:00:00")
-}
-
-pub(super) fn csv_error(path: &Path, error: &::csv::Error) -> InputError {
-    let place = match error.position() {
-        Some(position) => Place::line(path, position.line() as usize),
-        None => Place::file(path),
-    };
-    InputError::new(place, error.to_string())
 }

@@ -2,23 +2,81 @@
 
 use glidepolar_dbd::days_since_1970;
 
-/// Unix time of a date, in UTC unless it states a zone \[s\]; nothing of a text that is none.
+/// What stands first in a date of numbers whose year is last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum DateOrder {
+    /// `18/04/2023`.
+    DayFirst,
+    /// `04/18/2023`.
+    MonthFirst,
+}
+
+impl DateOrder {
+    /// The order as a user states it by `--unit time_s=`.
+    pub(super) fn parse(text: &str) -> Option<Self> {
+        match text.trim().to_lowercase().as_str() {
+            "day-first" | "dmy" => Some(DateOrder::DayFirst),
+            "month-first" | "mdy" => Some(DateOrder::MonthFirst),
+            _ => None,
+        }
+    }
+}
+
+/// What a date shows of its order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Shows {
+    /// One of its numbers is no month.
+    Order(DateOrder),
+    /// Either order is possible, and they are two days.
+    Either,
+    /// No date of this kind, or the same day in either order.
+    Nothing,
+}
+
+/// What the date in a text shows of the order of day and month. Points stand between day, month and year where the day is first.
+pub(super) fn shows_order(text: &str) -> Shows {
+    if !has_year_last(text) {
+        return Shows::Nothing;
+    }
+    let mut parts = text.trim().split(['-', '/']).map(str::parse::<u32>);
+    match (parts.next(), parts.next()) {
+        (Some(Ok(13..=31)), Some(Ok(1..=12))) => Shows::Order(DateOrder::DayFirst),
+        (Some(Ok(1..=12)), Some(Ok(13..=31))) => Shows::Order(DateOrder::MonthFirst),
+        (Some(Ok(a @ 1..=12)), Some(Ok(b @ 1..=12))) if a != b => Shows::Either,
+        _ => Shows::Nothing,
+    }
+}
+
+/// Whether the date in a text is of numbers and has its year last.
+pub(super) fn has_year_last(text: &str) -> bool {
+    let date = text.trim().split(['T', 't', ' ']).next().unwrap_or("");
+    let parts: Vec<&str> = date.split(['-', '/']).collect();
+    let is_number = |part: &&str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
+    parts.len() == 3 && parts.iter().all(is_number) && parts[0].len() <= 2 && parts[2].len() == 4
+}
+
+/// Unix time of a date, in UTC unless it states a zone, the day before the month \[s\]; nothing of a text that is none.
 pub(super) fn unix_s(text: &str) -> Option<f64> {
-    of_years(text, 1900..3000)
+    ordered_unix_s(text, DateOrder::DayFirst)
+}
+
+/// The same, with day and month in this order where the year is last.
+pub(super) fn ordered_unix_s(text: &str, order: DateOrder) -> Option<f64> {
+    of_years(text, 1900..3000, order)
 }
 
 /// The same for the day from which a file counts its times, which may lie before any glider: year 0, 1858, 1900.
 pub(super) fn epoch_s(text: &str) -> Option<f64> {
-    of_years(text, 0..3000)
+    of_years(text, 0..3000, DateOrder::DayFirst)
 }
 
-fn of_years(text: &str, years: std::ops::Range<i64>) -> Option<f64> {
+fn of_years(text: &str, years: std::ops::Range<i64>, order: DateOrder) -> Option<f64> {
     let text = text.trim();
     let (date, clock) = match text.find(['T', 't', ' ']) {
         Some(at) => (&text[..at], text[at + 1..].trim()),
         None => (text, ""),
     };
-    let (year, month, day) = date_of(date)?;
+    let (year, month, day) = date_of(date, order)?;
     let (clock, zone_s) = without_zone(clock)?;
     // Without colons: `164957`.
     let is_compact = clock.len() == 6 && clock.bytes().all(|digit| digit.is_ascii_digit());
@@ -41,15 +99,21 @@ fn of_years(text: &str, years: std::ops::Range<i64>) -> Option<f64> {
     if parts.next().is_some() {
         return None;
     }
-    if !years.contains(&year) || !(1..=12).contains(&month) || !(1..=31).contains(&day) {
+    if !years.contains(&year) || !(1..=12).contains(&month) || !(1..=days_of(year, month)).contains(&day) {
         return None;
     }
     let days = days_since_1970(year, month, day);
     Some(days as f64 * 86_400.0 + hour * 3600.0 + minute * 60.0 + second - zone_s)
 }
 
-/// `2023-04-18`, `2023/04/18`, `20230418`, or with the day first `18/04/2023`, `18.04.2023`, `18-Apr-2023`.
-fn date_of(text: &str) -> Option<(i64, i64, i64)> {
+/// How many days a month has.
+fn days_of(year: i64, month: i64) -> i64 {
+    let (next_year, next_month) = if month == 12 { (year + 1, 1) } else { (year, month + 1) };
+    days_since_1970(next_year, next_month, 1) - days_since_1970(year, month, 1)
+}
+
+/// `2023-04-18`, `2023/04/18`, `20230418`, `18.04.2023`, `18-Apr-2023`, or in the order of the file `18/04/2023`.
+fn date_of(text: &str, order: DateOrder) -> Option<(i64, i64, i64)> {
     const MONTHS: [&str; 12] = ["jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"];
     if text.len() == 8 && text.bytes().all(|digit| digit.is_ascii_digit()) {
         return Some((text[..4].parse().ok()?, text[4..6].parse().ok()?, text[6..].parse().ok()?));
@@ -63,6 +127,9 @@ fn date_of(text: &str) -> Option<(i64, i64, i64)> {
     }
     match (a.len(), c.len()) {
         (4, 1 | 2) => Some((number(a)?, number(b)?, number(c)?)),
+        (1 | 2, 4) if order == DateOrder::MonthFirst && !text.contains('.') => {
+            Some((number(c)?, number(a)?, number(b)?))
+        }
         (1 | 2, 4) => Some((number(c)?, number(b)?, number(a)?)),
         _ => None,
     }
@@ -107,5 +174,34 @@ mod tests {
         for text in ["", "12.5", "2023-13-01", "2023-04-18T25:00:00", "yesterday", "1.2.3", "2023-04-18T16:49:57:1"] {
             assert_eq!(unix_s(text), None, "{text}");
         }
+    }
+
+    #[test]
+    fn a_day_that_the_month_has_not_is_no_date() {
+        for text in ["2023-02-30", "2023-02-29", "31/04/2023", "2100-02-29", "2024-06-31T12:00:00Z"] {
+            assert_eq!(unix_s(text), None, "{text}");
+        }
+        for text in ["2024-02-29", "2000-02-29", "31/12/2023"] {
+            assert!(unix_s(text).is_some(), "{text}");
+        }
+    }
+
+    #[test]
+    fn the_order_of_day_and_month_shows_where_one_of_them_is_no_month() {
+        for (text, shown) in [
+            ("18/04/2023 16:49:57", Shows::Order(DateOrder::DayFirst)),
+            ("04/18/2023 16:49:57", Shows::Order(DateOrder::MonthFirst)),
+            ("4-18-2023", Shows::Order(DateOrder::MonthFirst)),
+            ("05/06/2024", Shows::Either),
+            ("05/05/2024", Shows::Nothing),
+            ("05.06.2024", Shows::Nothing),
+            ("2024-05-06T00:00:00Z", Shows::Nothing),
+            ("1717545600", Shows::Nothing),
+        ] {
+            assert_eq!(shows_order(text), shown, "{text}");
+        }
+        assert_eq!(ordered_unix_s("05/06/2024", DateOrder::MonthFirst), unix_s("2024-05-06"));
+        assert_eq!(ordered_unix_s("05.06.2024", DateOrder::MonthFirst), unix_s("2024-06-05"));
+        assert_eq!(ordered_unix_s("05/06/2024", DateOrder::DayFirst), unix_s("2024-06-05"));
     }
 }

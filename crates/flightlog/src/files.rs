@@ -153,6 +153,7 @@ impl LogFiles {
                     self.has_speed |= piece.has(Channel::Speed);
                     return Ok(Some(Piece::Series(Box::new(piece))));
                 }
+                self.warnings.append(&mut pieces.take_warnings());
                 self.open = None;
             }
             let Some(source) = self.waiting.pop_front() else { return self.end() };

@@ -336,7 +336,10 @@ fn stated(path: &Path, file: &NcFile, channel: Channel, name: &str) -> Result<Co
             Ok(Conversion::NONE)
         }
         Channel::Time if unit.is_empty() => Ok(Conversion::NONE),
-        Channel::Time | Channel::Pressure | Channel::Ballast => Err(unknown(path, channel, name, &unit)),
+        Channel::Speed if unit.is_empty() => Ok(units::unit_at_end(channel, name).unwrap_or(Conversion::NONE)),
+        Channel::Time | Channel::Pressure | Channel::Ballast | Channel::Speed => {
+            Err(unknown(path, channel, name, &unit))
+        }
         _ if is_angle(channel) => Err(unknown(path, channel, name, &unit)),
         _ => Ok(Conversion::NONE),
     }

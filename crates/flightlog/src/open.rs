@@ -40,6 +40,14 @@ impl LogPieces {
             LogPieces::Whole(log) => Ok(log.take().map(|log| *log)),
         }
     }
+
+    /// What a user should know of what was read so far; it is said once.
+    pub fn take_warnings(&mut self) -> Vec<String> {
+        match self {
+            LogPieces::Csv(log) => log.take_warnings(),
+            LogPieces::InMemory(_) | LogPieces::Whole(_) => Vec::new(),
+        }
+    }
 }
 
 /// Opens one file, whatever its kind.

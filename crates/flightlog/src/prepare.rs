@@ -105,6 +105,16 @@ impl Preparation {
         self.other_units.density_less_1000()
     }
 
+    /// Share of the pressures and depths read so far that no sea has and that were taken out.
+    pub fn share_of_depth_beyond(&self) -> f64 {
+        self.other_units.depth_beyond()
+    }
+
+    /// Share of the measured speeds read so far that no glider has and that were taken out.
+    pub fn share_of_speed_beyond(&self) -> f64 {
+        self.other_units.speed_beyond()
+    }
+
     /// Returns the share of the rows read so far before which the time goes back. A few are a clock that was set; many are rows that are
     /// not sorted by time.
     pub fn share_of_backward_steps(&self) -> f64 {
@@ -208,6 +218,10 @@ impl Preparation {
         let has_temperature = self.has_temperature(&mut log);
         let water = teos10(&log);
         let density = density_kg_m3(&log, &water, &s);
+        if let Some(given) = s.density_kg_m3.filter(|given| density.iter().all(|density| density == given)) {
+            let of_record = "parts of the record without a density, or temperature with salinity or conductivity";
+            self.notes.add(&format!("{of_record}: {given} kg/m3 assumed at all depths, as given by --density"), 1);
+        }
         let pressure = log.column(Channel::Pressure);
         let time = log.column(Channel::Time);
         let velocity = vertical_velocity(time, pressure, s.half_window_s);

@@ -278,12 +278,18 @@ fn pressure(path: &Path, clocks: &Clocks<'_>, columns: &Columns) -> Result<Instr
         true => ["ctd_pressure", "pressure", "legato_pressure", "gpctd_pressure"],
         false => ["pressure", "ctd_pressure", "legato_pressure", "gpctd_pressure"],
     };
+    // A program that rewrites a basestation's file may write another unit; one that is no pressure is a label gone wrong.
+    let in_dbar = |found: Instrument| {
+        let stated = || units::conversion(Channel::Pressure, &units(clocks.file, &found.name));
+        let conversion = columns.unit(Channel::Pressure).or_else(stated).unwrap_or(Conversion::NONE);
+        found.without_fill(Channel::Pressure).converted(conversion)
+    };
     if let Some(name) = columns.chosen(Channel::Pressure) {
         let found = clocks.instrument(&[name])?.ok_or_else(|| no_variable(path, Channel::Pressure, name))?;
-        return Ok(found.converted(columns.unit(Channel::Pressure).unwrap_or(Conversion::NONE)));
+        return Ok(in_dbar(found));
     }
     if let Some(found) = clocks.instrument(&names)? {
-        return Ok(found.converted(columns.unit(Channel::Pressure).unwrap_or(Conversion::NONE)));
+        return Ok(in_dbar(found));
     }
     // Files that were never processed have the depth only, in cm; 1 m is 1.0055 dbar in the basestation's own sea water.
     for (name, metres) in [("depth", 1.0), ("eng_depth", 0.01)] {

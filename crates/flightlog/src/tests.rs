@@ -114,6 +114,76 @@ fn a_dive_of_the_seaglider_basestation_is_read() {
 }
 
 #[test]
+fn a_pressure_is_in_the_unit_that_netcdf_states() {
+    for (unit, factor) in [("Pa", 1e4), ("kPa", 10.0), ("hPa", 100.0), ("bar", 0.1), ("dbar", 1.0), ("", 1.0)] {
+        let pressure = [1.0, 3.0, 5.0].map(|dbar| dbar * factor);
+        let basestation = classic::File::new(3)
+            .variable("ctd_time", "seconds since 1970-1-1 00:00:00", &[100.0, 110.0, 120.0])
+            .variable("ctd_pressure", unit, &pressure)
+            .variable("eng_pitchAng", "degrees", &[-20.0, -21.0, -22.0])
+            .variable("eng_vbdCC", "", &[-100.0; 3])
+            .with_moves(&[(118.0, 119.0)])
+            .bytes();
+        let series = classic::File::new(3)
+            .variable("TIME", "seconds since 1970-01-01T00:00:00Z", &[10.0, 20.0, 30.0])
+            .variable("PRES", unit, &pressure)
+            .variable("PITCH", "degrees", &[-25.0, -26.0, -27.0])
+            .variable("vbd_cc", "cm3", &[-200.0; 3])
+            .bytes();
+        for (name, bytes) in [("p5420042.nc", basestation), ("glider.nc", series)] {
+            let log = OneFile::new(name, &bytes).series().unwrap();
+            assert!(
+                (log.at(Channel::Pressure, 2) - 5.0).abs() < 1e-9,
+                "{name}, {unit}: {:?}",
+                log.column(Channel::Pressure)
+            );
+        }
+    }
+}
+
+#[test]
+fn the_name_of_a_chosen_column_says_its_unit() {
+    let file = csv("time_s,pressure_dbar,pitch_deg,vbd_cc,speed_cm_s,oil_g\n1,5,-30,-200,30,-205\n");
+    let mut columns = Columns::default();
+    columns.choose(Channel::Speed, "speed_cm_s");
+    let Ok(Opened::Series(mut series)) = open(&file.path, &columns) else { panic!("a series") };
+    assert!((series.next_piece(10).unwrap().unwrap().at(Channel::Speed, 0) - 0.3).abs() < 1e-12);
+    columns.choose(Channel::Ballast, "oil_g");
+    let Err(error) = open(&file.path, &columns) else { panic!("a mass is no volume") };
+    assert!(error.to_string().contains("`oil_g` is a mass"), "{error}");
+}
+
+#[test]
+fn names_of_oil_volumes_are_ballast_and_masses_are_refused() {
+    for name in ["m_de_oil_vol", "de_oil_volume", "oil_volume", "ballast (ml)"] {
+        let log = csv(&format!("time_s,pressure_dbar,pitch_deg,{name}\n1,5,-30,-200\n2,6,-30,-999.25\n")).series();
+        let log = log.unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_eq!(log.at(Channel::Ballast, 0), -200.0, "{name}");
+        assert!(log.at(Channel::Ballast, 1).is_nan(), "{name}");
+    }
+    for name in ["ballast_g", "ballast (kg)", "vbd_kg"] {
+        let error = csv(&format!("time_s,pressure_dbar,pitch_deg,{name}\n1,5,-30,-200\n")).series().unwrap_err();
+        assert!(error.to_string().contains("is a mass") && error.to_string().contains("1.025"), "{name}: {error}");
+    }
+}
+
+#[test]
+fn a_last_line_that_was_cut_off_is_left_out_and_no_other() {
+    let table = "time_s,pressure_dbar,pitch_rad,vbd_cc\n1,5,-0.4,-200\n2,6,-0.4,-200\n";
+    for end in ["3,7,-0", "3,7,-0.4,1e", "3"] {
+        let file = csv(&format!("{table}{end}"));
+        let Ok(Opened::Series(mut series)) = file.open() else { panic!("a series") };
+        assert_eq!(series.next_piece(100).unwrap().expect("two rows").len(), 2, "{end}");
+        let said = series.take_warnings();
+        assert!(said.len() == 1 && said[0].contains("cut off") && said[0].contains("log.csv"), "{said:?}");
+        let error = csv(&format!("{table}{end}\n")).series().unwrap_err();
+        assert!(error.to_string().contains("log.csv:4"), "{error}");
+    }
+    let whole = csv(&format!("{table}3,7,-0.4,-200")).series().unwrap();
+    assert_eq!(whole.len(), 3);
+}
+
+#[test]
 fn an_og1_time_series_is_read_with_its_units() {
     let file = classic::File::new(3)
         .variable("TIME", "seconds since 1970-01-01T00:00:00Z", &[10.0, 20.0, 30.0])

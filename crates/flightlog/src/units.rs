@@ -51,6 +51,8 @@ const PRESSURES: &[Unit] = &[
     (&["kpa", "kilopascal"], 0.1, 0.0),
     (&["mpa"], 100.0, 0.0),
     (&["psi"], 0.689_475_729, 0.0),
+    // Feet of sea water, as divers' gauges count them: 3.0643 kPa.
+    (&["ft", "feet", "fsw", "ftsw"], 0.306_43, 0.0),
 ];
 const LENGTHS: &[Unit] = &[
     (&["m", "meter", "meters", "metre", "metres"], 1.0, 0.0),
@@ -215,7 +217,10 @@ const SPEEDS: &[Unit] = &[
     (&["m/s", "ms-1", "m.s-1", "ms^-1", "ms**-1", "meter/second", "meters/second"], 1.0, 0.0),
     (&["cm/s", "cms-1", "cm.s-1"], 0.01, 0.0),
     (&["mm/s", "mms-1"], 0.001, 0.0),
-    (&["kn", "kt", "knot", "knots"], 1852.0 / 3600.0, 0.0),
+    (&["m/min"], 1.0 / 60.0, 0.0),
+    (&["km/h", "kmh", "kmh-1"], 1.0 / 3.6, 0.0),
+    (&["ft/s", "fts-1", "fps"], 0.3048, 0.0),
+    (&["kn", "kt", "kts", "knot", "knots"], 1852.0 / 3600.0, 0.0),
 ];
 const CHARGES: &[Unit] =
     &[(&["ah", "amp-hrs", "amphours", "a.h"], 1.0, 0.0), (&["mah"], 1e-3, 0.0), (&["c_"], 1.0 / 3600.0, 0.0)];
@@ -246,7 +251,21 @@ fn units(channel: Channel) -> &'static [Unit] {
 }
 
 /// Numbers that stand for a missing value in files that do not declare one, in whatever unit: no channel has them.
-const FILLS: [f64; 7] = [-999.0, -999.9, -9999.0, -9999.9, -99_999.0, -999_999.0, -9_999_999.0];
+const FILLS: [f64; 13] = [
+    -999.0,
+    -999.25,
+    -999.9,
+    -999.99,
+    -9999.0,
+    -9999.25,
+    -9999.9,
+    -9999.99,
+    -32_768.0,
+    -99_999.0,
+    -999_999.0,
+    -9_999_999.0,
+    -2_147_483_648.0,
+];
 
 /// As well, in what is no time, depth, count or conductivity.
 const LARGE_FILLS: [f64; 4] = [9999.0, 9999.9, 99_999.0, 999_999.0];
@@ -293,12 +312,31 @@ pub(super) fn conversion(channel: Channel, unit: &str) -> Option<Conversion> {
 /// `pressure_bar`, `ballast_m3`.
 pub(super) fn unit_in_name(channel: Channel, name: &str) -> Option<Conversion> {
     let own = CHANNELS.iter().find(|info| info.channel == channel)?.name;
-    let own = parts(own).find(|(_, unit)| conversion(channel, unit).is_some()).map(|(stem, _)| stem);
+    let own = parts(own).find(|(_, unit)| spelled(channel, unit).is_some()).map(|(stem, _)| stem);
     let is_known =
         |stem: &str| names::known(channel).iter().copied().chain(own).any(|known| known.eq_ignore_ascii_case(stem));
     // A complete name of any channel keeps its own meaning: `roll_rad` is no roll mass.
     let mut stated = parts(name).filter(|(stem, _)| !names::is_known(name) && is_known(stem));
-    stated.find_map(|(_, unit)| conversion(channel, unit))
+    stated.find_map(|(_, unit)| spelled(channel, unit))
+}
+
+/// Returns the conversion that the end of a column's name states, whatever stands before it: `speed_cm_s`, `u_dvl_m_s`,
+/// `cond_mS_cm`.
+pub(super) fn unit_at_end(channel: Channel, name: &str) -> Option<Conversion> {
+    parts(name).find_map(|(_, unit)| spelled(channel, unit))
+}
+
+/// A unit as names spell it, where a quotient has no slash: `cm_s`, `kg_m3`.
+fn spelled(channel: Channel, unit: &str) -> Option<Conversion> {
+    conversion(channel, unit).or_else(|| conversion(channel, &unit.replacen('_', "/", 1)))
+}
+
+/// Whether a name, or the unit that a table states of it, is that of a mass: no volume of ballast follows from it without the
+/// density of the water.
+pub(super) fn is_mass(name: &str, stated: Option<&str>) -> bool {
+    const MASSES: [&str; 6] = ["g", "gr", "gram", "grams", "kg", "kilograms"];
+    let is_one = |unit: &str| MASSES.iter().any(|mass| unit.trim().eq_ignore_ascii_case(mass));
+    stated.map_or_else(|| parts(name).any(|(_, unit)| is_one(unit)), is_one)
 }
 
 /// Splits a name at each place where its unit may begin.
@@ -376,8 +414,22 @@ mod tests {
     }
 
     #[test]
+    fn the_end_of_a_chosen_name_says_its_unit() {
+        let factor = |channel, name| unit_at_end(channel, name).map(|conversion| conversion.factor);
+        assert_eq!(factor(Channel::Speed, "speed_cm_s"), Some(0.01));
+        assert_eq!(factor(Channel::Speed, "U_dvl_m_s"), Some(1.0));
+        assert_eq!(factor(Channel::Speed, "dvl speed kn"), Some(1852.0 / 3600.0));
+        assert_eq!(factor(Channel::Pressure, "p_hull_bar"), Some(10.0));
+        assert_eq!(factor(Channel::Conductivity, "cond_mS_cm"), Some(0.1));
+        assert_eq!(factor(Channel::Density, "rho_kg_m3"), Some(1.0));
+        assert_eq!(factor(Channel::Speed, "speed_dvl"), None);
+        assert_eq!(unit_in_name(Channel::Speed, "speed_through_water_cm_s").map(|found| found.factor), Some(0.01));
+    }
+
+    #[test]
     fn a_fill_value_is_no_value() {
-        for fill in [-9999.0, -999.0, 9999.0, 1e20, 9.969_209_968_386_869e36] {
+        assert!(is_mass("ballast_g", None) && is_mass("ballast", Some("kg")) && !is_mass("ballast_cc", None));
+        for fill in [-9999.0, -999.0, -999.25, -32_768.0, 9999.0, 1e20, 9.969_209_968_386_869e36] {
             assert!(is_fill(Channel::Ballast, fill) && is_fill(Channel::Heading, fill), "{fill}");
         }
         for (channel, value) in [

@@ -40,6 +40,27 @@ impl Output {
         !self.quiet && self.json.as_ref().is_none_or(|path| path.as_os_str() != "-")
     }
 
+    /// Finds out before any work whether the results have places of their own, `--json` among them; each place comes with its
+    /// option.
+    ///
+    /// # Errors
+    /// Where two options name one place, or the place of `--json` cannot be written to.
+    pub fn begin(&self, places: &[(&str, Option<&Path>)]) -> Result<(), CliError> {
+        let json = self.json.as_deref().filter(|path| path.as_os_str() != "-");
+        let mut taken: Vec<(&str, PathBuf)> = Vec::new();
+        for (option, path) in places.iter().chain(&[("--json", json)]) {
+            let Some(path) = path else { continue };
+            let place = place(path);
+            if let Some((other, _)) = taken.iter().find(|(_, taken)| *taken == place) {
+                let name = path.display();
+                let problem = format!("{other} and {option} name the same place, {name}: give each result its own");
+                return Err(CliError::Usage(problem));
+            }
+            taken.push((option, place));
+        }
+        self.check_json()
+    }
+
     /// Writes the result as JSON where it was asked for.
     ///
     /// # Errors
@@ -99,6 +120,13 @@ impl Output {
     fn replace(&self) -> Replace {
         if self.force { Replace::Any } else { Replace::Own }
     }
+}
+
+/// Where a path leads to, whether or not the file is there already.
+fn place(path: &Path) -> PathBuf {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let named = || Some(std::fs::canonicalize(folder).ok()?.join(path.file_name()?));
+    std::fs::canonicalize(path).ok().or_else(named).unwrap_or_else(|| path.to_owned())
 }
 
 /// Why a command ended without its result.

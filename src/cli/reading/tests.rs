@@ -26,12 +26,17 @@ fn rows() -> Vec<Row> {
 
 /// What a command says of a log: its JSON, or why it ended.
 fn run_command(command: &[&str], rows: &[Row]) -> Result<serde_json::Value, CliError> {
+    run_on(command, rows, "10,35")
+}
+
+/// The same, of a log with this temperature and salinity.
+fn run_on(command: &[&str], rows: &[Row], water: &str) -> Result<serde_json::Value, CliError> {
     let folder = tempfile::tempdir().expect("a folder");
     let (log, json) = (folder.path().join("log.csv"), folder.path().join("out.json"));
     let mut text =
         "time_s,pressure_dbar,pitch_rad,vbd_cc,density_kg_m3,temperature_C,salinity_psu,heading_rad\n".to_owned();
     for [time, pressure, pitch, ballast, density] in rows {
-        text += &format!("{time},{pressure},{pitch},{ballast},{density},10,35,1\n");
+        text += &format!("{time},{pressure},{pitch},{ballast},{density},{water},1\n");
     }
     std::fs::write(&log, text).expect("a file");
     let common = ["--vehicle", "seaglider", "--quiet", "--json", json.to_str().unwrap()];
@@ -59,12 +64,16 @@ fn a_log_that_contradicts_itself_is_refused_by_every_command() {
         (changed(|row| row[3] *= -1.0), "sign of ballast volume"),
         (changed(|row| row[3] *= 1e-6), "unit of ballast volume"),
         (changed(|row| row[4] -= 1000.0), "unit of density"),
+        (changed(|row| row[1] *= 1e4), "unit of pressure or depth"),
         (reversed, "order of time"),
     ] {
         for command in COMMANDS {
             let error = run_command(command, &rows).expect_err(check);
             let text = error.to_string();
             assert!(text.contains("contradicts itself") && text.contains(check), "{command:?}, {check}: {text}");
+            // `track` reads with fixes beside the log and names the file elsewhere.
+            assert!(command[0] == "track" || text.contains("log.csv: the log"), "{command:?}, {check}: {text}");
+            assert!(text.contains("--column CHANNEL=COLUMN"), "{command:?}, {check}: {text}");
             assert_eq!(error.exit_code(), ExitCode::from(2), "{command:?}, {check}");
         }
     }
@@ -104,6 +113,46 @@ fn a_density_that_the_log_shows_to_be_wrong_is_corrected_by_every_command_and_it
     };
     let (as_read, expected) = (way(&changed(|row| row[4] = surface)), way(&true_density));
     assert!(expected > 100.0 && (as_read / expected - 1.0).abs() < 1e-6, "{as_read} m beside {expected} m");
+}
+
+/// The same log without a record of the water.
+fn without_water() -> Vec<Row> {
+    changed(|row| row[4] = f64::NAN)
+}
+
+#[test]
+fn what_is_assumed_of_the_water_is_said() {
+    let notes = |rows: &[Row], water: &str| {
+        let found = run_on(&["identify", "--density", "1026"], rows, water).expect("a fit");
+        found["notes"].to_string()
+    };
+    let said = notes(&without_water(), ",");
+    assert!(said.contains("1026 kg/m3 assumed") && said.contains("15 degC assumed"), "{said}");
+    let said = notes(&rows(), "10,35");
+    assert!(!said.contains("assumed"), "{said}");
+}
+
+#[test]
+fn a_pressure_or_a_speed_in_another_unit_is_warned_of() {
+    let warned = |command: &[&str], factor: f64| {
+        // A density of its own would show it: that of temperature and salinity follows the pressure.
+        let found =
+            run_command(command, &changed(|row| (row[1], row[4]) = (row[1] * factor, f64::NAN))).expect("a result");
+        found["warnings"].to_string().contains("ballast and vertical velocity contradict each other")
+    };
+    for command in [&["identify"][..], &["track"], &["diagnose"]] {
+        assert!(!warned(command, 1.0), "{command:?}");
+        assert!(warned(command, 3.28), "{command:?}");
+    }
+}
+
+#[test]
+fn a_log_of_one_dive_identifies_nothing_in_any_command() {
+    for command in [&["identify"][..], &["compare", "seaglider"]] {
+        let error = run_command(command, &rows()[..300]).expect_err("one dive");
+        assert!(error.to_string().contains("dives with steady samples: 1, at least 2"), "{command:?}: {error}");
+        assert_eq!(error.exit_code(), ExitCode::from(1), "{command:?}");
+    }
 }
 
 #[test]

@@ -87,6 +87,20 @@ pub fn taken_out(log: &Preparation) -> Vec<Check> {
             format!("{share:.0} % of the densities lie at 1: are they in g/cm3? (--unit density_kg_m3=g/cm3)"),
         )
     });
+    let share = 100.0 * log.share_of_depth_beyond();
+    let depth = (share > 100.0 * MOST).then(|| {
+        wrong(
+            "unit of pressure or depth",
+            format!("{share:.0} % of the depths are beyond 11 000 m, which no sea has: is the pressure in Pa, or the depth in cm? (--unit pressure_dbar=Pa, --unit depth_m=cm)"),
+        )
+    });
+    let share = 100.0 * log.share_of_speed_beyond();
+    let speed = (share > 100.0 * MOST).then(|| {
+        wrong(
+            "unit of measured speed",
+            format!("{share:.0} % of the measured speeds are beyond 5 m/s, which no glider has: are they in cm/s? (--unit speed_through_water_m_s=cm/s)"),
+        )
+    });
     let back = log.share_of_backward_steps();
     let order = (back > UNSORTED).then(|| {
         let share = 100.0 * back;
@@ -95,7 +109,7 @@ pub fn taken_out(log: &Preparation) -> Vec<Check> {
             format!("the time goes back from one row to the next in {share:.0} % of the rows: sort them by time"),
         )
     });
-    order.into_iter().chain(pitch).chain(density).chain(g_cm3).collect()
+    order.into_iter().chain(pitch).chain(density).chain(g_cm3).chain(depth).chain(speed).collect()
 }
 
 /// Holds a log against itself. `carried_bias_kg_m3` is what the vehicle already adds to the density that is read.
@@ -219,6 +233,12 @@ fn ballast_unit(observations: &[Observation]) -> Check {
     let goes = |down: bool| observations.iter().any(|o| o.steady && (o.sink_m_s > 0.0) == down);
     if high - low < 5.0 && !(goes(true) && goes(false)) {
         return not_checked(check, "the log goes one way alone");
+    }
+    if high - low < 1e-6 * high.abs().max(1.0) {
+        let says = format!(
+            "the ballast volume is {high:.3} cc on descents and ascents alike: is it a setting? choose the column of the measured volume by --column vbd_cc=COLUMN"
+        );
+        return Check { check, outcome: Checked::Wrong, says };
     }
     judge(
         check,

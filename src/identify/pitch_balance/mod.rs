@@ -11,6 +11,7 @@
 //! it must be known. The polar is held as it was identified. `CM0` is held: it differs from `x_h` only by the change of
 //! dynamic pressure.
 
+mod failure;
 mod first_guess;
 mod not_identifiable;
 mod samples;
@@ -67,6 +68,8 @@ pub struct PitchBalance {
     /// Whether the fitted values are the glider's own: they are not where the arm of the ballast had to be held at a
     /// value that nobody measured.
     pub is_identified: bool,
+    /// Why the fit says nothing of the glider at all; nothing where it does.
+    pub failure: Option<String>,
 }
 
 /// What the report says of it besides the parameters.
@@ -155,7 +158,7 @@ pub fn pitch_balance(
         refine(&flat, &mut samples).ok().map(|found| found.tally.sink.rms())
     };
     propagate(&mut fit, &mut samples, considered);
-    Ok(Some(PitchBalance {
+    let mut balance = PitchBalance {
         pitch_rms_rad: fit.tally.sink.rms(),
         pitch_rms_without_d_rad: without_d,
         pitch_rms_holdout_rad: held_out(&question, &fit.parameters, &dives)?,
@@ -163,9 +166,12 @@ pub fn pitch_balance(
         mass_kg: fit.parameters.mass_kg(),
         is_identified: !pinned.contains_key("ballast_forward_m")
             || vehicle.get("ballast.forward_m").is_some_and(|x| x != 0.0),
+        failure: None,
         pinned,
         fit,
-    }))
+    };
+    balance.failure = failure::failure(&balance, &dives);
+    Ok(Some(balance))
 }
 
 impl PitchBalance {

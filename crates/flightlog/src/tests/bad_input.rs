@@ -71,7 +71,7 @@ fn a_column_without_a_unit_is_pointed_to() {
 fn an_empty_file_a_cut_one_and_a_folder_are_errors() {
     assert!(csv("").series().unwrap_err().to_string().contains("empty"));
     assert!(problem("\n\n").contains("empty") || problem("\n\n").contains("no time"));
-    let cut = problem(&format!("{HEADER}1,2,-0.4,-200,1025\n2,3,-0"));
+    let cut = problem(&format!("{HEADER}1,2,-0.4,-200,1025\n2,3,-0\n3,4,-0.4,-200,1025\n"));
     assert!(cut.contains("cells, expected 5"), "{cut}");
     let folder = tempfile::tempdir().unwrap();
     assert!(open(folder.path(), &Columns::default()).is_err());
