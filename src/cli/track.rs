@@ -19,6 +19,7 @@ use crate::log::{
 use crate::reading::{Gathering, check_pitch, no_rows, settings};
 use crate::report::{InputFile, Report as Page};
 use crate::track::comparison::{self, Comparison, Stored};
+use crate::track::plausibility;
 use crate::track::{DiveTrack, Drift, Fix, Sample, Track, TrackSettings, reckon};
 use crate::vehicle::Vehicle;
 
@@ -139,6 +140,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if let Some(table) = &table {
         track.set_currents(&table.fixes);
         drifts = track.drifts(&table.fixes, a.fix_error_m);
+        warnings.extend(plausibility::too_strong(&drifts, &track.dives));
         comparison = match a.fixes_at {
             FixesAt::Start => Comparison::new(&comparison::by_dive(&track.dives, &table.stored)),
             FixesAt::Middle => Comparison::new(&comparison::by_drift(&drifts, &table.stored)),

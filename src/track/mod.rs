@@ -13,6 +13,7 @@
 
 pub mod comparison;
 mod earth;
+pub mod plausibility;
 
 use crate::dynamics::{Parameters, Surroundings};
 use crate::glide::{Attitude, at_pitch};
@@ -123,6 +124,13 @@ pub struct Current {
     pub north_se_m_s: f64,
     /// Time from fix to fix \[s\].
     pub duration_s: f64,
+}
+
+impl Current {
+    /// Its speed \[m/s\].
+    pub fn speed_m_s(&self) -> f64 {
+        self.east_m_s.hypot(self.north_m_s)
+    }
 }
 
 /// A track through the water.

@@ -11,7 +11,8 @@ use std::path::{Path, PathBuf};
 use super::calibration::Calibration;
 use super::channels::{Channel, FlightLog};
 use super::columns::Columns;
-use super::fix::GpsFix;
+use super::dates::FIRST_UNIX_S;
+use super::fix::{GpsFix, Positions};
 use super::observation::Observation;
 use super::open::{LogPieces, Opened};
 use super::{ad2cp, glide_table, netcdf, og1, open, seaexplorer, seaglider, slocum};
@@ -38,6 +39,7 @@ pub struct LogFiles {
     /// The ballast volume counts from these counts of the pump, where several dives count from different ones.
     c_vbd_counts: Option<f64>,
     calibration: Option<Calibration>,
+    positions: Positions,
     fixes: Vec<GpsFix>,
     warnings: Vec<String>,
     notes: Vec<String>,
@@ -122,6 +124,7 @@ impl LogFiles {
             last_s: f64::NAN,
             c_vbd_counts: calibration.as_ref().and_then(|calibration| calibration.c_vbd_counts),
             calibration,
+            positions: Positions::default(),
             fixes: Vec::new(),
             warnings,
             notes: Vec::new(),
@@ -225,7 +228,8 @@ impl LogFiles {
             }
             Kind::Segment(Maker::Slocum, paths) => self.segment = Some(slocum::Segment::open(paths, &self.columns)?),
             Kind::Segment(Maker::SeaExplorer, paths) => {
-                let mut log = seaexplorer::read(paths, &self.columns, &mut self.fixes, &mut self.warnings)?;
+                let (positions, fixes) = (&mut self.positions, &mut self.fixes);
+                let mut log = seaexplorer::read(paths, &self.columns, positions, fixes, &mut self.warnings)?;
                 self.last_s = without_overlap(&mut log, self.last_s);
                 self.open = Some(LogPieces::Whole(Some(Box::new(log))));
             }
@@ -325,9 +329,6 @@ fn ordering_s(first: Option<&FlightLog>) -> f64 {
 
 /// Fixes that follow one another within this time are of one surfacing: a dive takes longer \[s\].
 const SAME_SURFACING_S: f64 = 300.0;
-
-/// A time above this counts from 1970, not from the start of a mission: three years.
-const FIRST_UNIX_S: f64 = 1e8;
 
 /// A segment: whose, its name, which of the sources it became, and the files of both computers with their ranks.
 type Known = (Maker, String, usize, [Option<(u8, PathBuf)>; 2]);

@@ -58,6 +58,7 @@ pub use channels::{CHANNELS, Channel, ChannelInfo, FlightLog};
 pub use clean::Notes;
 pub use columns::Columns;
 pub use condense::{Condenser, MOST_OBSERVATIONS, Shorten};
+pub use dates::shown_time;
 pub use density::{absolute_salinity_g_kg, conservative_temperature_C, in_situ_density_kg_m3, practical_salinity};
 pub use files::{LogFiles, Piece};
 pub use fix::GpsFix;
