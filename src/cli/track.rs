@@ -138,7 +138,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let mut drifts = Vec::new();
     let mut comparison = None;
     if let Some(table) = &table {
-        track.set_currents(&table.fixes);
+        track.set_currents(&table.fixes, a.fix_error_m);
         drifts = track.drifts(&table.fixes, a.fix_error_m);
         warnings.extend(plausibility::too_strong(&drifts, &track.dives));
         comparison = match a.fixes_at {

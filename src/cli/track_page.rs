@@ -92,11 +92,11 @@ fn warnings(dives: &[DiveTrack], remarks: &Remarks<'_>) -> Vec<String> {
     if !remarks.has_uncertainty {
         warnings.push(if knows_speed_errors(remarks) {
             format!(
-                "The vehicle states no [uncertainty]: the errors are those of the compass and of {:.0} % of the speed.",
+                "The vehicle states no [uncertainty]: the errors of the way are those of the compass and of {:.0} % of the speed.",
                 100.0 * remarks.speed_error
             )
         } else {
-            "The vehicle states no [uncertainty]: the errors are those of the compass alone.".to_owned()
+            "The vehicle states no [uncertainty]: the errors of the way are those of the compass alone.".to_owned()
         });
     }
     if remarks.declination_deg == 0.0 {
@@ -201,7 +201,7 @@ fn currents_figure(dives: &[&DiveTrack], remarks: &Remarks<'_>) -> Figure {
         |dive| dive.current.map(|c| (c.north_m_s, c.north_se_m_s)),
         |row| row.2,
     );
-    let errors_of = if knows_speed_errors(remarks) { "compass and polar" } else { "the compass alone" };
+    let errors_of = if knows_speed_errors(remarks) { "compass, polar and fixes" } else { "compass and fixes" };
     Figure::new("currents", Axis::new("Time", "t", "h")).panel(east).panel(north).caption(format!(
         "Mean current over depth between fixes, drift at the surface included; bars: 95 % of {errors_of}.",
     ))
@@ -273,9 +273,9 @@ mod tests {
             };
             let html = page(&Track { points: Vec::new(), dives: vec![dive()] }, &remarks).html();
             let case = format!("{has_uncertainty} {speed_error}");
-            assert_eq!(html.contains("the errors are those of the compass alone"), alone, "{case}");
-            assert_eq!(html.contains("95 % of the compass alone"), alone, "{case}");
-            assert_eq!(html.contains("95 % of compass and polar"), !alone, "{case}");
+            assert_eq!(html.contains("the errors of the way are those of the compass alone"), alone, "{case}");
+            assert_eq!(html.contains("95 % of compass and fixes"), alone, "{case}");
+            assert_eq!(html.contains("95 % of compass, polar and fixes"), !alone, "{case}");
             assert_eq!(html.contains("of 10 % of the speed"), !has_uncertainty && speed_error > 0.0, "{case}");
         }
     }

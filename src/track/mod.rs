@@ -118,9 +118,9 @@ pub struct Current {
     pub east_m_s: f64,
     /// To the north \[m/s\].
     pub north_m_s: f64,
-    /// Standard error of both, without that of the fixes \[m/s\].
+    /// Standard error to the east, by the way reckoned and by both fixes \[m/s\].
     pub east_se_m_s: f64,
-    /// Standard error \[m/s\].
+    /// To the north \[m/s\].
     pub north_se_m_s: f64,
     /// Time from fix to fix \[s\].
     pub duration_s: f64,
@@ -253,8 +253,9 @@ fn through_water(p: &Parameters<f64>, sample: &Sample, settings: &TrackSettings)
 
 impl Track {
     /// Sets the current of each dive that lies between two fixes: the last one not later than its first sample, and the
-    /// first one not earlier than its last, with no other dive between them. Fixes in order of time.
-    pub fn set_currents(&mut self, fixes: &[Fix]) {
+    /// first one not earlier than its last, with no other dive between them. Fixes in order of time; `fix_error_m` is the
+    /// standard error of one of them on either axis.
+    pub fn set_currents(&mut self, fixes: &[Fix], fix_error_m: f64) {
         let ends: Vec<(f64, f64)> = self.dives.iter().map(|dive| (dive.start_s, dive.end_s)).collect();
         for (i, dive) in self.dives.iter_mut().enumerate() {
             let before = fixes.iter().rev().find(|fix| fix.time_s <= dive.start_s + FIX_GRACE_S);
@@ -271,11 +272,12 @@ impl Track {
                 continue;
             }
             let way = displacement_m(before, after);
+            let with_fixes = |way_se_m: f64| way_se_m.hypot(std::f64::consts::SQRT_2 * fix_error_m);
             dive.current = Some(Current {
                 east_m_s: (way[0] - dive.east_m) / duration_s,
                 north_m_s: (way[1] - dive.north_m) / duration_s,
-                east_se_m_s: dive.east_se_m / duration_s,
-                north_se_m_s: dive.north_se_m / duration_s,
+                east_se_m_s: with_fixes(dive.east_se_m) / duration_s,
+                north_se_m_s: with_fixes(dive.north_se_m) / duration_s,
                 duration_s,
             });
         }
@@ -285,7 +287,7 @@ impl Track {
 impl Track {
     /// The mean current between each two fixes that follow one another, whatever dives lie between: what is left of the
     /// way between the fixes when the way reckoned between their times is taken off. For positions in the middle of dives,
-    /// and for surfacings that several dives share. `fix_error_m` is the standard error of one fix on either axis.
+    /// and for surfacings that several dives share. `fix_error_m` as in [`Track::set_currents`].
     pub fn drifts(&self, fixes: &[Fix], fix_error_m: f64) -> Vec<Drift> {
         let (Some(first), Some(last)) = (self.points.first(), self.points.last()) else { return Vec::new() };
         let covered = |time_s: f64| time_s >= first.time_s - FIX_GRACE_S && time_s <= last.time_s + FIX_GRACE_S;

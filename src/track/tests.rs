@@ -66,14 +66,24 @@ fn fixes_around_a_dive_give_the_current_that_carried_it() {
         let lon_deg = (179.99 + east / 81_541.0 + 180.0) % 360.0 - 180.0;
         fixes.push(Fix { time_s, lat_deg, lon_deg });
     }
-    track.set_currents(&fixes);
+    let errors_m = |track: &Track| {
+        let current = track.dives[0].current.expect("fixes lie on both sides");
+        [current.east_se_m_s * current.duration_s, current.north_se_m_s * current.duration_s]
+    };
+    track.set_currents(&fixes, 0.0);
+    let without = errors_m(&track);
+    track.set_currents(&fixes, 50.0);
+    for (with, without) in errors_m(&track).iter().zip(without) {
+        // Two fixes of 50 m on top of the way reckoned.
+        assert!((with.powi(2) - without.powi(2) - 2.0 * 50f64.powi(2)).abs() < 1e-6, "{with} {without}");
+    }
     for dive in &track.dives {
         let current = dive.current.expect("fixes lie on both sides");
         assert!((current.east_m_s - 0.1).abs() < 1e-3 && (current.north_m_s + 0.05).abs() < 1e-3, "{current:?}");
     }
     // Without a fix between the dives neither has a current of its own.
     track.dives.iter_mut().for_each(|dive| dive.current = None);
-    track.set_currents(&[fixes[0], fixes[3]]);
+    track.set_currents(&[fixes[0], fixes[3]], 50.0);
     assert!(track.dives.iter().all(|dive| dive.current.is_none()));
 }
 

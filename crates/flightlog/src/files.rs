@@ -142,7 +142,8 @@ impl LogFiles {
     pub fn next_piece(&mut self, rows: usize) -> Result<Option<Piece>, InputError> {
         loop {
             if let Some(segment) = &mut self.segment {
-                if let Some(mut piece) = segment.next_piece(&mut self.fixes, &mut self.warnings, &mut self.notes)? {
+                let (positions, fixes) = (&mut self.positions, &mut self.fixes);
+                if let Some(mut piece) = segment.next_piece(positions, fixes, &mut self.warnings, &mut self.notes)? {
                     self.last_s = without_overlap(&mut piece, self.last_s);
                     self.has_read |= !piece.is_empty();
                     self.has_speed |= piece.has(Channel::Speed);

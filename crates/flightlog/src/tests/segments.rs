@@ -82,7 +82,9 @@ fn segment(name: &str, start_s: f64) -> (Vec<u8>, Vec<u8>) {
     let rows: Vec<Vec<f64>> = (0..200)
         .map(|i| {
             let t = 4.0 * f64::from(i);
-            vec![start_s + t, -0.4 - 1e-4 * t, 0.0, -200.0 + 0.1 * t, 0.5, 6.2 + 0.001 * t, 0.02 * t, 5430.6, -730.0]
+            // The first cycle has a position of before.
+            let lat = if i == 0 { 5400.6 } else { 5430.6 };
+            vec![start_s + t, -0.4 - 1e-4 * t, 0.0, -200.0 + 0.1 * t, 0.5, 6.2 + 0.001 * t, 0.02 * t, lat, -730.0]
         })
         .collect();
     let science = [
@@ -121,9 +123,35 @@ fn flight_and_science_files_of_a_slocum_are_one_log() {
     }
     assert!((log.at(Channel::Temperature, 100) - (15.0 - 0.01 * (log.at(Channel::Time, 100) - START_S))).abs() < 1e-6);
     let fixes = files.fixes();
-    assert_eq!(fixes.len(), 1, "the last position is written again and again");
+    assert_eq!(fixes.len(), 1, "the last position is written again and again, and that of the first cycle is of before");
+    assert_eq!(fixes[0].time_s, START_S + 4.0);
     assert!((fixes[0].lat_deg - 54.51).abs() < 1e-9 && (fixes[0].lon_deg + 7.5).abs() < 1e-9);
     assert!(files.warnings().is_empty(), "{:?}", files.warnings());
+}
+
+#[test]
+fn a_position_that_a_slocum_repeats_from_the_segment_before_is_no_fix() {
+    let folder = Folder::new();
+    let sensors =
+        [("m_present_time", "s"), ("m_depth", "m"), ("m_gps_lat", "lat"), ("m_gps_lon", "lon"), ("m_gps_status", "enum")];
+    let rows = |start_s: f64, positions: &[(f64, f64)]| -> Vec<Vec<f64>> {
+        let row = |(i, (lat, status)): (usize, &(f64, f64))| vec![start_s + 4.0 * i as f64, 1.0, *lat, -730.0, *status];
+        positions.iter().enumerate().map(row).collect()
+    };
+    // At first 69696969, which is no position; then the same cycle twice, a bad one, two good ones.
+    let first = rows(START_S, &[(69_696_969.0, 69.0), (5430.6, 0.0), (5430.6, 0.0)]);
+    let second = rows(START_S + 700.0, &[(5430.6, 0.0), (5430.6, 0.0), (5431.2, 3.0), (5431.8, 0.0), (5431.8, 0.0)]);
+    let later = |bytes: Vec<u8>| {
+        let text = String::from_utf8_lossy(&bytes[..600]).replace("12:26:40", "12:38:20");
+        [text.as_bytes(), &bytes[600..]].concat()
+    };
+    let paths = [
+        folder.write("a.dbd", &dbd("unit_1-2020-257-0-0", "dbd", &sensors, &first)),
+        folder.write("b.dbd", &later(dbd("unit_1-2020-257-0-1", "dbd", &sensors, &second))),
+    ];
+    let (_, files) = whole(&paths, &Columns::default()).unwrap();
+    let times: Vec<f64> = files.fixes().iter().map(|fix| fix.time_s - START_S).collect();
+    assert_eq!(times, [4.0, 712.0]);
 }
 
 #[test]
