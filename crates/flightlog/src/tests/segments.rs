@@ -3,21 +3,21 @@
 use super::*;
 use crate::{LogFiles, Piece};
 
-struct Folder(tempfile::TempDir);
+pub(super) struct Folder(tempfile::TempDir);
 
 impl Folder {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         Folder(tempfile::tempdir().expect("a folder"))
     }
 
-    fn write(&self, name: &str, bytes: &[u8]) -> PathBuf {
+    pub(super) fn write(&self, name: &str, bytes: &[u8]) -> PathBuf {
         let path = self.0.path().join(name);
         std::fs::write(&path, bytes).expect("a file");
         path
     }
 }
 
-fn whole(paths: &[PathBuf], columns: &Columns) -> Result<(FlightLog, LogFiles), InputError> {
+pub(super) fn whole(paths: &[PathBuf], columns: &Columns) -> Result<(FlightLog, LogFiles), InputError> {
     let mut files = LogFiles::open(paths, columns)?;
     let mut log = FlightLog::default();
     while let Some(piece) = files.next_piece(1000)? {
@@ -30,7 +30,7 @@ fn whole(paths: &[PathBuf], columns: &Columns) -> Result<(FlightLog, LogFiles), 
 }
 
 /// A Slocum's file whose sensors are all new in each row, eight bytes each.
-fn dbd(name: &str, extension: &str, sensors: &[(&str, &str)], rows: &[Vec<f64>]) -> Vec<u8> {
+pub(super) fn dbd(name: &str, extension: &str, sensors: &[(&str, &str)], rows: &[Vec<f64>]) -> Vec<u8> {
     let n = sensors.len();
     let list: String =
         sensors.iter().enumerate().map(|(i, (name, unit))| format!("s: T {i:4} {i:4} 8 {name} {unit}\n")).collect();
@@ -64,10 +64,10 @@ fn dbd(name: &str, extension: &str, sensors: &[(&str, &str)], rows: &[Vec<f64>])
     bytes
 }
 
-const START_S: f64 = 1.6e9;
+pub(super) const START_S: f64 = 1.6e9;
 
 /// Flight and science file of one segment: 4 s and 1 s between rows, the CTD off after 300 s.
-fn segment(name: &str, start_s: f64) -> (Vec<u8>, Vec<u8>) {
+pub(super) fn segment(name: &str, start_s: f64) -> (Vec<u8>, Vec<u8>) {
     let flight = [
         ("m_present_time", "timestamp"),
         ("m_pitch", "rad"),
@@ -123,7 +123,11 @@ fn flight_and_science_files_of_a_slocum_are_one_log() {
     }
     assert!((log.at(Channel::Temperature, 100) - (15.0 - 0.01 * (log.at(Channel::Time, 100) - START_S))).abs() < 1e-6);
     let fixes = files.fixes();
-    assert_eq!(fixes.len(), 1, "the last position is written again and again, and that of the first cycle is of before");
+    assert_eq!(
+        fixes.len(),
+        1,
+        "the last position is written again and again, and that of the first cycle is of before"
+    );
     assert_eq!(fixes[0].time_s, START_S + 4.0);
     assert!((fixes[0].lat_deg - 54.51).abs() < 1e-9 && (fixes[0].lon_deg + 7.5).abs() < 1e-9);
     assert!(files.warnings().is_empty(), "{:?}", files.warnings());
@@ -132,8 +136,13 @@ fn flight_and_science_files_of_a_slocum_are_one_log() {
 #[test]
 fn a_position_that_a_slocum_repeats_from_the_segment_before_is_no_fix() {
     let folder = Folder::new();
-    let sensors =
-        [("m_present_time", "s"), ("m_depth", "m"), ("m_gps_lat", "lat"), ("m_gps_lon", "lon"), ("m_gps_status", "enum")];
+    let sensors = [
+        ("m_present_time", "s"),
+        ("m_depth", "m"),
+        ("m_gps_lat", "lat"),
+        ("m_gps_lon", "lon"),
+        ("m_gps_status", "enum"),
+    ];
     let rows = |start_s: f64, positions: &[(f64, f64)]| -> Vec<Vec<f64>> {
         let row = |(i, (lat, status)): (usize, &(f64, f64))| vec![start_s + 4.0 * i as f64, 1.0, *lat, -730.0, *status];
         positions.iter().enumerate().map(row).collect()
