@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::plan_page::{self, Calibrated, Planned};
 use super::plan_tables::{read_dives, read_strokes};
+use super::table::incomplete;
 use super::{Changes, CliError, Output, vehicle_input, warn, water_density};
 use crate::estimate::Estimate;
 use crate::plan::calibrate::{DiveFit, PumpFit, Stroke, fit_dives, fit_pump};
@@ -132,7 +133,8 @@ fn calibrate(arguments: &Arguments, vehicle: &mut Vehicle) -> Result<Option<Cali
         return Ok(None);
     };
     let table = read_dives(dives)?;
-    let strokes = read_strokes(moves, table.cc_per_count)?;
+    let (strokes, without) = read_strokes(moves, table.cc_per_count)?;
+    warn(incomplete(dives, table.incomplete).into_iter().chain(incomplete(moves, without)));
     let failed = |error: crate::plan::calibrate::CalibrationError| CliError::Failed(error.to_string());
     let pump = fit_pump(&strokes).map_err(failed)?;
     let dives = fit_dives(&strokes, &table.dives).map_err(failed)?;

@@ -120,5 +120,30 @@ fn a_table_of_fixes_that_lacks_columns_is_refused_with_what_it_needs() {
     let found = track(&file("none.csv", "a,b\n1,2\n"));
     assert!(found.contains("the columns needed are: start_time_s, lat_deg, lon_deg"), "{found}");
     let found = track(&file("empty.csv", ""));
-    assert!(found.contains("the table is empty"), "{found}");
+    assert!(found.contains("empty.csv: the file is empty"), "{found}");
+}
+
+#[test]
+fn tables_of_inputs_are_read_as_logs_are() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let flown = |name: &str, text: &str| {
+        let (inputs, csv) = (folder.path().join(name), folder.path().join(format!("{name}.out")));
+        std::fs::write(&inputs, text).expect("a table");
+        let (inputs, csv) = (inputs.display().to_string(), csv.display().to_string());
+        let arguments =
+            ["glidepolar", "simulate", "slocum-graver", "--stop", "60", "--quiet", "--inputs", &inputs, "--csv", &csv];
+        run(Cli::try_parse_from(arguments).expect("arguments")).unwrap_or_else(|error| panic!("{name}: {error}"));
+        std::fs::read_to_string(csv).expect("a history")
+    };
+    let plain = flown("plain.csv", "time,current_x_m_s\n0,0.0\n30,0.125\n60,0.25\n");
+    for (name, text) in [
+        ("semicolons.csv", "\u{feff}time;current_x_m_s\r\n0;0,0\r\n30;0,125\r\n60;0,25\r\n"),
+        (
+            "dates.csv",
+            "time\tcurrent_x_m_s\n2023-04-18T16:49:57Z\t0\n2023-04-18T16:50:27Z\t0.125\n2023-04-18T16:50:57Z\t0.25\n",
+        ),
+        ("gaps.csv", "time,current_x_m_s\n0,0\n30,NaN\n60,0.25\n"),
+    ] {
+        assert_eq!(flown(name, text), plain, "{name}");
+    }
 }

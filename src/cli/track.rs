@@ -361,7 +361,7 @@ fn read_fixes(file: &Path, at: FixesAt) -> Result<Fixes, InputError> {
         if currents { "dac_east_m_s" } else { "lat_deg" },
         if currents { "dac_north_m_s" } else { "lat_deg" },
     ];
-    for_each_row(file, columns, |row| rows.push(row))?;
+    for_each_row(file, columns, |_, row| rows.extend(Some(row).filter(|row| !row.iter().any(|v| v.is_nan()))))?;
     rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let at_times = |share: f64| {
         let later = |row: &[f64; 6]| row[0] + share * row[1];

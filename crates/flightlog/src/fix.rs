@@ -49,7 +49,7 @@ impl Positions {
 }
 
 /// Degrees from a receiver's `DDMM.mmm`, degrees and minutes in one number; NaN where the minutes are 60 or more.
-pub(super) fn degrees(ddmm: f64) -> f64 {
+pub fn degrees(ddmm: f64) -> f64 {
     let whole = (ddmm / 100.0).trunc();
     let minutes = ddmm - 100.0 * whole;
     if minutes.abs() < 60.0 { whole + minutes / 60.0 } else { f64::NAN }
