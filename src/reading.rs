@@ -31,6 +31,19 @@ pub enum ReadingError {
     },
 }
 
+impl ReadingError {
+    /// With what was warned of before, which may be the cause: files that were left out.
+    pub fn beside(self, warnings: &[String]) -> Self {
+        match self {
+            ReadingError::Input(error) => ReadingError::Input(error.beside(warnings)),
+            ReadingError::Inconsistent { checks, mut notes } => {
+                notes.splice(0..0, warnings.iter().cloned());
+                ReadingError::Inconsistent { checks, notes }
+            }
+        }
+    }
+}
+
 /// Notes of the reading as the end of an error.
 pub fn noted(notes: &[String]) -> String {
     if notes.is_empty() { String::new() } else { format!("; the reading noted: {}", notes.join("; ")) }
@@ -72,22 +85,34 @@ pub fn read_watched(
     let mut gathering = Gathering::new(settings, request.shorten);
     gathering.gravity_is_known = states_gravity(vehicle);
     let mut files = LogFiles::open(logs, &request.columns)?;
+    let mut log =
+        gathered(logs, request, gathering, &mut files, watch).map_err(|error| error.beside(files.warnings()))?;
+    log.notes.splice(0..0, files.notes().iter().cloned());
+    log.left_out.splice(0..0, files.warnings().iter().cloned());
+    log.calibration = files.calibration().cloned();
+    Ok(log)
+}
+
+fn gathered(
+    logs: &[PathBuf],
+    request: &Request,
+    mut gathering: Gathering,
+    files: &mut LogFiles,
+    watch: &dyn Fn(Progress),
+) -> Result<PreparedLog, ReadingError> {
     while let Some(piece) = files.next_piece(PIECE_ROWS)? {
         match piece {
             Piece::Series(piece) => gathering.push(*piece),
             Piece::Glides(glides) => gathering.push_glides(with_density(glides, request.density_kg_m3, &logs[0])?),
         }
-        watch(gathering.progress(&files));
+        watch(gathering.progress(files));
     }
-    let nothing_left = gathering.nothing_left(&logs[0], request.density_kg_m3.is_some());
-    let mut log = gathering.finish()?;
+    let nothing_left = gathering.nothing_left(&logs[0], request.density_kg_m3.is_some(), files);
+    let log = gathering.finish()?;
     if log.observations.is_empty() {
         return Err(nothing_left.into());
     }
     check_pitch(&logs[0], &log.observations)?;
-    log.notes.splice(0..0, files.notes().iter().cloned());
-    log.left_out.splice(0..0, files.warnings().iter().cloned());
-    log.calibration = files.calibration().cloned();
     Ok(log)
 }
 
@@ -250,6 +275,13 @@ pub fn check_pitch(log: &Path, observations: &[Observation]) -> Result<(), Input
         .help("are its numbers radians, under a name that says degrees? --unit pitch_rad=rad states what they are"))
 }
 
+/// A log without a density, nor anything from which it follows.
+pub fn no_density(log: &Path, files: &LogFiles) -> InputError {
+    let help = files.help(Channel::Density).map_or_else(String::new, |help| format!("{help}, or "));
+    InputError::new(Place::file(log), "no density, nor temperature with salinity or conductivity")
+        .help(format!("{help}give it with --density"))
+}
+
 /// A log of column names only.
 pub fn no_rows(log: &Path) -> InputError {
     InputError::new(Place::file(log), "no row of data below the names of the columns").help("is the file whole?")
@@ -341,7 +373,7 @@ impl Gathering {
     }
 
     /// Why no sample came of a log.
-    fn nothing_left(&self, log: &Path, has_density: bool) -> InputError {
+    fn nothing_left(&self, log: &Path, has_density: bool, files: &LogFiles) -> InputError {
         let has = |channel: Channel| self.recorded.contains(&channel);
         let of_sea_water = has(Channel::Temperature) && (has(Channel::Salinity) || has(Channel::Conductivity));
         let error = |problem: String| InputError::new(Place::file(log), problem);
@@ -351,13 +383,13 @@ impl Gathering {
         for channel in [Channel::Pitch, Channel::Ballast] {
             if !has(channel) {
                 let name = CHANNELS[channel as usize].name;
+                let help = files.help(channel);
                 return error(format!("not a single value of `{name}`"))
-                    .help(format!("choose another column by --column {name}=COLUMN"));
+                    .help(help.unwrap_or_else(|| format!("choose another column by --column {name}=COLUMN")));
             }
         }
         if !(has_density || has(Channel::Density) || of_sea_water) {
-            return error("no density, nor temperature with salinity or conductivity".to_owned())
-                .help("give it with --density");
+            return no_density(log, files);
         }
         let leg_dbar = PreparationSettings::default().least_leg_dbar;
         error(format!("no descent or ascent of more than {leg_dbar} dbar with pitch, ballast volume and density on it"))

@@ -25,6 +25,9 @@ pub(super) fn each_once(paths: &[PathBuf], warnings: &mut Vec<String>) -> Result
             }
         };
         match once.iter().find(|(other, size)| other == path || (*size == bytes && is_copy(other, path))) {
+            Some((other, _)) if other == path => {
+                warnings.push(format!("left out: {} is named twice", printable(&path.to_string_lossy())));
+            }
             Some((other, _)) => warnings.push(format!(
                 "left out: {} has the same content as {}, so it is there twice",
                 printable(&path.to_string_lossy()),

@@ -162,8 +162,11 @@ impl LogFiles {
         &self.notes
     }
 
-    /// What to do about a channel without a value, where the files of that computer are missing which has it.
+    /// What to do about a channel without a value, where a file was left out, or the files of that computer are missing which has it.
     pub fn help(&self, channel: Channel) -> Option<String> {
+        if self.failed.is_some() {
+            return Some("a file that was left out may have it: see to its error".to_owned());
+        }
         let of_science = [Channel::Density, Channel::Temperature, Channel::Conductivity, Channel::Salinity];
         let having = if of_science.contains(&channel) { Lacks::Science } else { Lacks::Flight };
         self.lacks.filter(|lacks| *lacks == having).map(Lacks::help)
