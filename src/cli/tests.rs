@@ -124,6 +124,23 @@ fn a_table_of_fixes_that_lacks_columns_is_refused_with_what_it_needs() {
 }
 
 #[test]
+fn an_error_names_the_files_that_were_left_out_before_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("a file");
+        path.display().to_string()
+    };
+    let damaged = file("damaged.csv", "time_s,depth_m\n0,1\n");
+    let rows: String = (0..50).map(|i| format!("{},{i},-0.4,-200,1\n", 5 * i)).collect();
+    let log = file("log.csv", &format!("time_s,pressure_dbar,pitch_rad,vbd_cc,heading_rad\n{rows}"));
+    for command in ["identify", "track"] {
+        let found = refused(&[command, &damaged, &log, "--vehicle", "slocum-graver", "--quiet"]);
+        assert!(found.contains("no density") && found.contains("damaged.csv"), "{command}: {found}");
+    }
+}
+
+#[test]
 fn tables_of_inputs_are_read_as_logs_are() {
     let folder = tempfile::tempdir().expect("a folder");
     let flown = |name: &str, text: &str| {
