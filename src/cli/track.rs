@@ -117,6 +117,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         ..TrackSettings::default()
     };
     let mut track = reckon(&vehicle.glide_parameters(), &moved, &samples, &settings);
+    warnings.extend(track.long_gaps().into_iter().map(plausibility::long_gap));
     let table = match &a.fixes {
         Some(file) => Some(track_fixes::read(file, a.fixes_at)?),
         None if own_fixes.is_empty() => None,
@@ -233,7 +234,7 @@ impl TrackReport<'_> {
             println!(
                 "{:6} {:7.2} {:9.3} +- {:.3} {:9.3} +- {:.3} {current}",
                 dive.dive,
-                (dive.end_s - dive.start_s) / 3600.0,
+                dive.recorded_s() / 3600.0,
                 dive.east_m / 1e3,
                 dive.east_se_m / 1e3,
                 dive.north_m / 1e3,

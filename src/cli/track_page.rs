@@ -1,6 +1,7 @@
 //! The track as a page: what `glidepolar track --out` writes.
 
 use crate::report::{Axis, Cell, Figure, Layer, Panel, Report, Section, Table};
+use crate::track::plausibility::shown_duration;
 use crate::track::{DiveTrack, Drift, Fix, Track, displacement_m};
 
 /// Points of the track that a figure shows at most.
@@ -113,7 +114,7 @@ fn warnings(dives: &[DiveTrack], remarks: &Remarks<'_>) -> Vec<String> {
     }
     let gaps: f64 = dives.iter().map(|dive| dive.gaps_s).sum();
     if gaps > 0.0 {
-        warnings.push(format!("{:.0} min of gaps in the log were not bridged.", gaps / 60.0));
+        warnings.push(format!("{} of gaps in the log were not bridged.", shown_duration(gaps)));
     }
     warnings
 }
@@ -215,14 +216,14 @@ fn knows_speed_errors(remarks: &Remarks<'_>) -> bool {
 fn table(dives: &[DiveTrack]) -> Table {
     let columns =
         ["Dive", "Duration [h]", "East [km]", "North [km]", "Current east [m/s]", "Current north [m/s]", "Gaps [min]"];
-    let caption = "Ways through the water and currents, with standard errors.";
+    let caption = "Ways through the water and currents, with standard errors; durations without the gaps.";
     dives.iter().fold(Table::new(caption, columns), |table, dive| {
         let current = |of: fn(&crate::track::Current) -> (f64, f64)| {
             dive.current.as_ref().map(of).map_or(Cell::from("-"), |(value, se)| Cell::estimate(value, se))
         };
         table.row([
             Cell::from(dive.dive as usize),
-            Cell::fixed((dive.end_s - dive.start_s) / 3600.0, 2),
+            Cell::fixed(dive.recorded_s() / 3600.0, 2),
             Cell::estimate(dive.east_m / 1e3, dive.east_se_m / 1e3),
             Cell::estimate(dive.north_m / 1e3, dive.north_se_m / 1e3),
             current(|c| (c.east_m_s, c.east_se_m_s)),

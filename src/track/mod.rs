@@ -111,6 +111,13 @@ pub struct DiveTrack {
     pub current: Option<Current>,
 }
 
+impl DiveTrack {
+    /// Its duration without the gaps \[s\].
+    pub fn recorded_s(&self) -> f64 {
+        self.end_s - self.start_s - self.gaps_s
+    }
+}
+
 /// A depth-averaged current.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Current {
@@ -256,6 +263,7 @@ impl Track {
     /// first one not earlier than its last, with no other dive between them. Fixes in order of time; `fix_error_m` is the
     /// standard error of one of them on either axis.
     pub fn set_currents(&mut self, fixes: &[Fix], fix_error_m: f64) {
+        let gaps = self.long_gaps();
         let ends: Vec<(f64, f64)> = self.dives.iter().map(|dive| (dive.start_s, dive.end_s)).collect();
         for (i, dive) in self.dives.iter_mut().enumerate() {
             let before = fixes.iter().rev().find(|fix| fix.time_s <= dive.start_s + FIX_GRACE_S);
@@ -268,7 +276,8 @@ impl Track {
                 end <= before.time_s + FIX_GRACE_S || start >= after.time_s - FIX_GRACE_S
             };
             let duration_s = after.time_s - before.time_s;
-            if duration_s <= 0.0 || !(0..ends.len()).filter(|j| *j != i).all(alone) {
+            let is_interrupted = is_across(&gaps, before.time_s, after.time_s);
+            if duration_s <= 0.0 || is_interrupted || !(0..ends.len()).filter(|j| *j != i).all(alone) {
                 continue;
             }
             let way = displacement_m(before, after);
@@ -291,9 +300,11 @@ impl Track {
     pub fn drifts(&self, fixes: &[Fix], fix_error_m: f64) -> Vec<Drift> {
         let (Some(first), Some(last)) = (self.points.first(), self.points.last()) else { return Vec::new() };
         let covered = |time_s: f64| time_s >= first.time_s - FIX_GRACE_S && time_s <= last.time_s + FIX_GRACE_S;
+        let gaps = self.long_gaps();
         fixes
             .windows(2)
             .filter(|pair| pair[1].time_s > pair[0].time_s && covered(pair[0].time_s) && covered(pair[1].time_s))
+            .filter(|pair| !is_across(&gaps, pair[0].time_s, pair[1].time_s))
             .map(|pair| {
                 let (start_s, end_s) = (pair[0].time_s, pair[1].time_s);
                 let ([e0, n0], [e1, n1]) = (self.place_m(start_s), self.place_m(end_s));
@@ -327,6 +338,12 @@ impl Track {
             .collect()
     }
 
+    /// From when to when the log has no rows for so long that what the glider did meanwhile is not known.
+    pub fn long_gaps(&self) -> Vec<[f64; 2]> {
+        let steps = self.points.windows(2).map(|pair| [pair[0].time_s, pair[1].time_s]);
+        steps.filter(|[from_s, to_s]| to_s - from_s > INTERRUPTED_S).collect()
+    }
+
     /// Where the glider was at a time, between two samples by a straight line.
     fn place_m(&self, time_s: f64) -> [f64; 2] {
         let after = self.points.partition_point(|point| point.time_s <= time_s);
@@ -351,6 +368,14 @@ pub struct Drift {
     /// The current.
     pub current: Current,
 }
+
+/// Whether one of the gaps lies between two times, in part or as a whole.
+fn is_across(gaps: &[[f64; 2]], from_s: f64, to_s: f64) -> bool {
+    gaps.iter().any(|gap| gap[0] < to_s && gap[1] > from_s)
+}
+
+/// A record without rows for longer is interrupted: a glider that flies surfaces and writes more often than once a day \[s\].
+const INTERRUPTED_S: f64 = 86_400.0;
 
 /// A fix this much inside a dive still belongs to its end: clocks of fix and log differ \[s\].
 const FIX_GRACE_S: f64 = 60.0;

@@ -1,4 +1,5 @@
-//! Currents that no sea has: they come from fixes or times that are wrong, not from the water. Knows no files.
+//! What cannot be: currents that no sea has, which come from fixes or times that are wrong; and times without a record, which are
+//! no part of a dive. In words, for whoever reads the track. Knows no files.
 
 use super::{DiveTrack, Drift};
 use crate::log::shown_time;
@@ -32,6 +33,25 @@ pub fn too_strong(drifts: &[Drift], dives: &[DiveTrack]) -> Option<String> {
         strong.len(),
         all.len()
     ))
+}
+
+/// A gap of the log in words.
+pub fn long_gap([from_s, to_s]: [f64; 2]) -> String {
+    format!(
+        "the log has no rows from {} to {}, {}: that time is in no duration here, and no current is given across it",
+        shown_time(from_s),
+        shown_time(to_s),
+        shown_duration(to_s - from_s)
+    )
+}
+
+/// A length of time in words.
+pub fn shown_duration(duration_s: f64) -> String {
+    match duration_s {
+        ..7200.0 => format!("{:.0} min", duration_s / 60.0),
+        ..172_800.0 => format!("{:.1} h", duration_s / 3600.0),
+        _ => format!("{:.1} days", duration_s / 86_400.0),
+    }
 }
 
 #[cfg(test)]

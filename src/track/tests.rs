@@ -108,6 +108,24 @@ fn turns_and_gaps_are_counted_and_not_flown() {
 }
 
 #[test]
+fn months_without_a_record_are_in_no_dive_and_no_current() {
+    let p = glider();
+    let mut log = samples(90.0, 1);
+    let months_s = 8065.0 * 3600.0;
+    log[200..].iter_mut().for_each(|sample| sample.time_s += months_s);
+    let mut track = reckon(&p, &[], &log, &TrackSettings::default());
+    assert!((track.dives[0].recorded_s() - 3590.0).abs() < 1e-6, "{:?}", track.dives[0]);
+    let gaps = track.long_gaps();
+    assert_eq!(gaps, [[1990.0, 2000.0 + months_s]]);
+    let said = plausibility::long_gap(gaps[0]);
+    assert!(said.contains("336.0 days") && said.contains("from 1990 s"), "{said}");
+    let fix = |time_s: f64| Fix { time_s, lat_deg: 54.0, lon_deg: 10.0 };
+    let fixes = [fix(0.0), fix(3600.0 + months_s)];
+    track.set_currents(&fixes, 50.0);
+    assert!(track.dives[0].current.is_none() && track.drifts(&fixes, 50.0).is_empty());
+}
+
+#[test]
 fn degrees_become_metres_of_the_ellipsoid() {
     let at = |lat_deg: f64, lon_deg: f64| Fix { time_s: 0.0, lat_deg, lon_deg };
     // A degree of latitude at 45 deg is 111132 m, a degree of longitude at the equator 111319.49 m.
