@@ -38,6 +38,19 @@ pub enum ReadingError {
     },
 }
 
+impl ReadingError {
+    /// With what was warned of before, which may be the cause: files that were left out.
+    pub fn beside(self, warnings: &[String]) -> Self {
+        match self {
+            ReadingError::Input(error) => ReadingError::Input(error.beside(warnings)),
+            ReadingError::Inconsistent { log, checks, mut notes } => {
+                notes.splice(0..0, warnings.iter().cloned());
+                ReadingError::Inconsistent { log, checks, notes }
+            }
+        }
+    }
+}
+
 /// What to do with a log that contradicts itself.
 const REMEDY: &str =
     "choose another column by --column CHANNEL=COLUMN, state its unit by --unit CHANNEL=UNIT, or correct the file";
@@ -89,23 +102,37 @@ pub fn read_watched(
     gathering.gravity_is_known = states_gravity(vehicle);
     gathering.log = logs.first().cloned();
     let mut files = LogFiles::open(logs, &request.columns)?;
+    let mut log = gathered(logs, vehicle, request, gathering, &mut files, watch)
+        .map_err(|error| error.beside(files.warnings()))?;
+    log.notes.splice(0..0, files.notes().iter().cloned());
+    log.left_out.splice(0..0, files.warnings().iter().cloned());
+    log.calibration = files.calibration().cloned();
+    Ok(log)
+}
+
+fn gathered(
+    logs: &[PathBuf],
+    vehicle: &Vehicle,
+    request: &Request,
+    mut gathering: Gathering,
+    files: &mut LogFiles,
+    watch: &dyn Fn(Progress),
+) -> Result<PreparedLog, ReadingError> {
     while let Some(piece) = files.next_piece(PIECE_ROWS)? {
         match piece {
             Piece::Series(piece) => gathering.push(*piece),
             Piece::Glides(glides) => gathering.push_glides(with_density(glides, request.density_kg_m3, &logs[0])?),
         }
-        watch(gathering.progress(&files));
+        watch(gathering.progress(files));
     }
     let assumed_temperature = gathering.assumed_temperature(vehicle);
-    let nothing_left = gathering.nothing_left(&logs[0], request.density_kg_m3.is_some());
+    let nothing_left = gathering.nothing_left(&logs[0], request.density_kg_m3.is_some(), files);
     let mut log = gathering.finish()?;
     if log.observations.is_empty() {
         return Err(nothing_left.into());
     }
     check_pitch(&logs[0], &log.observations)?;
-    log.notes.splice(0..0, files.notes().iter().cloned().chain(assumed_temperature));
-    log.left_out.splice(0..0, files.warnings().iter().cloned());
-    log.calibration = files.calibration().cloned();
+    log.notes.splice(0..0, assumed_temperature);
     Ok(log)
 }
 
@@ -184,6 +211,13 @@ pub fn check_pitch(log: &Path, observations: &[Observation]) -> Result<(), Input
     );
     Err(InputError::new(Place::file(log), problem)
         .help("are its numbers radians, under a name that says degrees? --unit pitch_rad=rad states what they are"))
+}
+
+/// A log without a density, nor anything from which it follows.
+pub fn no_density(log: &Path, files: &LogFiles) -> InputError {
+    let help = files.help(Channel::Density).map_or_else(String::new, |help| format!("{help}, or "));
+    InputError::new(Place::file(log), "no density, nor temperature with salinity or conductivity")
+        .help(format!("{help}give it with --density"))
 }
 
 /// A log of column names only.
@@ -292,7 +326,7 @@ impl Gathering {
     }
 
     /// Why no sample came of a log.
-    fn nothing_left(&self, log: &Path, has_density: bool) -> InputError {
+    fn nothing_left(&self, log: &Path, has_density: bool, files: &LogFiles) -> InputError {
         let has = |channel: Channel| self.recorded.contains(&channel);
         let of_sea_water = has(Channel::Temperature) && (has(Channel::Salinity) || has(Channel::Conductivity));
         let error = |problem: String| InputError::new(Place::file(log), problem);
@@ -302,13 +336,13 @@ impl Gathering {
         for channel in [Channel::Pitch, Channel::Ballast] {
             if !has(channel) {
                 let name = CHANNELS[channel as usize].name;
+                let help = files.help(channel);
                 return error(format!("not a single value of `{name}`"))
-                    .help(format!("choose another column by --column {name}=COLUMN"));
+                    .help(help.unwrap_or_else(|| format!("choose another column by --column {name}=COLUMN")));
             }
         }
         if !(has_density || has(Channel::Density) || of_sea_water) {
-            return error("no density, nor temperature with salinity or conductivity".to_owned())
-                .help("give it with --density");
+            return no_density(log, files);
         }
         let leg_dbar = PreparationSettings::default().least_leg_dbar;
         error(format!("no descent or ascent of more than {leg_dbar} dbar with pitch, ballast volume and density on it"))

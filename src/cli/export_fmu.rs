@@ -8,7 +8,8 @@ use glidepolar_archive::{Archive, Limits};
 use super::fmu::{Standard, packed};
 use super::{Changes, CliError, warn};
 use crate::fmu_archive::{PackError, Water, pack, starts_at_rest};
-use crate::input::{InputError, printable};
+use crate::input::printable;
+use crate::log::{Dates, plain_table};
 use crate::output::{Replace, write_whole};
 use crate::water::WaterColumn;
 
@@ -52,7 +53,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let water = match &arguments.water_column {
         None => None,
         Some(path) => {
-            let text = std::fs::read_to_string(path).map_err(|error| InputError::io(path, &error))?;
+            let text = plain_table(path, Dates::Since1970)?;
             Some((WaterColumn::parse(&text, path)?, text))
         }
     };

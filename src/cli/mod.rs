@@ -44,6 +44,8 @@ mod sweep;
 mod sweep_journal;
 mod table;
 pub mod track;
+mod track_fixes;
+mod track_log;
 mod track_page;
 pub mod turn;
 mod turn_page;

@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::glide::USUALLY_TOWED_TO_DEG;
 use super::plan_page::{self, Calibrated, Planned};
 use super::plan_tables::{read_dives, read_strokes};
+use super::table::incomplete;
 use super::{Changes, CliError, Output, vehicle_input, warn, water_density};
 use crate::dynamics::{Parameters, Surroundings};
 use crate::estimate::Estimate;
@@ -143,7 +144,8 @@ fn calibrate(arguments: &Arguments, vehicle: &mut Vehicle) -> Result<Option<Cali
         return Ok(None);
     };
     let table = read_dives(dives)?;
-    let strokes = read_strokes(moves, table.cc_per_count)?;
+    let (strokes, without) = read_strokes(moves, table.cc_per_count)?;
+    warn(incomplete(dives, table.incomplete).into_iter().chain(incomplete(moves, without)));
     let failed = |error: crate::plan::calibrate::CalibrationError| CliError::Failed(error.to_string());
     let pump = fit_pump(&strokes).map_err(failed)?;
     let dives = fit_dives(&strokes, &table.dives).map_err(failed)?;

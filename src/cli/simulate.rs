@@ -9,7 +9,7 @@ use super::history_page::History;
 use super::mission::{self, Frame, MissionArguments};
 use super::{Changes, CliError, Output, space, sweep, vehicle_input};
 use crate::dynamics::Actuation;
-use crate::input::InputError;
+use crate::log::{Dates, plain_table};
 use crate::report::InputFile;
 use crate::simulate::space::Origin;
 use crate::simulate::{COLUMNS, Row, Schedule, SimulationSettings, fly};
@@ -151,7 +151,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let schedule = match &arguments.inputs {
         None => Schedule::default(),
         Some(path) => {
-            let text = std::fs::read_to_string(path).map_err(|error| InputError::io(path, &error))?;
+            let text = plain_table(path, Dates::SinceFirst)?;
             Schedule::parse(&text, path)?
         }
     };

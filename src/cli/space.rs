@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::mission::{Frame, MissionArguments};
 use super::space_page::{Trace, history_page, mission_page};
 use super::{CliError, Output};
-use crate::input::InputError;
+use crate::log::{Dates, plain_table};
 use crate::report::InputFile;
 use crate::simulate::Schedule;
 use crate::simulate::mission::{Account, LegKind, Mission, RouteMoment, fly_route};
@@ -33,7 +33,7 @@ pub(super) fn history(
     let schedule = match inputs {
         None => Schedule::default(),
         Some(path) => {
-            let text = std::fs::read_to_string(path).map_err(|error| InputError::io(path, &error))?;
+            let text = plain_table(path, Dates::SinceFirst)?;
             Schedule::of_names(Inputs::NAMES, &text, path)?
         }
     };

@@ -152,5 +152,47 @@ fn a_table_of_fixes_that_lacks_columns_is_refused_with_what_it_needs() {
     let found = track(&file("none.csv", "a,b\n1,2\n"));
     assert!(found.contains("the columns needed are: start_time_s, lat_deg, lon_deg"), "{found}");
     let found = track(&file("empty.csv", ""));
-    assert!(found.contains("the table is empty"), "{found}");
+    assert!(found.contains("empty.csv: the file is empty"), "{found}");
+}
+
+#[test]
+fn an_error_names_the_files_that_were_left_out_before_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("a file");
+        path.display().to_string()
+    };
+    let damaged = file("damaged.csv", "time_s,depth_m\n0,1\n");
+    let rows: String = (0..50).map(|i| format!("{},{i},-0.4,-200,1\n", 5 * i)).collect();
+    let log = file("log.csv", &format!("time_s,pressure_dbar,pitch_rad,vbd_cc,heading_rad\n{rows}"));
+    for command in ["identify", "track"] {
+        let found = refused(&[command, &damaged, &log, "--vehicle", "slocum-graver", "--quiet"]);
+        assert!(found.contains("no density") && found.contains("damaged.csv"), "{command}: {found}");
+    }
+}
+
+#[test]
+fn tables_of_inputs_are_read_as_logs_are() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let flown = |name: &str, text: &str| {
+        let (inputs, csv) = (folder.path().join(name), folder.path().join(format!("{name}.out")));
+        std::fs::write(&inputs, text).expect("a table");
+        let (inputs, csv) = (inputs.display().to_string(), csv.display().to_string());
+        let arguments =
+            ["glidepolar", "simulate", "slocum-graver", "--stop", "60", "--quiet", "--inputs", &inputs, "--csv", &csv];
+        run(Cli::try_parse_from(arguments).expect("arguments")).unwrap_or_else(|error| panic!("{name}: {error}"));
+        std::fs::read_to_string(csv).expect("a history")
+    };
+    let plain = flown("plain.csv", "time,current_x_m_s\n0,0.0\n30,0.125\n60,0.25\n");
+    for (name, text) in [
+        ("semicolons.csv", "\u{feff}time;current_x_m_s\r\n0;0,0\r\n30;0,125\r\n60;0,25\r\n"),
+        (
+            "dates.csv",
+            "time\tcurrent_x_m_s\n2023-04-18T16:49:57Z\t0\n2023-04-18T16:50:27Z\t0.125\n2023-04-18T16:50:57Z\t0.25\n",
+        ),
+        ("gaps.csv", "time,current_x_m_s\n0,0\n30,NaN\n60,0.25\n"),
+    ] {
+        assert_eq!(flown(name, text), plain, "{name}");
+    }
 }

@@ -1,32 +1,22 @@
 //! `glidepolar track`: dead reckoning with a polar, and depth-averaged currents where fixes exist.
 
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde::Serialize;
 
-use super::reading::{columns, said};
-use super::table::for_each_row;
+use super::reading::columns;
+use super::track_fixes::{self, Fixes, FixesAt};
+use super::track_log::{self, Read, Stated, log_table};
 use super::track_page::{self, Remarks};
 use super::{CliError, Output, housekeeping, log_vehicle, print_notes, vehicle_input, warn, water_density};
-use crate::diagnose::sea::consistency::DensityError;
 use crate::dynamics::Parameters;
-use crate::input::{InputError, Place};
-use crate::log::{
-    CHANNELS, Channel, DBAR_PA, FlightLog, LogFiles, Piece, Shorten, in_situ_density_kg_m3, practical_salinity,
-};
-use crate::reading::{Gathering, check_pitch, no_rows, settings};
 use crate::report::{InputFile, Report as Page};
-use crate::track::comparison::{self, Comparison, Stored};
-use crate::track::{DiveTrack, Drift, Fix, Sample, Track, TrackSettings, reckon};
+use crate::track::comparison::{self, Comparison};
+use crate::track::plausibility;
+use crate::track::{DiveTrack, Drift, Track, TrackSettings, reckon};
 use crate::vehicle::Vehicle;
-
-/// Samples read at a time.
-const PIECE_ROWS: usize = 100_000;
-
-/// Longest time that a reading of a slow channel is kept [s].
-const KEEP_S: f64 = 120.0;
 
 /// Dead reckoning by the polar and the heading; depth-averaged currents between fixes
 #[derive(Debug, Args)]
@@ -35,8 +25,8 @@ const KEEP_S: f64 = 120.0;
     glidepolar track log.csv --vehicle my-glider.toml --fixes fixes.csv --csv track.csv\n  \
     glidepolar track log.csv --vehicle my-glider.toml --write log-with-speed.csv\n  \
     glidepolar track log.csv --vehicle my-glider.toml --fixes fixes.csv --out track/\n\n\
-    Fixes: a table with time_s (or start_time_s), lat_deg, lon_deg; with dac_east_m_s and dac_north_m_s beside them the\n\
-    currents are compared. The vehicle should be one whose trim and polar were identified (`glidepolar identify`).")]
+    Fixes: a table with time_s (or start_time_s), lat_deg, lon_deg, in any form that logs may have; with dac_east_m_s and\n\
+    dac_north_m_s beside them the currents are compared. The vehicle should be one whose trim and polar were identified (`glidepolar identify`).")]
 pub struct Arguments {
     /// Flight logs of one glider
     #[arg(required = true)]
@@ -88,12 +78,6 @@ pub struct Arguments {
     output: Output,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum FixesAt {
-    Start,
-    Middle,
-}
-
 /// Error of the speed of a polar of which nothing is known \[per cent\]: by so much two flight models of one Seaglider,
 /// both fitted to its vertical velocity, differ in speed.
 const UNKNOWN_POLAR_PERCENT: f64 = 10.0;
@@ -109,10 +93,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
             return Err(CliError::Usage(format!("{name} {value}: expected a number not below zero")));
         }
     }
-    let Read { log, vehicle, mut warnings, notes, density_error, fixes: own_fixes, declination_deg } =
-        read(a, log_vehicle::load(&a.vehicle, &a.logs)?)?;
+    let stated = Stated {
+        logs: &a.logs,
+        columns: columns(&a.column, &a.unit, &a.cache, None)?,
+        density_kg_m3: water_density(a.density)?,
+    };
+    let Read { log, samples, vehicle, mut warnings, notes, fixes: own_fixes, declination_deg } =
+        track_log::read(&stated, log_vehicle::load(&a.vehicle, &a.logs)?)?;
     let declination_deg = a.declination_deg.or(declination_deg).unwrap_or(0.0);
-    let samples = samples(a, &log, density_error)?;
     let moved: Vec<Parameters<f64>> = vehicle
         .uncertainty
         .iter()
@@ -129,16 +117,20 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         ..TrackSettings::default()
     };
     let mut track = reckon(&vehicle.glide_parameters(), &moved, &samples, &settings);
+    warnings.extend(track.long_gaps().into_iter().map(plausibility::long_gap));
     let table = match &a.fixes {
-        Some(file) => Some(read_fixes(file, a.fixes_at)?),
+        Some(file) => Some(track_fixes::read(file, a.fixes_at)?),
         None if own_fixes.is_empty() => None,
-        None => Some(Fixes { fixes: own_fixes, stored: Vec::new(), middle: None }),
+        None => Some(Fixes { fixes: own_fixes, ..Fixes::default() }),
     };
     let mut drifts = Vec::new();
     let mut comparison = None;
     if let Some(table) = &table {
-        track.set_currents(&table.fixes);
+        warnings.extend(table.warnings.iter().cloned());
+        warnings.extend(a.fixes.as_ref().and_then(|file| table.beside_the_log(file, &track)));
+        track.set_currents(&table.fixes, a.fix_error_m);
         drifts = track.drifts(&table.fixes, a.fix_error_m);
+        warnings.extend(plausibility::too_strong(&drifts, &track.dives));
         comparison = match a.fixes_at {
             FixesAt::Start => Comparison::new(&comparison::by_dive(&track.dives, &table.stored)),
             FixesAt::Middle => Comparison::new(&comparison::by_drift(&drifts, &table.stored)),
@@ -197,179 +189,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     a.output.write_json(&report)
 }
 
-/// A log as it was recorded, and what belongs to it.
-struct Read {
-    log: FlightLog,
-    /// The vehicle where the log was recorded.
-    vehicle: Vehicle,
-    warnings: Vec<String>,
-    /// What was found in the reading and done about it.
-    notes: Vec<String>,
-    density_error: Option<DensityError>,
-    /// Fixes and magnetic declination that the files themselves hold.
-    fixes: Vec<Fix>,
-    declination_deg: Option<f64>,
-}
-
-/// The log as it was recorded. Beside it goes the way that the other commands take to their samples, so that what they
-/// refuse is refused here, and what is doubtful comes back in words.
-fn read(a: &Arguments, vehicle: Vehicle) -> Result<Read, CliError> {
-    let columns = columns(&a.column, &a.unit, &a.cache, None)?;
-    let mut log = FlightLog::default();
-    let mut gathering = Gathering::new(settings(&vehicle, water_density(a.density)?), Shorten::Means);
-    let mut files = LogFiles::open(&a.logs, &columns)?;
-    while let Some(piece) = files.next_piece(PIECE_ROWS)? {
-        match piece {
-            Piece::Series(piece) => {
-                log.append(&piece);
-                gathering.push(*piece);
-            }
-            Piece::Glides(_) => {
-                let error = InputError::new(Place::file(&a.logs[0]), "a table of glides has no track");
-                return Err(error.help("name the log it was made from").into());
-            }
-        }
-        said(gathering.progress(&files));
-    }
-    let mut prepared = gathering.finish()?;
-    check_pitch(&a.logs[0], &prepared.observations)?;
-    let vehicle = prepared.located(vehicle)?;
-    let (mut warnings, density_error) = prepared.checked(&vehicle)?;
-    warnings.splice(0..0, files.warnings().iter().cloned());
-    let fixes = files
-        .fixes()
-        .iter()
-        .map(|fix| Fix { time_s: fix.time_s, lat_deg: fix.lat_deg, lon_deg: fix.lon_deg })
-        .collect();
-    let declination_deg = files.calibration().and_then(|calibration| calibration.declination_deg);
-    let notes = files.notes().iter().cloned().chain(prepared.notes).collect();
-    Ok(Read { log, vehicle, warnings, notes, density_error, fixes, declination_deg })
-}
-
-/// The log as dead reckoning needs it: slow channels kept until they are read again.
-/// A density whose error the log itself shows is corrected as the other commands correct it.
-fn samples(a: &Arguments, log: &FlightLog, density_error: Option<DensityError>) -> Result<Vec<Sample>, CliError> {
-    if log.is_empty() {
-        return Err(no_rows(&a.logs[0]).into());
-    }
-    for (channel, name) in [(Channel::Pitch, "pitch"), (Channel::Heading, "heading"), (Channel::Ballast, "ballast")] {
-        if !log.has(channel) {
-            let info = CHANNELS.iter().find(|info| info.channel == channel).map_or("", |info| info.name);
-            let error = InputError::new(Place::file(&a.logs[0]), format!("no {name}: expected a column `{info}`"));
-            return Err(error.help("choose another column by --column CHANNEL=COLUMN").into());
-        }
-    }
-    let mut kept = [(f64::NEG_INFINITY, f64::NAN); CHANNELS.len()];
-    let (mut samples, mut dive, mut latest_s) = (Vec::with_capacity(log.len()), 0, f64::NEG_INFINITY);
-    let mut under_water = false;
-    for row in 0..log.len() {
-        let time_s = log.at(Channel::Time, row);
-        // Backward clocks and missing times are left out: no way can be laid to them.
-        if time_s.is_nan() || time_s <= latest_s {
-            continue;
-        }
-        latest_s = time_s;
-        let mut value = |channel: Channel| {
-            let read = log.at(channel, row);
-            let kept = &mut kept[channel as usize];
-            if read.is_finite() {
-                *kept = (time_s, read);
-            }
-            if time_s - kept.0 <= KEEP_S { kept.1 } else { f64::NAN }
-        };
-        let (pressure, temperature_C) = (value(Channel::Pressure), value(Channel::Temperature));
-        let depth_m = match value(Channel::Depth) {
-            depth if depth.is_finite() => depth,
-            _ => pressure * DBAR_PA / (1025.0 * 9.81),
-        };
-        let (salinity, conductivity_S_m) = (value(Channel::Salinity), value(Channel::Conductivity));
-        let salinity =
-            if salinity.is_finite() { salinity } else { practical_salinity(conductivity_S_m, temperature_C, pressure) };
-        let at_zero_pressure = density_error == Some(DensityError::AtZeroPressure);
-        let density_kg_m3 = match value(Channel::Density) {
-            density if density.is_finite() && !at_zero_pressure => match density_error {
-                Some(DensityError::Bias(bias_kg_m3, _)) => density + bias_kg_m3,
-                _ => density,
-            },
-            _ if salinity.is_finite() && temperature_C.is_finite() && pressure.is_finite() => {
-                let (lat, lon) = (value(Channel::Latitude), value(Channel::Longitude));
-                in_situ_density_kg_m3(salinity, temperature_C, pressure, lat, lon)
-            }
-            _ => a.density.unwrap_or(f64::NAN),
-        };
-        let numbered = value(Channel::Dive);
-        if numbered.is_finite() {
-            dive = numbered as u32;
-        } else if depth_m > 5.0 && !under_water {
-            (dive, under_water) = (dive + 1, true);
-        } else if depth_m < 2.0 {
-            under_water = false;
-        }
-        samples.push(Sample {
-            time_s,
-            dive,
-            depth_m,
-            pitch_rad: value(Channel::Pitch),
-            heading_rad: value(Channel::Heading),
-            ballast_m3: value(Channel::Ballast) * 1e-6,
-            density_kg_m3,
-            temperature_C,
-        });
-    }
-    if !samples.iter().any(|sample| sample.density_kg_m3.is_finite()) {
-        let error =
-            InputError::new(Place::file(&a.logs[0]), "no density, nor temperature with salinity or conductivity");
-        return Err(error.help("give it with --density").into());
-    }
-    Ok(samples)
-}
-
 /// The per cent by which the speed of this vehicle may err beyond what its file states.
 fn unknown_polar_percent(vehicle: &Vehicle) -> f64 {
     let stated = vehicle.uncertainty.iter().any(|(path, _)| path.starts_with("hydro."));
     if stated { 0.0 } else { UNKNOWN_POLAR_PERCENT }
-}
-
-/// A table of fixes.
-struct Fixes {
-    fixes: Vec<Fix>,
-    stored: Vec<Stored>,
-    /// The same with the times of the middle of the dives, where these are known and were not asked for.
-    middle: Option<(Vec<Fix>, Vec<Stored>)>,
-}
-
-fn read_fixes(file: &Path, at: FixesAt) -> Result<Fixes, InputError> {
-    let text = std::fs::read_to_string(file).map_err(|error| InputError::io(file, &error))?;
-    let header = text.lines().find(|line| !line.starts_with('#')).unwrap_or("");
-    let has = |name: &str| header.split(',').any(|column| column.trim() == name);
-    let time = if has("time_s") { "time_s" } else { "start_time_s" };
-    let duration = (time == "start_time_s" && has("duration_s")).then_some("duration_s");
-    if at == FixesAt::Middle && duration.is_none() && !header.trim().is_empty() {
-        let error = InputError::new(Place::line(file, 1), "no columns `start_time_s` and `duration_s`");
-        return Err(error.help("the middle of a dive follows from both; for fixes with a time_s leave --fixes-at out"));
-    }
-    let currents = has("dac_east_m_s") && has("dac_north_m_s");
-    let mut rows: Vec<[f64; 6]> = Vec::new();
-    // Columns that are not there are read as others that are, and not looked at.
-    let columns = [
-        time,
-        duration.unwrap_or(time),
-        "lat_deg",
-        "lon_deg",
-        if currents { "dac_east_m_s" } else { "lat_deg" },
-        if currents { "dac_north_m_s" } else { "lat_deg" },
-    ];
-    for_each_row(file, columns, |row| rows.push(row))?;
-    rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let at_times = |share: f64| {
-        let later = |row: &[f64; 6]| row[0] + share * row[1];
-        let fixes = rows.iter().map(|row| Fix { time_s: later(row), lat_deg: row[2], lon_deg: row[3] }).collect();
-        let stored = rows.iter().filter(|_| currents).map(|row| (later(row), row[4], row[5])).collect();
-        (fixes, stored)
-    };
-    let (fixes, stored) = at_times(if at == FixesAt::Middle { 0.5 } else { 0.0 });
-    let middle = (at == FixesAt::Start && duration.is_some()).then(|| at_times(0.5));
-    Ok(Fixes { fixes, stored, middle })
 }
 
 fn track_table(track: &Track) -> String {
@@ -381,39 +204,6 @@ fn track_table(track: &Track) -> String {
             "{:.3},{},{:.3},{speed},{:.2},{:.2}",
             point.time_s, point.dive, point.depth_m, point.east_m, point.north_m
         );
-    }
-    table
-}
-
-/// The log in its own columns, the speed of the polar among them, and the density that was taken where the log has none.
-/// `samples` are those that the track was reckoned from.
-fn log_table(log: &FlightLog, track: &Track, samples: &[Sample]) -> String {
-    let channels: Vec<_> =
-        CHANNELS.iter().filter(|info| log.has(info.channel) && info.channel != Channel::Speed).collect();
-    let names: Vec<&str> = channels.iter().map(|info| info.name).collect();
-    let mut table = format!("# speed_through_water_m_s is the polar's, by glidepolar track\n{},", names.join(","));
-    let adds_density = !log.has(Channel::Density);
-    table.push_str(if adds_density { "density_kg_m3,speed_through_water_m_s\n" } else { "speed_through_water_m_s\n" });
-    let mut points = track.points.iter().zip(samples).peekable();
-    for row in 0..log.len() {
-        for info in &channels {
-            let value = log.at(info.channel, row);
-            if value.is_finite() {
-                let _ = write!(table, "{value}");
-            }
-            table.push(',');
-        }
-        let here = points.next_if(|(point, _)| point.time_s == log.at(Channel::Time, row));
-        if adds_density {
-            if let Some(density) = here.map(|(_, sample)| sample.density_kg_m3).filter(|density| density.is_finite()) {
-                let _ = write!(table, "{density:.4}");
-            }
-            table.push(',');
-        }
-        if let Some(speed_m_s) = here.map(|(point, _)| point.speed_m_s).filter(|speed| speed.is_finite()) {
-            let _ = write!(table, "{speed_m_s:.5}");
-        }
-        table.push('\n');
     }
     table
 }
@@ -444,7 +234,7 @@ impl TrackReport<'_> {
             println!(
                 "{:6} {:7.2} {:9.3} +- {:.3} {:9.3} +- {:.3} {current}",
                 dive.dive,
-                (dive.end_s - dive.start_s) / 3600.0,
+                dive.recorded_s() / 3600.0,
                 dive.east_m / 1e3,
                 dive.east_se_m / 1e3,
                 dive.north_m / 1e3,

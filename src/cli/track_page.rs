@@ -1,6 +1,7 @@
 //! The track as a page: what `glidepolar track --out` writes.
 
 use crate::report::{Axis, Cell, Figure, Layer, Panel, Report, Section, Table};
+use crate::track::plausibility::shown_duration;
 use crate::track::{DiveTrack, Drift, Fix, Track, displacement_m};
 
 /// Points of the track that a figure shows at most.
@@ -92,11 +93,11 @@ fn warnings(dives: &[DiveTrack], remarks: &Remarks<'_>) -> Vec<String> {
     if !remarks.has_uncertainty {
         warnings.push(if knows_speed_errors(remarks) {
             format!(
-                "The vehicle states no [uncertainty]: the errors are those of the compass and of {:.0} % of the speed.",
+                "The vehicle states no [uncertainty]: the errors of the way are those of the compass and of {:.0} % of the speed.",
                 100.0 * remarks.speed_error
             )
         } else {
-            "The vehicle states no [uncertainty]: the errors are those of the compass alone.".to_owned()
+            "The vehicle states no [uncertainty]: the errors of the way are those of the compass alone.".to_owned()
         });
     }
     if remarks.declination_deg == 0.0 {
@@ -113,7 +114,7 @@ fn warnings(dives: &[DiveTrack], remarks: &Remarks<'_>) -> Vec<String> {
     }
     let gaps: f64 = dives.iter().map(|dive| dive.gaps_s).sum();
     if gaps > 0.0 {
-        warnings.push(format!("{:.0} min of gaps in the log were not bridged.", gaps / 60.0));
+        warnings.push(format!("{} of gaps in the log were not bridged.", shown_duration(gaps)));
     }
     warnings
 }
@@ -201,7 +202,7 @@ fn currents_figure(dives: &[&DiveTrack], remarks: &Remarks<'_>) -> Figure {
         |dive| dive.current.map(|c| (c.north_m_s, c.north_se_m_s)),
         |row| row.2,
     );
-    let errors_of = if knows_speed_errors(remarks) { "compass and polar" } else { "the compass alone" };
+    let errors_of = if knows_speed_errors(remarks) { "compass, polar and fixes" } else { "compass and fixes" };
     Figure::new("currents", Axis::new("Time", "t", "h")).panel(east).panel(north).caption(format!(
         "Mean current over depth between fixes, drift at the surface included; bars: 95 % of {errors_of}.",
     ))
@@ -215,14 +216,14 @@ fn knows_speed_errors(remarks: &Remarks<'_>) -> bool {
 fn table(dives: &[DiveTrack]) -> Table {
     let columns =
         ["Dive", "Duration [h]", "East [km]", "North [km]", "Current east [m/s]", "Current north [m/s]", "Gaps [min]"];
-    let caption = "Ways through the water and currents, with standard errors.";
+    let caption = "Ways through the water and currents, with standard errors; durations without the gaps.";
     dives.iter().fold(Table::new(caption, columns), |table, dive| {
         let current = |of: fn(&crate::track::Current) -> (f64, f64)| {
             dive.current.as_ref().map(of).map_or(Cell::from("-"), |(value, se)| Cell::estimate(value, se))
         };
         table.row([
             Cell::from(dive.dive as usize),
-            Cell::fixed((dive.end_s - dive.start_s) / 3600.0, 2),
+            Cell::fixed(dive.recorded_s() / 3600.0, 2),
             Cell::estimate(dive.east_m / 1e3, dive.east_se_m / 1e3),
             Cell::estimate(dive.north_m / 1e3, dive.north_se_m / 1e3),
             current(|c| (c.east_m_s, c.east_se_m_s)),
@@ -273,9 +274,9 @@ mod tests {
             };
             let html = page(&Track { points: Vec::new(), dives: vec![dive()] }, &remarks).html();
             let case = format!("{has_uncertainty} {speed_error}");
-            assert_eq!(html.contains("the errors are those of the compass alone"), alone, "{case}");
-            assert_eq!(html.contains("95 % of the compass alone"), alone, "{case}");
-            assert_eq!(html.contains("95 % of compass and polar"), !alone, "{case}");
+            assert_eq!(html.contains("the errors of the way are those of the compass alone"), alone, "{case}");
+            assert_eq!(html.contains("95 % of compass and fixes"), alone, "{case}");
+            assert_eq!(html.contains("95 % of compass, polar and fixes"), !alone, "{case}");
             assert_eq!(html.contains("of 10 % of the speed"), !has_uncertainty && speed_error > 0.0, "{case}");
         }
     }

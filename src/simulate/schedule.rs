@@ -1,7 +1,8 @@
 //! Inputs against time: a CSV table with a column `time` and columns named as the FMU's inputs, as FMPy takes it.
 //!
 //! Between two rows an input changes linearly; two rows of the same time make it jump there. Before the first row and
-//! after the last it stands still. An input without a column keeps its start value.
+//! after the last it stands still. An input without a column keeps its start value. A row with an empty cell says nothing of that
+//! input: it changes linearly between the rows around it.
 
 use std::path::Path;
 
@@ -67,6 +68,13 @@ impl Schedule {
         for (line, row) in lines {
             schedule.push_row(row, names.len(), time_column, &Place::line(origin, line + 1))?;
         }
+        for column in 0..schedule.inputs.len() {
+            if !schedule.fill(column) {
+                let name = schedule.names[schedule.inputs[column]];
+                let error = InputError::new(Place::file(origin), format!("not a single value of `{name}`"));
+                return Err(error.help("leave the column out: the input then keeps its start value"));
+            }
+        }
         Ok(schedule)
     }
 
@@ -80,6 +88,10 @@ impl Schedule {
         }
         for (column, cell) in cells.iter().enumerate() {
             let at = || place.clone().column(column + 1);
+            if cell.is_empty() && column != time_column {
+                self.values.push(f64::NAN);
+                continue;
+            }
             let value: f64 = cell
                 .parse()
                 .ok()
@@ -94,6 +106,23 @@ impl Schedule {
             }
         }
         Ok(())
+    }
+
+    /// Draws straight lines through the rows in which a column is empty; `false` where it has no value at all.
+    fn fill(&mut self, column: usize) -> bool {
+        let width = self.inputs.len();
+        let rows = self.times_s.len();
+        let known: Vec<usize> = (0..rows).filter(|row| self.values[row * width + column].is_finite()).collect();
+        let (Some(&first), Some(&last)) = (known.first(), known.last()) else { return rows == 0 };
+        for row in (0..rows).filter(|row| known.binary_search(row).is_err()) {
+            let after = known.partition_point(|known| *known < row);
+            let (a, b) = (known.get(after.wrapping_sub(1)).unwrap_or(&first), known.get(after).unwrap_or(&last));
+            let (from, to) = (self.values[a * width + column], self.values[b * width + column]);
+            let duration_s = self.times_s[*b] - self.times_s[*a];
+            let share = if duration_s > 0.0 { (self.times_s[row] - self.times_s[*a]) / duration_s } else { 0.0 };
+            self.values[row * width + column] = from + share.clamp(0.0, 1.0) * (to - from);
+        }
+        true
     }
 
     /// A reader that goes through the table once, from inputs that hold where the table says nothing.
@@ -205,6 +234,14 @@ mod tests {
             [0.0, 0.0, 0.5, 0.9, 5.0, 5.0, 5.0, 5.0]
         );
         assert_eq!(glider.inputs.water_density_kg_m3, 1027.0);
+    }
+
+    #[test]
+    fn an_empty_cell_says_nothing_of_its_input() {
+        let schedule = parse("time,current_x_m_s,u1_N\n0,,5\n10,1,\n20,,\n30,3,8\n40,,\n").unwrap();
+        assert_eq!(schedule.values, [1.0, 5.0, 1.0, 6.0, 2.0, 7.0, 3.0, 8.0, 3.0, 8.0]);
+        let error = parse("time,u1_N\n0,\n5,\n").unwrap_err().to_string();
+        assert!(error.contains("not a single value of `u1_N`"), "{error}");
     }
 
     #[test]

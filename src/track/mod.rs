@@ -13,6 +13,7 @@
 
 pub mod comparison;
 mod earth;
+pub mod plausibility;
 
 use crate::dynamics::{Parameters, Surroundings};
 use crate::glide::{Attitude, at_pitch};
@@ -110,6 +111,13 @@ pub struct DiveTrack {
     pub current: Option<Current>,
 }
 
+impl DiveTrack {
+    /// Its duration without the gaps \[s\].
+    pub fn recorded_s(&self) -> f64 {
+        self.end_s - self.start_s - self.gaps_s
+    }
+}
+
 /// A depth-averaged current.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Current {
@@ -117,12 +125,19 @@ pub struct Current {
     pub east_m_s: f64,
     /// To the north \[m/s\].
     pub north_m_s: f64,
-    /// Standard error of both, without that of the fixes \[m/s\].
+    /// Standard error to the east, by the way reckoned and by both fixes \[m/s\].
     pub east_se_m_s: f64,
-    /// Standard error \[m/s\].
+    /// To the north \[m/s\].
     pub north_se_m_s: f64,
     /// Time from fix to fix \[s\].
     pub duration_s: f64,
+}
+
+impl Current {
+    /// Its speed \[m/s\].
+    pub fn speed_m_s(&self) -> f64 {
+        self.east_m_s.hypot(self.north_m_s)
+    }
 }
 
 /// A track through the water.
@@ -245,8 +260,10 @@ fn through_water(p: &Parameters<f64>, sample: &Sample, settings: &TrackSettings)
 
 impl Track {
     /// Sets the current of each dive that lies between two fixes: the last one not later than its first sample, and the
-    /// first one not earlier than its last, with no other dive between them. Fixes in order of time.
-    pub fn set_currents(&mut self, fixes: &[Fix]) {
+    /// first one not earlier than its last, with no other dive between them. Fixes in order of time; `fix_error_m` is the
+    /// standard error of one of them on either axis.
+    pub fn set_currents(&mut self, fixes: &[Fix], fix_error_m: f64) {
+        let gaps = self.long_gaps();
         let ends: Vec<(f64, f64)> = self.dives.iter().map(|dive| (dive.start_s, dive.end_s)).collect();
         for (i, dive) in self.dives.iter_mut().enumerate() {
             let before = fixes.iter().rev().find(|fix| fix.time_s <= dive.start_s + FIX_GRACE_S);
@@ -259,15 +276,17 @@ impl Track {
                 end <= before.time_s + FIX_GRACE_S || start >= after.time_s - FIX_GRACE_S
             };
             let duration_s = after.time_s - before.time_s;
-            if duration_s <= 0.0 || !(0..ends.len()).filter(|j| *j != i).all(alone) {
+            let is_interrupted = is_across(&gaps, before.time_s, after.time_s);
+            if duration_s <= 0.0 || is_interrupted || !(0..ends.len()).filter(|j| *j != i).all(alone) {
                 continue;
             }
             let way = displacement_m(before, after);
+            let with_fixes = |way_se_m: f64| way_se_m.hypot(std::f64::consts::SQRT_2 * fix_error_m);
             dive.current = Some(Current {
                 east_m_s: (way[0] - dive.east_m) / duration_s,
                 north_m_s: (way[1] - dive.north_m) / duration_s,
-                east_se_m_s: dive.east_se_m / duration_s,
-                north_se_m_s: dive.north_se_m / duration_s,
+                east_se_m_s: with_fixes(dive.east_se_m) / duration_s,
+                north_se_m_s: with_fixes(dive.north_se_m) / duration_s,
                 duration_s,
             });
         }
@@ -277,13 +296,15 @@ impl Track {
 impl Track {
     /// The mean current between each two fixes that follow one another, whatever dives lie between: what is left of the
     /// way between the fixes when the way reckoned between their times is taken off. For positions in the middle of dives,
-    /// and for surfacings that several dives share. `fix_error_m` is the standard error of one fix on either axis.
+    /// and for surfacings that several dives share. `fix_error_m` as in [`Track::set_currents`].
     pub fn drifts(&self, fixes: &[Fix], fix_error_m: f64) -> Vec<Drift> {
         let (Some(first), Some(last)) = (self.points.first(), self.points.last()) else { return Vec::new() };
         let covered = |time_s: f64| time_s >= first.time_s - FIX_GRACE_S && time_s <= last.time_s + FIX_GRACE_S;
+        let gaps = self.long_gaps();
         fixes
             .windows(2)
             .filter(|pair| pair[1].time_s > pair[0].time_s && covered(pair[0].time_s) && covered(pair[1].time_s))
+            .filter(|pair| !is_across(&gaps, pair[0].time_s, pair[1].time_s))
             .map(|pair| {
                 let (start_s, end_s) = (pair[0].time_s, pair[1].time_s);
                 let ([e0, n0], [e1, n1]) = (self.place_m(start_s), self.place_m(end_s));
@@ -317,6 +338,12 @@ impl Track {
             .collect()
     }
 
+    /// From when to when the log has no rows for so long that what the glider did meanwhile is not known.
+    pub fn long_gaps(&self) -> Vec<[f64; 2]> {
+        let steps = self.points.windows(2).map(|pair| [pair[0].time_s, pair[1].time_s]);
+        steps.filter(|[from_s, to_s]| to_s - from_s > INTERRUPTED_S).collect()
+    }
+
     /// Where the glider was at a time, between two samples by a straight line.
     fn place_m(&self, time_s: f64) -> [f64; 2] {
         let after = self.points.partition_point(|point| point.time_s <= time_s);
@@ -341,6 +368,14 @@ pub struct Drift {
     /// The current.
     pub current: Current,
 }
+
+/// Whether one of the gaps lies between two times, in part or as a whole.
+fn is_across(gaps: &[[f64; 2]], from_s: f64, to_s: f64) -> bool {
+    gaps.iter().any(|gap| gap[0] < to_s && gap[1] > from_s)
+}
+
+/// A record without rows for longer is interrupted: a glider that flies surfaces and writes more often than once a day \[s\].
+const INTERRUPTED_S: f64 = 86_400.0;
 
 /// A fix this much inside a dive still belongs to its end: clocks of fix and log differ \[s\].
 const FIX_GRACE_S: f64 = 60.0;

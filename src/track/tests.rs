@@ -66,14 +66,24 @@ fn fixes_around_a_dive_give_the_current_that_carried_it() {
         let lon_deg = (179.99 + east / 81_541.0 + 180.0) % 360.0 - 180.0;
         fixes.push(Fix { time_s, lat_deg, lon_deg });
     }
-    track.set_currents(&fixes);
+    let errors_m = |track: &Track| {
+        let current = track.dives[0].current.expect("fixes lie on both sides");
+        [current.east_se_m_s * current.duration_s, current.north_se_m_s * current.duration_s]
+    };
+    track.set_currents(&fixes, 0.0);
+    let without = errors_m(&track);
+    track.set_currents(&fixes, 50.0);
+    for (with, without) in errors_m(&track).iter().zip(without) {
+        // Two fixes of 50 m on top of the way reckoned.
+        assert!((with.powi(2) - without.powi(2) - 2.0 * 50f64.powi(2)).abs() < 1e-6, "{with} {without}");
+    }
     for dive in &track.dives {
         let current = dive.current.expect("fixes lie on both sides");
         assert!((current.east_m_s - 0.1).abs() < 1e-3 && (current.north_m_s + 0.05).abs() < 1e-3, "{current:?}");
     }
     // Without a fix between the dives neither has a current of its own.
     track.dives.iter_mut().for_each(|dive| dive.current = None);
-    track.set_currents(&[fixes[0], fixes[3]]);
+    track.set_currents(&[fixes[0], fixes[3]], 50.0);
     assert!(track.dives.iter().all(|dive| dive.current.is_none()));
 }
 
@@ -95,6 +105,24 @@ fn turns_and_gaps_are_counted_and_not_flown() {
     // Eleven of 360 intervals touch the turn, the outer two by half; one is the gap.
     let expected = horizontal_m_s(&p) * 10.0 * (360.0 - 10.0 - 1.0);
     assert!((dive.east_m / expected - 1.0).abs() < 1e-9, "{} against {expected}", dive.east_m);
+}
+
+#[test]
+fn months_without_a_record_are_in_no_dive_and_no_current() {
+    let p = glider();
+    let mut log = samples(90.0, 1);
+    let months_s = 8065.0 * 3600.0;
+    log[200..].iter_mut().for_each(|sample| sample.time_s += months_s);
+    let mut track = reckon(&p, &[], &log, &TrackSettings::default());
+    assert!((track.dives[0].recorded_s() - 3590.0).abs() < 1e-6, "{:?}", track.dives[0]);
+    let gaps = track.long_gaps();
+    assert_eq!(gaps, [[1990.0, 2000.0 + months_s]]);
+    let said = plausibility::long_gap(gaps[0]);
+    assert!(said.contains("336.0 days") && said.contains("from 1990 s"), "{said}");
+    let fix = |time_s: f64| Fix { time_s, lat_deg: 54.0, lon_deg: 10.0 };
+    let fixes = [fix(0.0), fix(3600.0 + months_s)];
+    track.set_currents(&fixes, 50.0);
+    assert!(track.dives[0].current.is_none() && track.drifts(&fixes, 50.0).is_empty());
 }
 
 #[test]

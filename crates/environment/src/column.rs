@@ -43,7 +43,7 @@ impl WaterColumn {
     ///
     /// # Errors
     /// An unknown or missing column, a cell that is no number or out of bounds, a depth that does not grow; with line
-    /// and column.
+    /// and column. A row with an empty cell is left out.
     pub fn parse(text: &str, origin: &Path) -> Result<WaterColumn, InputError> {
         // Spreadsheets begin a CSV file with a byte order mark.
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
@@ -56,7 +56,7 @@ impl WaterColumn {
         let mut rows: Vec<Row> = Vec::new();
         for (line, text) in lines {
             let place = Place::line(origin, line + 1);
-            let [depth_m, density, temperature] = read_row(text, order, &place)?;
+            let Some([depth_m, density, temperature]) = read_row(text, order, &place)? else { continue };
             if rows.last().is_some_and(|above| depth_m <= above.depth_m) {
                 return Err(InputError::new(place, format!("depth {depth_m} m does not lie below the row above it"))
                     .help("sort the rows by depth, one row a depth"));
@@ -107,11 +107,15 @@ fn read_header(header: &str, place: &Place) -> Result<[usize; 3], InputError> {
     Ok(order)
 }
 
-fn read_row(text: &str, order: [usize; 3], place: &Place) -> Result<[f64; 3], InputError> {
+/// The values of a row; nothing where one of them is missing.
+fn read_row(text: &str, order: [usize; 3], place: &Place) -> Result<Option<[f64; 3]>, InputError> {
     let cells: Vec<&str> = text.split(',').map(str::trim).collect();
     if cells.len() != COLUMNS.len() {
         let problem = format!("{} cells where the header has {}", cells.len(), COLUMNS.len());
         return Err(InputError::new(place.clone(), problem).help("a decimal comma splits a cell in two: use a point"));
+    }
+    if cells.contains(&"") {
+        return Ok(None);
     }
     let mut values = [0.0; 3];
     for (i, value) in values.iter_mut().enumerate() {
@@ -122,7 +126,7 @@ fn read_row(text: &str, order: [usize; 3], place: &Place) -> Result<[f64; 3], In
             InputError::new(place.clone().column(order[i] + 1), problem)
         })?;
     }
-    Ok(values)
+    Ok(Some(values))
 }
 
 /// Level at the ends and at every turning point, between the neighbouring slopes elsewhere.
@@ -197,6 +201,12 @@ mod tests {
     fn a_byte_order_mark_is_no_part_of_the_table() {
         let marked = WaterColumn::parse(&format!("\u{feff}{TABLE}"), Path::new("w")).unwrap();
         assert_eq!(marked, column());
+    }
+
+    #[test]
+    fn a_row_that_lacks_a_value_is_left_out() {
+        let gap = TABLE.trim_end().to_owned() + "\n9000,,2\n";
+        assert_eq!(WaterColumn::parse(&gap, Path::new("w")).unwrap(), column());
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! Times written as dates: `2023-04-18T16:49:57.5Z`, `18/04/2023 16:49:57`, with or without a zone.
+//! Times written as dates: `2023-04-18T16:49:57.5Z`, `18/04/2023 16:49:57`, with or without a zone; and as messages show
+//! them.
 
 use glidepolar_dbd::days_since_1970;
 
@@ -68,6 +69,27 @@ pub(super) fn ordered_unix_s(text: &str, order: DateOrder) -> Option<f64> {
 /// The same for the day from which a file counts its times, which may lie before any glider: year 0, 1858, 1900.
 pub(super) fn epoch_s(text: &str) -> Option<f64> {
     of_years(text, 0..3000, DateOrder::DayFirst)
+}
+
+/// A time above this counts from 1970, not from the start of a mission: three years.
+pub(super) const FIRST_UNIX_S: f64 = 1e8;
+
+/// A time as messages show it: `2023-04-18 16:49:57 UTC`, or `1234 s` where it counts from a start of its own.
+pub fn shown_time(time_s: f64) -> String {
+    if time_s.is_nan() || time_s <= FIRST_UNIX_S {
+        return format!("{time_s:.0} s");
+    }
+    let seconds = time_s.round() as i64;
+    let (mut days, clock) = (seconds.div_euclid(86_400), seconds.rem_euclid(86_400));
+    // The last first of January, then the last first day of a month, that is not after the day.
+    let mut year = 1970 + days / 366;
+    while days_since_1970(year + 1, 1, 1) <= days {
+        year += 1;
+    }
+    let month = (1..=12).rev().find(|&month| days_since_1970(year, month, 1) <= days).unwrap_or(1);
+    days -= days_since_1970(year, month, 1);
+    let (hour, minute, second) = (clock / 3600, clock / 60 % 60, clock % 60);
+    format!("{year}-{month:02}-{:02} {hour:02}:{minute:02}:{second:02} UTC", days + 1)
 }
 
 fn of_years(text: &str, years: std::ops::Range<i64>, order: DateOrder) -> Option<f64> {
@@ -152,6 +174,16 @@ fn without_zone(clock: &str) -> Option<(&str, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn times_are_shown_as_dates_that_read_back() {
+        assert_eq!(shown_time(1_681_836_597.4), "2023-04-18 16:49:57 UTC");
+        assert_eq!(shown_time(1234.0), "1234 s");
+        for day in 0..3000 {
+            let time_s = 1.5e9 + 86_400.0 * f64::from(day);
+            assert_eq!(unix_s(&shown_time(time_s)), Some(time_s), "{}", shown_time(time_s));
+        }
+    }
 
     #[test]
     fn dates_are_unix_times() {

@@ -11,11 +11,13 @@ use std::path::{Path, PathBuf};
 use super::calibration::Calibration;
 use super::channels::{Channel, FlightLog};
 use super::columns::Columns;
-use super::fix::GpsFix;
+use super::file_order::Lacks;
+use super::fix::{GpsFix, Positions};
 use super::observation::Observation;
 use super::open::{LogPieces, Opened};
-use super::{ad2cp, glide_table, netcdf, og1, open, seaexplorer, seaglider, slocum};
-use glidepolar_input::memory::Table;
+use super::source::{Kind, Maker, Source, probe};
+use super::time_again::TimeAgain;
+use super::{ad2cp, file_order, og1, open, seaexplorer, seaglider, slocum};
 use glidepolar_input::{InputError, Place, printable};
 
 /// The next part of a log.
@@ -35,10 +37,13 @@ pub struct LogFiles {
     segment: Option<slocum::Segment>,
     /// The last time of the segments so far; NaN before the first.
     last_s: f64,
+    time_again: TimeAgain,
     /// The ballast volume counts from these counts of the pump, where several dives count from different ones.
     c_vbd_counts: Option<f64>,
     calibration: Option<Calibration>,
+    positions: Positions,
     fixes: Vec<GpsFix>,
+    lacks: Option<Lacks>,
     warnings: Vec<String>,
     notes: Vec<String>,
     /// Files that were begun, and why the first of them could not be read.
@@ -48,41 +53,6 @@ pub struct LogFiles {
     has_speed: bool,
 }
 
-/// One file, before it is read.
-struct Source {
-    path: PathBuf,
-    kind: Kind,
-    /// The glider, where the file names it.
-    glider: String,
-    /// When its record begins \[s\]; NaN where that is not known without reading it.
-    start_s: f64,
-}
-
-enum Kind {
-    Seaglider(Box<Calibration>),
-    /// A file of a Slocum or of a SeaExplorer, whose computers write files of their own for each segment.
-    Part(Part),
-    /// The files of one segment.
-    Segment(Maker, Vec<PathBuf>),
-    TimeSeries,
-    /// A file of any kind that [`open`] knows.
-    OneFile,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Maker {
-    Slocum,
-    SeaExplorer,
-}
-
-struct Part {
-    maker: Maker,
-    segment: String,
-    /// Of several records by one computer the fullest has the highest rank.
-    rank: u8,
-    is_science: bool,
-}
-
 impl LogFiles {
     /// Looks into each of the files and puts them in order.
     ///
@@ -90,11 +60,8 @@ impl LogFiles {
     /// A file that is not there, files of two gliders, and where no file is a log.
     pub fn open(paths: &[PathBuf], columns: &Columns) -> Result<Self, InputError> {
         let (mut sources, mut warnings, mut failed) = (Vec::new(), Vec::new(), None);
-        for path in paths {
-            // A name that was mistyped is no damage.
-            if Table::named(path).is_none() {
-                std::fs::File::open(path).map_err(|error| InputError::io(path, &error))?;
-            }
+        let paths = file_order::each_once(paths, &mut warnings)?;
+        for path in &paths {
             match probe(path, columns) {
                 Ok(source) => sources.push(source),
                 Err(error) if paths.len() == 1 => return Err(error),
@@ -105,11 +72,11 @@ impl LogFiles {
             }
         }
         if let (true, Some(error)) = (sources.is_empty(), &failed) {
-            return Err(error.clone());
+            return Err(error.clone().beside(&warnings));
         }
-        one_glider(&sources)?;
-        let mut sources = segments(sources, &mut warnings);
-        in_order(&mut sources, &mut warnings);
+        file_order::one_glider(&sources)?;
+        let (mut sources, lacks) = file_order::segments(sources, &mut warnings);
+        file_order::in_order(&mut sources, columns, &mut warnings);
         let calibration = sources.iter().rev().find_map(|source| match &source.kind {
             Kind::Seaglider(calibration) => Some((**calibration).clone()),
             _ => None,
@@ -120,9 +87,13 @@ impl LogFiles {
             open: None,
             segment: None,
             last_s: f64::NAN,
+            time_again: TimeAgain::default(),
             c_vbd_counts: calibration.as_ref().and_then(|calibration| calibration.c_vbd_counts),
             calibration,
+            positions: Positions::default(),
             fixes: Vec::new(),
+            // Where its files were given and left out, the warnings say why.
+            lacks: lacks.filter(|_| failed.is_none()),
             warnings,
             notes: Vec::new(),
             begun: 0,
@@ -139,7 +110,8 @@ impl LogFiles {
     pub fn next_piece(&mut self, rows: usize) -> Result<Option<Piece>, InputError> {
         loop {
             if let Some(segment) = &mut self.segment {
-                if let Some(mut piece) = segment.next_piece(&mut self.fixes, &mut self.warnings, &mut self.notes)? {
+                let (positions, fixes) = (&mut self.positions, &mut self.fixes);
+                if let Some(mut piece) = segment.next_piece(positions, fixes, &mut self.warnings, &mut self.notes)? {
                     self.last_s = without_overlap(&mut piece, self.last_s);
                     self.has_read |= !piece.is_empty();
                     self.has_speed |= piece.has(Channel::Speed);
@@ -148,7 +120,8 @@ impl LogFiles {
                 self.segment = None;
             }
             if let Some(pieces) = &mut self.open {
-                if let Some(piece) = pieces.next_piece(rows)? {
+                if let Some(mut piece) = pieces.next_piece(rows)? {
+                    self.time_again.lay(&mut piece);
                     self.has_read |= !piece.is_empty();
                     self.has_speed |= piece.has(Channel::Speed);
                     return Ok(Some(Piece::Series(Box::new(piece))));
@@ -190,6 +163,16 @@ impl LogFiles {
         &self.notes
     }
 
+    /// What to do about a channel without a value, where a file was left out, or the files of that computer are missing which has it.
+    pub fn help(&self, channel: Channel) -> Option<String> {
+        if self.failed.is_some() {
+            return Some("a file that was left out may have it: see to its error".to_owned());
+        }
+        let of_science = [Channel::Density, Channel::Temperature, Channel::Conductivity, Channel::Salinity];
+        let having = if of_science.contains(&channel) { Lacks::Science } else { Lacks::Flight };
+        self.lacks.filter(|lacks| *lacks == having).map(Lacks::help)
+    }
+
     /// Positions at the surface that the files hold, the first and the last of each surfacing, in the order of time: complete
     /// at the end.
     pub fn fixes(&self) -> Vec<GpsFix> {
@@ -215,6 +198,7 @@ impl LogFiles {
     /// Begins with a file; a table of glides comes back whole.
     fn begin(&mut self, source: &Source) -> Result<Option<Vec<Observation>>, InputError> {
         let path = &source.path;
+        self.time_again.begin(source.begins_again);
         match &source.kind {
             Kind::Seaglider(calibration) => {
                 let mut dive = seaglider::read(path, &self.columns)?;
@@ -226,7 +210,8 @@ impl LogFiles {
             }
             Kind::Segment(Maker::Slocum, paths) => self.segment = Some(slocum::Segment::open(paths, &self.columns)?),
             Kind::Segment(Maker::SeaExplorer, paths) => {
-                let mut log = seaexplorer::read(paths, &self.columns, &mut self.fixes, &mut self.warnings)?;
+                let (positions, fixes) = (&mut self.positions, &mut self.fixes);
+                let mut log = seaexplorer::read(paths, &self.columns, positions, fixes, &mut self.warnings)?;
                 self.last_s = without_overlap(&mut log, self.last_s);
                 self.open = Some(LogPieces::Whole(Some(Box::new(log))));
             }
@@ -275,63 +260,8 @@ impl LogFiles {
     }
 }
 
-/// What a file is, by its content.
-fn probe(path: &Path, columns: &Columns) -> Result<Source, InputError> {
-    let source = |kind, glider, start_s| Source { path: path.to_owned(), kind, glider, start_s };
-    if Table::named(path).is_some() {
-        return one_file(path, columns);
-    }
-    if netcdf::is_one(path)? {
-        let file = netcdf::open(path)?;
-        if seaglider::is_one(&file) {
-            let headline = seaglider::headline(path, &file)?;
-            let glider = headline.calibration.glider.clone();
-            return Ok(source(Kind::Seaglider(Box::new(headline.calibration)), glider, headline.start_s));
-        }
-        let (glider, start_s) = og1::headline(path, &file, columns)?;
-        return Ok(source(Kind::TimeSeries, glider, start_s));
-    }
-    if slocum::is_one(path)? {
-        let found = slocum::headline(path, columns)?;
-        let slocum::Headline { segment, rank, is_science, .. } = found;
-        let part = Part { maker: Maker::Slocum, segment, rank, is_science };
-        return Ok(source(Kind::Part(part), found.glider, found.start_s));
-    }
-    if seaexplorer::is_one(path)? {
-        let found = seaexplorer::headline(path)?;
-        let seaexplorer::Headline { segment, rank, is_payload, .. } = found;
-        let part = Part { maker: Maker::SeaExplorer, segment, rank, is_science: is_payload };
-        return Ok(source(Kind::Part(part), found.glider, found.start_s));
-    }
-    super::open::refuse_foreign(path)?;
-    if glide_table::is_one(path)? {
-        return Ok(source(Kind::OneFile, String::new(), f64::NAN));
-    }
-    one_file(path, columns)
-}
-
-/// A file of any kind that [`open`] knows.
-fn one_file(path: &Path, columns: &Columns) -> Result<Source, InputError> {
-    let start_s = match open(path, columns)? {
-        Opened::Series(mut pieces) => ordering_s(pieces.next_piece(1)?.as_ref()),
-        Opened::Glides(_) => f64::NAN,
-    };
-    Ok(Source { path: path.to_owned(), kind: Kind::OneFile, glider: String::new(), start_s })
-}
-
-/// The time by which a log is put in order among others. Times since a start of their own order nothing.
-fn ordering_s(first: Option<&FlightLog>) -> f64 {
-    first.map(|piece| piece.at(Channel::Time, 0)).filter(|time| *time > FIRST_UNIX_S).unwrap_or(f64::NAN)
-}
-
 /// Fixes that follow one another within this time are of one surfacing: a dive takes longer \[s\].
 const SAME_SURFACING_S: f64 = 300.0;
-
-/// A time above this counts from 1970, not from the start of a mission: three years.
-const FIRST_UNIX_S: f64 = 1e8;
-
-/// A segment: whose, its name, which of the sources it became, and the files of both computers with their ranks.
-type Known = (Maker, String, usize, [Option<(u8, PathBuf)>; 2]);
 
 /// Takes off the rows that the segment before has already: the files of one end some rows after those of the next begin.
 /// The last time so far comes back.
@@ -344,85 +274,4 @@ fn without_overlap(log: &mut FlightLog, last_s: f64) -> f64 {
     let keep: Vec<bool> = time.iter().map(|time| *time > last_s).collect();
     log.retain(&keep);
     end_s
-}
-
-/// Puts the files of each segment together: one of each computer, the fullest.
-fn segments(sources: Vec<Source>, warnings: &mut Vec<String>) -> Vec<Source> {
-    let mut whole: Vec<Source> = Vec::new();
-    let mut known: Vec<Known> = Vec::new();
-    for source in sources {
-        let Kind::Part(part) = &source.kind else {
-            whole.push(source);
-            continue;
-        };
-        let found = known.iter().position(|(maker, segment, ..)| *maker == part.maker && *segment == part.segment);
-        let index = found.unwrap_or_else(|| {
-            known.push((part.maker, part.segment.clone(), whole.len(), [None, None]));
-            let kind = Kind::Segment(part.maker, Vec::new());
-            whole.push(Source {
-                path: source.path.clone(),
-                kind,
-                glider: source.glider.clone(),
-                start_s: source.start_s,
-            });
-            known.len() - 1
-        });
-        let (_, _, at, files) = &mut known[index];
-        let place = &mut files[usize::from(part.is_science)];
-        let mut left_out = Some((part.rank, source.path.clone()));
-        if place.as_ref().is_none_or(|(rank, _)| *rank < part.rank) {
-            left_out = place.replace((part.rank, source.path.clone()));
-        }
-        if let Some((_, path)) = left_out {
-            let name = printable(&path.to_string_lossy());
-            warnings.push(format!("left out: {name}, since a fuller record of the same segment is among the files"));
-        }
-        whole[*at].start_s = whole[*at].start_s.min(source.start_s);
-        whole[*at].kind = Kind::Segment(part.maker, files.iter().flatten().map(|(_, path)| path.clone()).collect());
-    }
-    whole
-}
-
-fn one_glider(sources: &[Source]) -> Result<(), InputError> {
-    let mut named = sources.iter().filter(|source| !source.glider.is_empty());
-    let Some(first) = named.next() else { return Ok(()) };
-    match named.find(|other| !is_same(&other.glider, &first.glider)) {
-        None => Ok(()),
-        Some(other) => {
-            let problem = format!(
-                "is of the glider {}, {} is of {}",
-                printable(&other.glider),
-                printable(&first.path.to_string_lossy()),
-                printable(&first.glider)
-            );
-            Err(InputError::new(Place::file(&other.path), problem).help("give the files of one glider"))
-        }
-    }
-}
-
-/// Whether two names are of one glider. A Slocum whose name was lost calls itself `unit_` and its number.
-fn is_same(one: &str, other: &str) -> bool {
-    let number = |name: &str| name.chars().rev().take_while(char::is_ascii_digit).collect::<String>();
-    let is_unnamed = one.starts_with("unit_") || other.starts_with("unit_");
-    one.eq_ignore_ascii_case(other) || (is_unnamed && !number(one).is_empty() && number(one) == number(other))
-}
-
-/// Sorts by time where all times are known; a record that is there twice is taken once.
-fn in_order(sources: &mut Vec<Source>, warnings: &mut Vec<String>) {
-    if sources.iter().any(|source| source.start_s.is_nan()) {
-        return;
-    }
-    sources.sort_by(|a, b| a.start_s.total_cmp(&b.start_s));
-    let mut last = f64::NAN;
-    sources.retain(|source| {
-        let is_new = source.start_s != last;
-        if !is_new {
-            let name = printable(&source.path.to_string_lossy());
-            warnings.push(format!(
-                "left out: {name} begins with the same time as the file before it, so it is there twice"
-            ));
-        }
-        last = source.start_s;
-        is_new
-    });
 }

@@ -203,6 +203,15 @@ pub(super) fn known(channel: Channel) -> &'static [&'static str] {
     NAMES.iter().find(|(named, _)| *named == channel).map_or(&[], |(_, names)| names)
 }
 
+/// Where a channel stands among the names of a table that may state units in brackets behind them.
+pub fn column_of(channel: Channel, header: &[String]) -> Option<usize> {
+    let info = &CHANNELS[channel as usize];
+    let own = std::iter::once(info.name).chain(info.aliases.iter().map(|(alias, _)| *alias));
+    let stem = |name: &String| with_unit(name).map_or(name.as_str(), |(stem, _)| stem).to_lowercase();
+    let mut all = own.chain(known(channel).iter().copied());
+    all.find_map(|known| header.iter().position(|name| stem(name) == known.to_lowercase()))
+}
+
 /// Whether a column of this name holds some channel.
 pub(super) fn is_known(name: &str) -> bool {
     let is_named = |known: &str| known.eq_ignore_ascii_case(name);
@@ -234,6 +243,15 @@ mod tests {
             assert!(!all[..i].contains(name), "{name}");
             assert_eq!(*name, name.to_lowercase());
         }
+    }
+
+    #[test]
+    fn a_channel_is_found_by_any_of_its_names() {
+        for latitude in ["lat_deg", "Latitude", "lat", "latitude (degrees_north)"] {
+            let header = ["lon".to_owned(), latitude.to_owned()];
+            assert_eq!(column_of(Channel::Latitude, &header), Some(1), "{latitude}");
+        }
+        assert_eq!(column_of(Channel::Latitude, &["plate".to_owned()]), None);
     }
 
     #[test]

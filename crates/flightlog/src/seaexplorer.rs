@@ -19,7 +19,7 @@ use super::ad2cp::{self, Ping};
 use super::channels::{Channel, FlightLog};
 use super::columns::Columns;
 use super::dates::unix_s;
-use super::fix::{GpsFix, degrees};
+use super::fix::{GpsFix, Positions, degrees};
 use super::gzip::is_gzip;
 use super::resample::{Readings, at_rows, pressure_rows};
 use glidepolar_input::{InputError, Place, printable};
@@ -73,7 +73,7 @@ const DBAR_PER_M: f64 = 1.0055;
 /// States in which the vehicle turns or lies at the surface: nothing there is a glide.
 const NO_GLIDE: [f64; 4] = [110.0, 115.0, 116.0, 118.0];
 
-/// States at the surface, where positions are those of the receiver.
+/// The state at the surface, where new positions are those of the receiver.
 const SURFACE: f64 = 116.0;
 
 /// What stands for a missing value.
@@ -153,6 +153,7 @@ pub(super) fn headline(path: &Path) -> Result<Headline, InputError> {
 pub(super) fn read(
     paths: &[PathBuf],
     columns: &Columns,
+    positions: &mut Positions,
     fixes: &mut Vec<GpsFix>,
     warnings: &mut Vec<String>,
 ) -> Result<FlightLog, InputError> {
@@ -217,7 +218,7 @@ pub(super) fn read(
     }
     log.set(Channel::Pressure, pressure);
     log.set(Channel::Time, rows);
-    fixes.extend(tables.iter().flat_map(Whole::fixes));
+    fixes.extend(tables.iter().flat_map(|table| table.fixes(positions)));
     Ok(log)
 }
 
@@ -364,26 +365,20 @@ impl Whole {
         Some(self.times.iter().zip(column).filter(|(_, value)| value.is_finite()).map(|(t, v)| (*t, *v)).unzip())
     }
 
-    /// Positions at the surface that are not dead reckoning.
-    fn fixes(&self) -> Vec<GpsFix> {
+    /// Positions at the surface that were received there, and not reckoned or carried over from before the dive.
+    fn fixes(&self, positions: &mut Positions) -> Vec<GpsFix> {
         let (Some(state), Some(lat), Some(lon)) = (self.column("NavState"), self.column("Lat"), self.column("Lon"))
         else {
             return Vec::new();
         };
         let reckoned = self.column("DeadReckoning");
-        let mut fixes: Vec<GpsFix> = Vec::new();
-        for row in 0..self.times.len() {
+        positions.begin_file();
+        let rows = (0..self.times.len()).filter(|&row| lat[row].is_finite() && lon[row].is_finite());
+        let received = rows.filter(|&row| {
             let is_reckoned = reckoned.is_some_and(|column| column[row] != 0.0);
-            if state[row] != SURFACE || is_reckoned {
-                continue;
-            }
-            let Some(fix) = GpsFix::new(self.times[row], degrees(lat[row]), degrees(lon[row])) else { continue };
-            // The position of the last fix is written until there is a new one.
-            if fixes.last().is_none_or(|last| (last.lat_deg, last.lon_deg) != (fix.lat_deg, fix.lon_deg)) {
-                fixes.push(fix);
-            }
-        }
-        fixes
+            positions.is_received(lat[row], lon[row], state[row] == SURFACE && !is_reckoned)
+        });
+        received.filter_map(|row| GpsFix::new(self.times[row], degrees(lat[row]), degrees(lon[row]))).collect()
     }
 
     /// The speed by the nearest cell of the current profiler's four beams: two fore and aft at 47.5 deg from its axis, two to

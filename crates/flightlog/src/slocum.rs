@@ -6,7 +6,8 @@
 //! elsewhere; all else is brought to these times by straight lines.
 //!
 //! Pressures are bar, angles radians, battery positions inches, positions `DDMM.mmm`. A value that the glider read again and
-//! found unchanged is a reading as well.
+//! found unchanged is a reading as well. The first cycle of a file has the last value of every sensor, however old, and the
+//! second may say of some that they are unchanged: positions are fixes only where they change after that.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -16,7 +17,7 @@ use glidepolar_dbd::{Caches, Error, Reader};
 use super::channels::{CHANNELS, Channel, FlightLog};
 use super::columns::Columns;
 use super::dinkum_ascii::{self, Table};
-use super::fix::{GpsFix, degrees};
+use super::fix::{GpsFix, Positions, degrees};
 use super::resample::{at_rows, pressure_rows};
 use super::units::{self, Conversion};
 use glidepolar_input::{InputError, Place, printable};
@@ -212,6 +213,7 @@ pub struct Segment {
     files: Vec<File>,
     columns: Columns,
     names: Vec<String>,
+    has_begun: bool,
     has_rows: bool,
 }
 
@@ -224,6 +226,8 @@ struct File {
     next: Option<(f64, Vec<f64>)>,
     reported: usize,
     is_end_reported: bool,
+    /// Whether the first cycle was read.
+    has_begun: bool,
 }
 
 impl Segment {
@@ -252,9 +256,10 @@ impl Segment {
                 next: None,
                 reported: 0,
                 is_end_reported: false,
+                has_begun: false,
             });
         }
-        Ok(Segment { files, columns: columns.clone(), names, has_rows: false })
+        Ok(Segment { files, columns: columns.clone(), names, has_begun: false, has_rows: false })
     }
 
     /// The next piece, its fixes, warnings and notes added to those that are there; nothing at the end.
@@ -263,6 +268,7 @@ impl Segment {
     /// Where a file cannot be read any further.
     pub(super) fn next_piece(
         &mut self,
+        positions: &mut Positions,
         fixes: &mut Vec<GpsFix>,
         warnings: &mut Vec<String>,
         notes: &mut Vec<String>,
@@ -287,7 +293,10 @@ impl Segment {
             return Ok(None);
         }
         readings.sort();
-        fixes.extend(readings.fixes());
+        if !std::mem::replace(&mut self.has_begun, true) {
+            positions.begin_file();
+        }
+        fixes.extend(readings.fixes(positions));
         let log = self.log(&readings)?;
         if log.is_empty() && !self.has_rows && readings.is_some() {
             let files: Vec<String> = self.files.iter().map(|file| file.path.display().to_string()).collect();
@@ -384,7 +393,7 @@ impl File {
                 self.next = Some((time, values));
                 return Ok(last_s);
             }
-            readings.take(time, &values);
+            readings.take(time, &values, false);
         }
         while !self.ended {
             if leads && cycles >= CYCLES {
@@ -395,6 +404,7 @@ impl File {
                 break;
             };
             cycles += 1;
+            let is_first = !std::mem::replace(&mut self.has_begun, true);
             let time = if values[0].is_finite() { values[0] } else { values[1] };
             if !TIMES.contains(&time) {
                 continue;
@@ -404,7 +414,7 @@ impl File {
                 break;
             }
             last_s = last_s.max(time);
-            readings.take(time, values);
+            readings.take(time, values, is_first && leads);
         }
         Ok(last_s)
     }
@@ -430,7 +440,16 @@ impl File {
 /// What the sensors of both computers read, each at its times.
 struct Sensors {
     values: Vec<Vec<(f64, f64)>>,
-    positions: Vec<(f64, f64, f64)>,
+    positions: Vec<Position>,
+}
+
+/// A position as the receiver writes it.
+struct Position {
+    time_s: f64,
+    lat: f64,
+    lon: f64,
+    /// Whether the receiver does not call it bad.
+    is_good: bool,
 }
 
 /// Places among the names.
@@ -443,13 +462,16 @@ impl Sensors {
         Sensors { values: vec![Vec::new(); sensors], positions: Vec::new() }
     }
 
-    fn take(&mut self, time: f64, values: &[f64]) {
+    fn take(&mut self, time_s: f64, values: &[f64], is_first: bool) {
         for (readings, value) in self.values.iter_mut().zip(values).filter(|(_, value)| value.is_finite()) {
-            readings.push((time, *value));
+            readings.push((time_s, *value));
         }
-        let has_fix = !(values[STATUS].is_finite() && values[STATUS] != 0.0);
-        if has_fix && values[LAT].is_finite() && values[LON].is_finite() {
-            self.positions.push((time, values[LAT], values[LON]));
+        let (lat, lon) = (values[LAT], values[LON]);
+        let is_there = lat.is_finite() && lon.is_finite();
+        let is_good = is_there && !(values[STATUS].is_finite() && values[STATUS] != 0.0);
+        // A first cycle without a position: whatever comes is new.
+        if is_there || is_first {
+            self.positions.push(Position { time_s, lat, lon, is_good });
         }
     }
 
@@ -467,17 +489,9 @@ impl Sensors {
         self.values[sensor].iter().copied().unzip()
     }
 
-    /// Positions that changed: while under water the last one is read again and again.
-    fn fixes(&self) -> Vec<GpsFix> {
-        let mut last = (f64::NAN, f64::NAN);
-        let mut fixes = Vec::new();
-        for &(time, lat, lon) in &self.positions {
-            if (lat, lon) == last {
-                continue;
-            }
-            last = (lat, lon);
-            fixes.extend(GpsFix::new(time, degrees(lat), degrees(lon)));
-        }
-        fixes
+    /// Positions that the receiver had new.
+    fn fixes(&self, positions: &mut Positions) -> Vec<GpsFix> {
+        let received = self.positions.iter().filter(|p| positions.is_received(p.lat, p.lon, p.is_good));
+        received.filter_map(|p| GpsFix::new(p.time_s, degrees(p.lat), degrees(p.lon))).collect()
     }
 }

@@ -9,6 +9,7 @@ mod lost_speeds;
 mod preparing;
 mod seaglider_files;
 mod segments;
+mod several_tables;
 
 use std::path::PathBuf;
 

@@ -81,6 +81,22 @@ impl InputError {
         InputError { help: Some(help.into()), ..self }
     }
 
+    /// With what was warned of before the error, which may be its cause; what the error itself says is not said twice.
+    pub fn beside(self, warnings: &[String]) -> Self {
+        /// Warnings that an error repeats.
+        const MOST: usize = 4;
+        let own = self.to_string();
+        let others: Vec<&str> = warnings.iter().map(String::as_str).filter(|warning| !warning.contains(&own)).collect();
+        if others.is_empty() {
+            return self;
+        }
+        let shown = others[..others.len().min(MOST)].join("; ");
+        let more = others.len().saturating_sub(MOST);
+        let rest = if more > 0 { format!("; and {more} more") } else { String::new() };
+        let before = self.help.as_ref().map(|help| format!("{help}; ")).unwrap_or_default();
+        self.help(format!("{before}the reading warned before: {shown}{rest}"))
+    }
+
     /// A file that could not be read or written at all.
     pub fn io(file: impl AsRef<Path>, error: &std::io::Error) -> Self {
         let path = file.as_ref();
@@ -139,6 +155,18 @@ mod tests {
         assert_eq!(Place::offset("f", text, 0).to_string(), "f:1:1");
         assert_eq!(Place::offset("f", text, 8).to_string(), "f:2:2");
         assert_eq!(Place::offset("f", text, 999).line, Some(3));
+    }
+
+    #[test]
+    fn an_error_keeps_the_warnings_before_it_and_says_nothing_twice() {
+        let error = InputError::new(Place::file("a.dbd"), "no density").help("give it");
+        assert_eq!(error.clone().beside(&["left out: a.dbd: no density; give it".to_owned()]), error);
+        let warnings: Vec<String> = (0..6).map(|i| format!("left out: {i}.ebd")).collect();
+        let said = error.beside(&warnings).to_string();
+        assert!(
+            said.contains("give it; the reading warned before: left out: 0.ebd; ") && said.ends_with("and 2 more"),
+            "{said}"
+        );
     }
 
     #[test]

@@ -189,7 +189,7 @@ fn dives_in_any_order_are_one_log_counted_from_one_ballast_zero() {
         "{:?}",
         files.notes()
     );
-    assert!(files.warnings().iter().any(|warning| warning.contains("there twice")), "{:?}", files.warnings());
+    assert!(files.warnings().iter().any(|warning| warning.contains("named twice")), "{:?}", files.warnings());
     let calibration = files.calibration().unwrap();
     assert_eq!((calibration.glider.as_str(), calibration.dive), ("SG171", Some(2.0)));
     assert_eq!((calibration.mass_kg, calibration.hd_a), (Some(56.406), Some(0.004)));

@@ -3,21 +3,21 @@
 use super::*;
 use crate::{LogFiles, Piece};
 
-struct Folder(tempfile::TempDir);
+pub(super) struct Folder(tempfile::TempDir);
 
 impl Folder {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         Folder(tempfile::tempdir().expect("a folder"))
     }
 
-    fn write(&self, name: &str, bytes: &[u8]) -> PathBuf {
+    pub(super) fn write(&self, name: &str, bytes: &[u8]) -> PathBuf {
         let path = self.0.path().join(name);
         std::fs::write(&path, bytes).expect("a file");
         path
     }
 }
 
-fn whole(paths: &[PathBuf], columns: &Columns) -> Result<(FlightLog, LogFiles), InputError> {
+pub(super) fn whole(paths: &[PathBuf], columns: &Columns) -> Result<(FlightLog, LogFiles), InputError> {
     let mut files = LogFiles::open(paths, columns)?;
     let mut log = FlightLog::default();
     while let Some(piece) = files.next_piece(1000)? {
@@ -30,7 +30,7 @@ fn whole(paths: &[PathBuf], columns: &Columns) -> Result<(FlightLog, LogFiles), 
 }
 
 /// A Slocum's file whose sensors are all new in each row, eight bytes each.
-fn dbd(name: &str, extension: &str, sensors: &[(&str, &str)], rows: &[Vec<f64>]) -> Vec<u8> {
+pub(super) fn dbd(name: &str, extension: &str, sensors: &[(&str, &str)], rows: &[Vec<f64>]) -> Vec<u8> {
     let n = sensors.len();
     let list: String =
         sensors.iter().enumerate().map(|(i, (name, unit))| format!("s: T {i:4} {i:4} 8 {name} {unit}\n")).collect();
@@ -64,10 +64,10 @@ fn dbd(name: &str, extension: &str, sensors: &[(&str, &str)], rows: &[Vec<f64>])
     bytes
 }
 
-const START_S: f64 = 1.6e9;
+pub(super) const START_S: f64 = 1.6e9;
 
 /// Flight and science file of one segment: 4 s and 1 s between rows, the CTD off after 300 s.
-fn segment(name: &str, start_s: f64) -> (Vec<u8>, Vec<u8>) {
+pub(super) fn segment(name: &str, start_s: f64) -> (Vec<u8>, Vec<u8>) {
     let flight = [
         ("m_present_time", "timestamp"),
         ("m_pitch", "rad"),
@@ -82,7 +82,9 @@ fn segment(name: &str, start_s: f64) -> (Vec<u8>, Vec<u8>) {
     let rows: Vec<Vec<f64>> = (0..200)
         .map(|i| {
             let t = 4.0 * f64::from(i);
-            vec![start_s + t, -0.4 - 1e-4 * t, 0.0, -200.0 + 0.1 * t, 0.5, 6.2 + 0.001 * t, 0.02 * t, 5430.6, -730.0]
+            // The first cycle has a position of before.
+            let lat = if i == 0 { 5400.6 } else { 5430.6 };
+            vec![start_s + t, -0.4 - 1e-4 * t, 0.0, -200.0 + 0.1 * t, 0.5, 6.2 + 0.001 * t, 0.02 * t, lat, -730.0]
         })
         .collect();
     let science = [
@@ -121,9 +123,44 @@ fn flight_and_science_files_of_a_slocum_are_one_log() {
     }
     assert!((log.at(Channel::Temperature, 100) - (15.0 - 0.01 * (log.at(Channel::Time, 100) - START_S))).abs() < 1e-6);
     let fixes = files.fixes();
-    assert_eq!(fixes.len(), 1, "the last position is written again and again");
+    assert_eq!(
+        fixes.len(),
+        1,
+        "the last position is written again and again, and that of the first cycle is of before"
+    );
+    assert_eq!(fixes[0].time_s, START_S + 4.0);
     assert!((fixes[0].lat_deg - 54.51).abs() < 1e-9 && (fixes[0].lon_deg + 7.5).abs() < 1e-9);
     assert!(files.warnings().is_empty(), "{:?}", files.warnings());
+}
+
+#[test]
+fn a_position_that_a_slocum_repeats_from_the_segment_before_is_no_fix() {
+    let folder = Folder::new();
+    let sensors = [
+        ("m_present_time", "s"),
+        ("m_depth", "m"),
+        ("m_gps_lat", "lat"),
+        ("m_gps_lon", "lon"),
+        ("m_gps_status", "enum"),
+    ];
+    let rows = |start_s: f64, positions: &[(f64, f64)]| -> Vec<Vec<f64>> {
+        let row = |(i, (lat, status)): (usize, &(f64, f64))| vec![start_s + 4.0 * i as f64, 1.0, *lat, -730.0, *status];
+        positions.iter().enumerate().map(row).collect()
+    };
+    // At first 69696969, which is no position; then the same cycle twice, a bad one, two good ones.
+    let first = rows(START_S, &[(69_696_969.0, 69.0), (5430.6, 0.0), (5430.6, 0.0)]);
+    let second = rows(START_S + 700.0, &[(5430.6, 0.0), (5430.6, 0.0), (5431.2, 3.0), (5431.8, 0.0), (5431.8, 0.0)]);
+    let later = |bytes: Vec<u8>| {
+        let text = String::from_utf8_lossy(&bytes[..600]).replace("12:26:40", "12:38:20");
+        [text.as_bytes(), &bytes[600..]].concat()
+    };
+    let paths = [
+        folder.write("a.dbd", &dbd("unit_1-2020-257-0-0", "dbd", &sensors, &first)),
+        folder.write("b.dbd", &later(dbd("unit_1-2020-257-0-1", "dbd", &sensors, &second))),
+    ];
+    let (_, files) = whole(&paths, &Columns::default()).unwrap();
+    let times: Vec<f64> = files.fixes().iter().map(|fix| fix.time_s - START_S).collect();
+    assert_eq!(times, [4.0, 712.0]);
 }
 
 #[test]
@@ -149,13 +186,14 @@ fn segments_come_in_order_and_the_fuller_record_of_one_is_taken() {
 const GLI: &str = "Timestamp;NavState;SecurityLevel;Heading;Declination;Pitch;Roll;Depth;Temperature;Pa;Lat;Lon;DeadReckoning;\
 DesiredH;BallastCmd;BallastPos;LinCmd;LinPos;AngCmd;AngPos;Voltage;Altitude;\n";
 
-/// The vehicle's file: 10 s between rows, at the surface in the first.
+/// The vehicle's file: 10 s between rows, at the surface in the first two, with a new position in the second.
 fn gli() -> String {
     let row = |i: i32| {
-        let (state, reckoned) = if i == 0 { (116, 0) } else { (100, 1) };
+        let (state, reckoned) = if i < 2 { (116, 0) } else { (100, 1) };
+        let lat = if i == 0 { "4854.000" } else { "4854.600" };
         let depth = f64::from(i);
         format!(
-            "22/07/2019 05:{:02}:{:02};{state};0;359.5;16;-20.5;4.0;{depth};9999;;4854.600;-13036.000;{reckoned};\
+            "22/07/2019 05:{:02}:{:02};{state};0;359.5;16;-20.5;4.0;{depth};9999;;{lat};-13036.000;{reckoned};\
              270;-500;-250.5;57;40.0;0;-0.5;28.8;-1.0;\n",
             24 + i / 6,
             10 * (i % 6)
@@ -207,26 +245,58 @@ fn vehicle_and_payload_files_of_a_seaexplorer_are_one_log_gzipped_or_not() {
     assert_eq!(log.at(Channel::MotorMoving, 10), 0.0);
     let fixes = files.fixes();
     assert_eq!(fixes.len(), 1);
+    assert_eq!(fixes[0].time_s, start_s + 10.0);
     assert!((fixes[0].lat_deg - 48.91).abs() < 1e-9 && (fixes[0].lon_deg + 130.6).abs() < 1e-9);
+}
+
+/// A row of the vehicle's file at a minute and a second, in a state, with a latitude that is reckoned or not.
+fn gli_row(minute: u32, second: u32, state: u32, lat: f64, reckoned: u32) -> String {
+    format!(
+        "22/07/2019 05:{minute:02}:{second:02};{state};0;0;0;0;0;1.0;;;{lat:.3};-13036.000;{reckoned};0;0;0;0;0;0;0;0;0;\n"
+    )
+}
+
+/// Minutes of the latitudes of fixes, to a hundredth.
+fn minutes_north(fixes: &[GpsFix]) -> Vec<f64> {
+    fixes.iter().map(|fix| ((fix.lat_deg - 48.0) * 60.0 * 100.0).round() / 100.0).collect()
 }
 
 #[test]
 fn of_each_surfacing_the_first_and_the_last_fix_are_kept() {
     let folder = Folder::new();
-    let row = |minute: u32, second: u32, state: u32, lat: f64| {
-        format!(
-            "22/07/2019 05:{minute:02}:{second:02};{state};0;0;0;0;0;1.0;;;{lat:.3};-13036.000;0;0;0;0;0;0;0;0;0;0;\n"
-        )
-    };
-    let mut text = GLI.to_owned();
-    (0..6).for_each(|i| text += &row(0, 10 * i, 116, 4854.0 + 0.01 * f64::from(i)));
-    text += &row(20, 0, 100, 4854.5);
-    (0..3).for_each(|i| text += &row(40, 20 * i, 116, 4855.0 + 0.01 * f64::from(i)));
+    let mut text = GLI.to_owned() + &gli_row(0, 0, 117, 4853.5, 0);
+    (1..6).for_each(|i| text += &gli_row(0, 10 * i, 116, 4854.0 + 0.01 * f64::from(i), 0));
+    text += &gli_row(20, 0, 100, 4854.5, 1);
+    (0..3).for_each(|i| text += &gli_row(40, 20 * i, 116, 4855.0 + 0.01 * f64::from(i), 0));
     let path = folder.write("sea035.12.gli.sub.3", text.as_bytes());
     let (_, files) = whole(std::slice::from_ref(&path), &Columns::default()).unwrap();
-    let lats: Vec<f64> =
-        files.fixes().iter().map(|fix| ((fix.lat_deg - 48.0) * 60.0 * 100.0).round() / 100.0).collect();
-    assert_eq!(lats, [54.0, 54.05, 55.0, 55.02]);
+    assert_eq!(minutes_north(&files.fixes()), [54.01, 54.05, 55.0, 55.02]);
+}
+
+#[test]
+fn a_position_from_before_the_dive_is_no_fix_of_a_seaexplorer() {
+    let folder = Folder::new();
+    // Each file begins while climbing. The vehicle does not reckon: the position stays that of the last surfacing, at the
+    // surface too, until there is a new one.
+    let first = GLI.to_owned()
+        + &gli_row(0, 0, 117, 4853.0, 0)
+        + &gli_row(0, 20, 116, 4853.0, 0)
+        + &gli_row(0, 40, 116, 4854.0, 0)
+        + &gli_row(1, 0, 110, 4854.0, 0);
+    // Here it reckons, and shows the last position of the receiver once more at the surface.
+    let second = GLI.to_owned()
+        + &gli_row(40, 0, 117, 4854.3, 1)
+        + &gli_row(40, 20, 116, 4854.3, 0)
+        + &gli_row(40, 40, 116, 4854.0, 0)
+        + &gli_row(41, 0, 116, 4855.0, 0)
+        + &gli_row(41, 20, 110, 4855.0, 0);
+    let paths = [("3", first), ("4", second)]
+        .map(|(number, text)| folder.write(&format!("sea035.12.gli.sub.{number}"), text.as_bytes()));
+    let (_, files) = whole(&paths, &Columns::default()).unwrap();
+    let fixes = files.fixes();
+    assert_eq!(minutes_north(&fixes), [54.0, 55.0]);
+    let start_s = 1_563_773_040.0 - 24.0 * 60.0;
+    assert_eq!([fixes[0].time_s - start_s, fixes[1].time_s - start_s], [40.0, 41.0 * 60.0]);
 }
 
 #[test]

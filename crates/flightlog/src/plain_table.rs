@@ -1,0 +1,107 @@
+//! Tables other than logs, in the dialect of logs: fixes, strokes of a pump, inputs against time, measured water. Their text in
+//! one plain form, line for line, for readers that know their columns.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use super::csv::{csv_error, header, number, reader};
+use super::dates::unix_s;
+use glidepolar_input::InputError;
+
+/// From when the seconds of a date count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dates {
+    /// From 1970.
+    Since1970,
+    /// From the first date of the column.
+    SinceFirst,
+}
+
+/// The text of a table as CSV with a comma between cells, decimal points, seconds for dates and nothing for missing values. A
+/// row keeps its line and a cell its column, so that errors name places in the file; comments are empty lines. What is neither
+/// number nor date stays as it is.
+///
+/// # Errors
+/// A file that cannot be read, is empty, or names a column twice.
+pub fn plain_table(path: &Path, dates: Dates) -> Result<String, InputError> {
+    let mut reader = reader(path)?;
+    let mut names: Vec<String> = header(path, &mut reader)?.iter().map(|name| name.replace(',', ";")).collect();
+    // A separator behind the last name.
+    names.truncate(names.iter().rposition(|name| !name.is_empty()).map_or(0, |last| last + 1));
+    let first_line = line_before(reader.position().line(), 1);
+    let mut text = "\n".repeat(first_line.saturating_sub(1) as usize) + &names.join(",");
+    let mut line = first_line;
+    let mut first_dates = vec![None; names.len()];
+    let mut record = ::csv::ByteRecord::new();
+    loop {
+        let begun = reader.position().line();
+        if !reader.read_byte_record(&mut record).map_err(|error| csv_error(path, &error))? {
+            break;
+        }
+        let here = line_before(reader.position().line(), begun);
+        text.push_str(&"\n".repeat(here.saturating_sub(line).max(1) as usize));
+        line = here.max(line + 1);
+        for (i, cell) in record.iter().enumerate().filter(|(i, cell)| *i < names.len() || !cell.is_empty()) {
+            if i > 0 {
+                text.push(',');
+            }
+            let shown = String::from_utf8_lossy(cell);
+            match (number(cell), unix_s(&shown)) {
+                (Some(value), _) if value.is_nan() => {}
+                // The digits as they stand.
+                (Some(_), _) => text.push_str(&shown.replacen(',', ".", 1)),
+                (None, Some(time_s)) => {
+                    let origin_s = match (dates, first_dates.get_mut(i)) {
+                        (Dates::SinceFirst, Some(first)) => *first.get_or_insert(time_s),
+                        _ => 0.0,
+                    };
+                    let _ = write!(text, "{}", time_s - origin_s);
+                }
+                (None, None) => text.push_str(&shown.replace(',', ";")),
+            }
+        }
+    }
+    text.push('\n');
+    Ok(text)
+}
+
+/// The line of a row that has been read: the one before the present line, but at the end of a file that ends without a new one. The
+/// reader's own place of a row is that of the comments before it.
+fn line_before(line: u64, begun: u64) -> u64 {
+    if line > begun { line - 1 } else { line }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plain(bytes: &[u8], dates: Dates) -> String {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("table.csv");
+        std::fs::write(&path, bytes).expect("a file");
+        plain_table(&path, dates).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    #[test]
+    fn every_dialect_of_a_log_gives_the_same_text() {
+        let expected = "time_s,lat_deg\n0,54.25\n60,\n";
+        for bytes in [
+            &b"time_s,lat_deg\n0,54.25\n60,\n"[..],
+            b"\xef\xbb\xbftime_s,lat_deg\r\n0,54.25\r\n60,NaN\r\n",
+            b"time_s;lat_deg\n0;54,25\n60;nan\n",
+            b"\"time_s\"\t\"lat_deg\"\n0\t54,25\n60\t--\n",
+            b"time_s;lat_deg;\n0;54,25;\n60;;\n",
+            b"time_s , lat_deg\n 0 ,\"54.25\"\n60,n/a",
+            b"time_s;lat_deg\n2023-04-18T16:49:57Z;54,25\n2023-04-18 16:50:57;\n",
+        ] {
+            assert_eq!(plain(bytes, Dates::SinceFirst), expected, "{}", String::from_utf8_lossy(bytes));
+        }
+        assert_eq!(plain(b"time\n2023-04-18T16:49:57Z\n", Dates::Since1970), "time\n1681836597\n");
+    }
+
+    #[test]
+    fn rows_keep_their_lines_and_wrong_cells_their_text() {
+        let text = plain(b"# made by hand\ntime_s;u\n\n1;x,y\n# a remark\n2;3;4\n", Dates::Since1970);
+        assert_eq!(text.lines().collect::<Vec<_>>(), ["", "time_s,u", "", "1,x;y", "", "2,3,4"]);
+    }
+}
