@@ -196,7 +196,7 @@ fn a_cause_is_relevant_where_the_baseline_must_be_implausible_without_it() {
     let found = |size: f64| {
         let mut toy = Toy::new(180, |_, _| 0.0);
         toy.columns[0] = toy.columns[0].map(|leg| 1.0 + 0.02 * leg);
-        toy.y = (&toy.y).add_scalar(-3.0) * 1e-3 + &toy.columns[0] * size;
+        toy.y = toy.y.add_scalar(-3.0) * 1e-3 + &toy.columns[0] * size;
         diagnose(&Believed(toy)).0
     };
     let implausible = found(3.0);

@@ -153,12 +153,12 @@ pub fn corrected(observations: &[Observation], error: DensityError, carried_bias
 }
 
 /// The samples between a tenth and nine tenths of the way down, in whatever unit the pressure is: there a glider is under way. At
-/// the surface it lies still, in shallow water for longer than it dives.
+/// the surface it lies still, in shallow water for longer than it dives. The way begins where the sensor reads least: its zero may be off.
 pub fn under_way(observations: &[Observation]) -> Vec<Observation> {
-    let Some(deepest) = quantile(observations.iter().map(|o| o.pressure_dbar.abs()), DEEPEST) else {
-        return observations.to_vec();
-    };
-    let is_between = |o: &&Observation| (0.1 * deepest..=0.9 * deepest).contains(&o.pressure_dbar.abs());
+    let of = |share| quantile(observations.iter().map(|o| o.pressure_dbar.abs()), share);
+    let (Some(least), Some(deepest)) = (of(1.0 - DEEPEST), of(DEEPEST)) else { return observations.to_vec() };
+    let at = |share: f64| least + share * (deepest - least);
+    let is_between = |o: &&Observation| (at(0.1)..=at(0.9)).contains(&o.pressure_dbar.abs());
     observations.iter().filter(is_between).copied().collect()
 }
 
@@ -350,4 +350,28 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
 fn quantile(values: impl Iterator<Item = f64>, share: f64) -> Option<f64> {
     let mut finite: Vec<f64> = values.filter(|value| value.is_finite()).collect();
     (!finite.is_empty()).then(|| order::quantile(&mut finite, share))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identify::tests::{glider, sample};
+
+    /// Dives of three minutes to 30 m, ten minutes at the surface after each, where the sensor reads 4 dbar.
+    #[test]
+    fn a_glider_that_waits_at_the_surface_is_not_under_way_whatever_the_zero_of_its_pressure() {
+        let (_, p) = glider();
+        let diving = sample(&p, -25.0, 0.4, 0, 0.0);
+        let log: Vec<Observation> = (0..800)
+            .map(|i| {
+                let within = i % 80;
+                let is_diving = within < 20;
+                let pressure_dbar = if is_diving { 4.0 + 1.5 * f64::from(within) } else { 4.0 };
+                let sink_m_s = if is_diving { 0.17 } else { 0.001 };
+                Observation { pressure_dbar, sink_m_s, time_s: 9.0 * f64::from(i), ..diving }
+            })
+            .collect();
+        let found = vertical_velocity(&under_way(&log));
+        assert_eq!(found.outcome, Checked::Consistent, "{}", found.says);
+    }
 }
