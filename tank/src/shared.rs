@@ -10,8 +10,8 @@ use crate::steady_run::SteadyRun;
 use crate::tare::Tare;
 use crate::zeros::Zeros;
 
-/// Standard uncertainty of the carriage's speed, which all runs share, as a share of it: speed shall be measured to within 0.1 % (ITTC
-/// 7.5-02-02-01, Resistance Test), a rectangular distribution of that half-width. The force coefficients move by twice as much.
+/// Standard uncertainty of the carriage's speed, which all runs share, as a share of it: speed shall be measured to within 0.1 %, or 3 mm/s
+/// where that is more (ITTC 7.5-02-02-01, Resistance Test): of 0.1 % a rectangular distribution of that half-width. The force coefficients move by twice as much.
 const SPEED_UNCERTAINTY: f64 = 1e-3 / 1.732_050_8;
 
 /// What all runs of a campaign have in common.
