@@ -328,7 +328,7 @@ def test_housekeeping_stands_below_the_answer(glidepolar, tmp_path):
         ("log.csv", b'Error {\n    code=404;\n    message="Not Found";\n}\n', ["ERDDAP"]),
         ("log.csv", b"My glider\ntime_s,pressure_dbar,pitch_deg,vbd_cc\n1,2,3,4\n", ["title", "#"]),
         ("log.csv", b"time_s pressure_dbar pitch_deg vbd_cc\n1 2 3 4\n", ["blanks"]),
-        ("log.csv", b"time_s,pressure_dbar,pitch_deg,vbd_cc\n06/13/2022 18:00:00,2,3,4\n", ["log.csv:2:1", "the day first"]),
+        ("log.csv", b"time_s,pressure_dbar,pitch_deg,vbd_cc\n30/02/2022 18:00:00,2,3,4\n", ["log.csv:2:1", "the day first"]),
     ],
 )
 def test_what_is_no_log_is_called_what_it_is(glidepolar, tmp_path, name, content, hints):
