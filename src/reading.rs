@@ -98,9 +98,8 @@ pub fn read_watched(
 ) -> Result<PreparedLog, ReadingError> {
     let mut settings = settings(vehicle, request.density_kg_m3);
     settings.half_window_s = request.half_window_s.unwrap_or(settings.half_window_s);
-    let mut gathering = Gathering::new(settings, request.shorten);
+    let mut gathering = Gathering::new(logs.first().cloned(), settings, request.shorten);
     gathering.gravity_is_known = states_gravity(vehicle);
-    gathering.log = logs.first().cloned();
     let mut files = LogFiles::open(logs, &request.columns)?;
     let mut log = gathered(logs, vehicle, request, gathering, &mut files, watch)
         .map_err(|error| error.beside(files.warnings()))?;
@@ -245,8 +244,8 @@ pub struct Gathering {
 }
 
 impl Gathering {
-    /// Begins with nothing.
-    pub fn new(settings: PreparationSettings, how: Shorten) -> Self {
+    /// Begins with nothing; `log` is the file that errors name.
+    pub fn new(log: Option<PathBuf>, settings: PreparationSettings, how: Shorten) -> Self {
         Gathering {
             preparation: Preparation::new(settings),
             repeated: ForwardFilled::default(),
@@ -260,7 +259,7 @@ impl Gathering {
             steady: [0; 2],
             gravity_is_known: false,
             gravity_m_s2: None,
-            log: None,
+            log,
         }
     }
 

@@ -55,7 +55,7 @@ pub(super) fn read(stated: &Stated<'_>, vehicle: Vehicle) -> Result<Read, Readin
 fn from_files(stated: &Stated<'_>, vehicle: Vehicle, files: &mut LogFiles) -> Result<Read, ReadingError> {
     let logs = stated.logs;
     let mut log = FlightLog::default();
-    let mut gathering = Gathering::new(settings(&vehicle, stated.density_kg_m3), Shorten::Means);
+    let mut gathering = Gathering::new(logs.first().cloned(), settings(&vehicle, stated.density_kg_m3), Shorten::Means);
     while let Some(piece) = files.next_piece(PIECE_ROWS)? {
         match piece {
             Piece::Series(piece) => {

@@ -71,8 +71,7 @@ fn a_log_that_contradicts_itself_is_refused_by_every_command() {
             let error = run_command(command, &rows).expect_err(check);
             let text = error.to_string();
             assert!(text.contains("contradicts itself") && text.contains(check), "{command:?}, {check}: {text}");
-            // `track` reads with fixes beside the log and names the file elsewhere.
-            assert!(command[0] == "track" || text.contains("log.csv: the log"), "{command:?}, {check}: {text}");
+            assert!(text.contains("log.csv: the log"), "{command:?}, {check}: {text}");
             assert!(text.contains("--column CHANNEL=COLUMN"), "{command:?}, {check}: {text}");
             assert_eq!(error.exit_code(), ExitCode::from(2), "{command:?}, {check}");
         }

@@ -84,6 +84,11 @@ fn misfit(
     })
 }
 
+/// Whether any setting was towed more than once.
+pub fn are_made(data: &Data, order: &[usize]) -> bool {
+    settings(data, order).iter().max().is_some_and(|last| last + 1 < order.len())
+}
+
 /// For each run in this order the number of its setting: hull, angle and speed that were asked for.
 fn settings(data: &Data, order: &[usize]) -> Vec<usize> {
     let key = |run: usize| {

@@ -8,12 +8,19 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::data::Data;
 use super::problem::{RECORDS_KNOWN_TO, TankProblem};
+use super::repeats;
 
-/// A warning for each coefficient whose runs scatter by a relevant size and by more than their records allow.
+/// A warning for each coefficient whose runs scatter by a relevant size and by more than their records allow; none where something is
+/// unexplained, which says so already.
 pub fn warnings(outcome: &Outcome, data: &Data, problem: &TankProblem<'_>) -> Vec<String> {
-    if !data.is_raw {
+    if !data.is_raw || outcome.diagnosis.unexplained.is_some() {
         return Vec::new();
     }
+    let advice = if repeats::are_made(data, problem.order()) {
+        "repeats scatter as well"
+    } else {
+        "repeats at one setting would separate the two"
+    };
     let found = problem.own_sd(&outcome.after.sd);
     let evidence = problem.evidence(&outcome.after.point);
     let of = |quantity: &glidepolar_inference::Quantity| {
@@ -25,7 +32,7 @@ pub fn warnings(outcome: &Outcome, data: &Data, problem: &TankProblem<'_>) -> Ve
         let is_relevant = scatter > problem.relevance(quantity, 0.0);
         (is_relevant && probability(scatter / allowed, quantity.rows.len()) < CLEARLY_WRONG).then(|| {
             format!(
-                "{} scatters by {scatter:.2e} from run to run, where the runs' own records allow {allowed:.1e}: angles or speeds are not reproduced, or something that differs between runs is at work; repeats at one setting separate the two",
+                "{} scatters by {scatter:.2e} from run to run, where the runs' own records allow {allowed:.1e}: angles or speeds are not reproduced, or something that differs between runs is at work; {advice}",
                 quantity.name
             )
         })
