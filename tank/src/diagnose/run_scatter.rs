@@ -1,6 +1,6 @@
 //! How much the runs scatter about the model beside what their own records and settings allow. Few runs without repeats cannot
 //! separate a model that is wrong from settings that are not reproduced: both are noise to the search for causes. The reader
-//! is warned where that noise is relevant. Knows the noise of a fit; no mechanisms.
+//! is warned where that noise is relevant. Knows what a fit leaves; no mechanisms.
 
 use glidepolar_inference::score::CLEARLY_WRONG;
 use glidepolar_inference::{Outcome, Problem};
@@ -9,6 +9,10 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use super::data::Data;
 use super::problem::{RECORDS_KNOWN_TO, TankProblem};
 use super::repeats;
+use crate::series::median;
+
+/// Median of the absolute value of a standard normal variable.
+const MEDIAN_OF_NORMAL: f64 = 0.6745;
 
 /// A warning for each coefficient whose runs scatter by a relevant size and by more than their records allow; none where something is
 /// unexplained, which says so already.
@@ -21,14 +25,12 @@ pub fn warnings(outcome: &Outcome, data: &Data, problem: &TankProblem<'_>) -> Ve
     } else {
         "repeats at one setting would separate the two"
     };
-    let found = problem.own_sd(&outcome.after.sd);
     let evidence = problem.evidence(&outcome.after.point);
     let of = |quantity: &glidepolar_inference::Quantity| {
-        let rms = |sd: &[f64]| {
-            let square: f64 = sd[quantity.rows.clone()].iter().map(|sd| sd * sd).sum();
-            (square / quantity.rows.len() as f64).sqrt()
-        };
-        let (scatter, allowed) = (rms(&found), rms(&evidence.stated_sd));
+        // Of the middle run: one of which hardly anything is known says nothing of the others.
+        let left: Vec<f64> = quantity.rows.clone().map(|row| outcome.after.residual[row].abs()).collect();
+        let scatter = median(&left) / MEDIAN_OF_NORMAL;
+        let allowed = median(&evidence.stated_sd[quantity.rows.clone()]);
         let is_relevant = scatter > problem.relevance(quantity, 0.0);
         (is_relevant && probability(scatter / allowed, quantity.rows.len()) < CLEARLY_WRONG).then(|| {
             format!(
