@@ -170,10 +170,11 @@ impl Fitted {
         residual
     }
 
-    /// Standard deviation of the noise of each row.
+    /// Standard deviation of the noise of each row, as far as it shows within the record.
     pub(super) fn sd(&self) -> Vec<f64> {
         let mut sd = vec![0.0; self.evidence.residual.len()];
-        for (quantity, noise) in self.evidence.quantities.iter().zip(&self.noises) {
+        for (i, (quantity, noise)) in self.evidence.quantities.iter().zip(&self.noises).enumerate() {
+            let noise = self.within_record(noise, i);
             quantity.rows.clone().for_each(|row| sd[row] = noise.sd(self.evidence.stated_sd[row]));
         }
         sd
@@ -182,8 +183,36 @@ impl Fitted {
     /// The size above which a misfit of each quantity is worth acting on.
     pub(super) fn limits(&self, problem: &impl Problem) -> Vec<f64> {
         let quantities = self.evidence.quantities.iter().enumerate();
-        let of = |(i, quantity)| problem.relevance(quantity, expected_rms(&self.evidence, &self.noises, i));
-        quantities.map(of).collect()
+        quantities.map(|(i, quantity)| problem.relevance(quantity, self.expected_rms(&self.noises, i))).collect()
+    }
+
+    /// Root mean square of the noise of one quantity, as far as it shows within the record.
+    pub(super) fn expected_rms(&self, noises: &[Noise], quantity: usize) -> f64 {
+        let noise = self.within_record(&noises[quantity], quantity);
+        let rows = self.evidence.quantities[quantity].rows.clone();
+        let n = rows.len().max(1) as f64;
+        (rows.map(|row| noise.sd(self.evidence.stated_sd[row]).powi(2)).sum::<f64>() / n).sqrt()
+    }
+
+    /// A noise whose slow parts are no larger than what this fit leaves beside the white one. A process that outlasts the record has
+    /// most of its variance in a mean and a trend, which the fit takes and no misfit is compared with.
+    fn within_record(&self, noise: &Noise, quantity: usize) -> Noise {
+        let rows = self.evidence.quantities[quantity].rows.clone();
+        let n = rows.len();
+        let reaches = |column: &DMatrix<f64>| {
+            column.column_iter().filter(|column| column.rows(rows.start, n).amax() > 0.0).count()
+        };
+        let included = self.included.iter().map(|member| reaches(&self.evidence.candidates[*member]));
+        let free = n.saturating_sub(reaches(&self.evidence.baseline) + included.sum::<usize>()).max(1);
+        let left = self.evidence.residual.rows(rows.start, n).norm_squared() / free as f64;
+        let stated = self.evidence.stated_sd[rows].iter().map(|sd| sd * sd).sum::<f64>() / n.max(1) as f64;
+        let slow: f64 = noise.slow.iter().map(|slow| slow.variance).sum();
+        let most = (left - noise.white * stated).max(0.0);
+        let mut within = noise.clone();
+        if slow > most {
+            within.slow.iter_mut().for_each(|part| part.variance *= most / slow);
+        }
+        within
     }
 
     /// Returns the negative log-likelihood of held-out data, up to a constant.
@@ -284,8 +313,22 @@ pub(super) fn side_by_side(rows: usize, parts: &[&DMatrix<f64>]) -> DMatrix<f64>
     all
 }
 
-pub(super) fn expected_rms(evidence: &Evidence, noises: &[Noise], quantity: usize) -> f64 {
-    let rows = evidence.quantities[quantity].rows.clone();
-    let n = rows.len().max(1) as f64;
-    (rows.map(|row| noises[quantity].sd(evidence.stated_sd[row]).powi(2)).sum::<f64>() / n).sqrt()
+#[cfg(test)]
+mod tests {
+    use super::super::tests::Toy;
+    use super::*;
+    use crate::noise::Slow;
+
+    /// The likelihood of a process that outlasts the record hardly depends on its variance, which may come out as anything.
+    #[test]
+    fn a_noise_that_outlasts_the_record_counts_as_far_as_it_shows() {
+        let toy = Toy::new(3, |_, _| 0.0);
+        let mut fitted = Fitted::new(&toy, Point { baseline: vec![3.0], ..toy.start() }, Vec::new());
+        let before = fitted.expected_rms(&fitted.noises, 0);
+        fitted.noises[0].slow[0] = Slow { variance: 1e4, correlation_time_s: 1e8 };
+        let left = holdout::rms(&fitted.evidence.residual, 0..fitted.evidence.residual.len());
+        let shown = fitted.expected_rms(&fitted.noises, 0);
+        assert!((shown / left - 1.0).abs() < 0.01 && (shown / before - 1.0).abs() < 0.3, "{shown} {left} {before}");
+        assert!((holdout::rms(&DVector::from_vec(fitted.sd()), 0..fitted.sd().len()) - shown).abs() < 1e-9);
+    }
 }

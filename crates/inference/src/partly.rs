@@ -1,7 +1,7 @@
 //! A mechanism that does nearly all although something else is there as well: it is named, and what is left is reported.
 
 use super::evidence::Problem;
-use super::fitted::{Fitted, expected_rms};
+use super::fitted::Fitted;
 use super::holdout;
 use super::iteration::Iteration;
 
@@ -26,8 +26,7 @@ impl Fitted {
         let rms = |values, quantity: usize| holdout::rms(values, self.evidence.quantities[quantity].rows.clone());
         // What the baseline takes for noise holds a part of its misfit: the measurement's own is known beside the mechanism.
         let noise = |quantity: usize| {
-            let with = expected_rms(&self.evidence, &self.noises, quantity);
-            with.min(expected_rms(&self.evidence, &baseline.noises, quantity))
+            self.expected_rms(&self.noises, quantity).min(self.expected_rms(&baseline.noises, quantity))
         };
         let quantities = 0..self.evidence.quantities.len();
         let is_gross = quantities.clone().any(|q| rms(&before, q) > GROSS * noise(q));

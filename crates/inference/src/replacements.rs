@@ -6,7 +6,7 @@
 use nalgebra::DVector;
 
 use super::evidence::Problem;
-use super::fitted::{Fitted, expected_rms};
+use super::fitted::Fitted;
 use super::holdout;
 use super::iteration::Iteration;
 use super::subset_search::MARGIN;
@@ -120,7 +120,7 @@ fn is_nearly_equal(extended: &Fitted, limits: &[f64], [without, named, rival]: [
     let first_half = extended.first_half();
     let (mut removed, mut worse_on, mut is_relevant) = (0.0, [0.0; 2], false);
     for (i, quantity) in extended.evidence.quantities.iter().enumerate() {
-        let variance = expected_rms(&extended.evidence, &extended.noises, i).powi(2);
+        let variance = extended.expected_rms(&extended.noises, i).powi(2);
         let mut worse_here = 0.0;
         for row in quantity.rows.clone() {
             let worse = rival[row].powi(2) - named[row].powi(2);

@@ -7,7 +7,7 @@ use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rand_distr::StandardNormal;
 
 /// 28 legs of 20 rows; depth, time, heading; candidates that are functions of them, two of them nearly alike.
-struct Toy {
+pub(crate) struct Toy {
     y: DVector<f64>,
     stated_sd: Vec<f64>,
     candidates: Vec<Candidate>,
@@ -23,7 +23,7 @@ struct Toy {
 const ROWS: usize = 560;
 
 impl Toy {
-    fn new(seed: u64, effect: impl Fn(usize, &Toy) -> f64) -> Toy {
+    pub(crate) fn new(seed: u64, effect: impl Fn(usize, &Toy) -> f64) -> Toy {
         let mut rng = StdRng::seed_from_u64(seed);
         let time_s: Vec<f64> = (0..ROWS).map(|i| 75.0 * i as f64).collect();
         let block: Vec<usize> = (0..ROWS).map(|i| i / 20).collect();
