@@ -3,7 +3,7 @@
 use crate::dynamics::Parameters;
 use crate::identify::identifiability::ProfilePoint;
 use crate::identify::polar_points::PolarPoint;
-use crate::identify::{Dive, Residual, residuals};
+use crate::identify::{Dive, Residual};
 use crate::report::{Axis, Dash, Figure, Layer, Panel, Section};
 
 /// Points of a cloud that are drawn at most.
@@ -39,7 +39,7 @@ pub(super) fn time_series(parameters: &Parameters<f64>, dives: &[Dive]) -> Figur
     let first_s = dives.iter().flat_map(|dive| &dive.observations).map(|o| o.time_s).fold(f64::INFINITY, f64::min);
     let (mut time, mut depth, mut pitch, mut measured, mut modelled) = (vec![], vec![], vec![], vec![], vec![]);
     for dive in dives {
-        for (o, r) in dive.observations.iter().zip(residuals(parameters, &dive.observations)).step_by(every) {
+        for (o, r) in dive.observations.iter().zip(dive.residuals(parameters)).step_by(every) {
             time.push((o.time_s - first_s) / 3600.0);
             depth.push(o.pressure_dbar);
             pitch.push(o.pitch_rad.to_degrees());
@@ -132,7 +132,7 @@ pub(super) fn dives_over_time(parameters: &Parameters<f64>, dives: &[Dive]) -> O
 }
 
 fn dive_over_time(parameters: &Parameters<f64>, dive: &Dive, index: usize) -> Figure {
-    let found = residuals(parameters, &dive.observations);
+    let found = dive.residuals(parameters);
     let begin_s = dive.observations[0].time_s;
     let every = dive.observations.len().div_ceil(MOST_POINTS / 4).max(1);
     // Time, depth measured and modelled, downward velocity measured and modelled.
@@ -176,7 +176,7 @@ pub(super) fn residual_clouds(parameters: &Parameters<f64>, dives: &[Dive]) -> V
     let every = samples.div_ceil(MOST_POINTS).max(1);
     let mut at: [[Vec<f64>; 3]; 2] = Default::default();
     for dive in dives {
-        let found: Vec<Residual> = residuals(parameters, &dive.observations);
+        let found: Vec<Residual> = dive.residuals(parameters);
         for (o, residual) in dive.observations.iter().zip(&found).step_by(every) {
             let side = &mut at[usize::from(!o.descends())];
             side[0].push(o.time_s / 3600.0);

@@ -5,7 +5,7 @@ use crate::identify::identifiability::profile;
 use crate::identify::paper_form::IterativeReport;
 use crate::identify::pitch_balance::{PitchBalance, predicted_pitch_rad};
 use crate::identify::polar_points::{PolarPoint, polar_points};
-use crate::identify::{Dive, Identification, IdentifyReport, residuals};
+use crate::identify::{Dive, Identification, IdentifyReport};
 use crate::log::{Calibration, Observation};
 use crate::output::{OutputError, OutputFolder};
 use crate::report::{Cell, Report, Section, Table, significant};
@@ -26,7 +26,7 @@ pub(super) fn of_joint(
     folder: &mut OutputFolder,
 ) -> Result<Report, OutputError> {
     let parameters = &found.best_fit().parameters;
-    let points = polar_points(parameters, observations);
+    let points = polar_points(parameters, observations, found.dives.iter().any(Dive::is_quasi_steady));
     folder.add("glides.csv", glides_csv(&points))?;
     folder.add("parameters.csv", parameters_csv(report))?;
     folder.add("correlation.csv", correlation_csv(report))?;
@@ -357,7 +357,7 @@ fn residuals_csv(parameters: &Parameters<f64>, dives: &[Dive]) -> Vec<u8> {
         "angle_of_attack_rad",
     ];
     let rows = dives.iter().flat_map(|dive| {
-        let found = residuals(parameters, &dive.observations);
+        let found = dive.residuals(parameters);
         dive.observations
             .iter()
             .zip(found)

@@ -16,7 +16,8 @@ use super::inflections::{Inflections, UNSTEADY_ONLY, Unsteady, inflections};
 use super::joint::{IdentifyError, JointFit, Question, fit};
 use super::names::{long_name, short_name};
 use super::pitch_balance::{PitchBalance, pitch_balance};
-use super::residuals::{Score, ScoreSums, residuals};
+use super::quasi_steady::{self, fit_with_inertia_or_without};
+use super::residuals::{Score, ScoreSums};
 use super::specification_test::reweighed;
 use super::speeds::Rows;
 use super::trim::Trim;
@@ -182,7 +183,7 @@ fn identify_from(
 
     // Parameters that the data cannot identify are pinned, the worst first, until all that are left are identified.
     let mut question = Question::new(baseline, &free)?;
-    let mut fitted = fit(&question, &mut dives)?;
+    let mut fitted = fit_with_inertia_or_without(&question, &mut dives)?;
     if let Some(few) = speeds.worth(&fitted.tally.speed).too_few(dives.len()) {
         return without_speed(vehicle, observations, request, few);
     }
@@ -208,7 +209,7 @@ fn identify_from(
         *baseline.at(row) = value;
         free.retain(|name| *name != info.name);
         question = Question::new(baseline, &free)?;
-        fitted = fit(&question, &mut dives)?;
+        fitted = fit_with_inertia_or_without(&question, &mut dives)?;
         propagate(&mut fitted, &mut &mut dives[..], &considered(vehicle, &baseline, &pinned));
         unknown_shear::consider(&mut fitted, &dives);
     }
@@ -253,6 +254,9 @@ fn identify_from(
     let values: Vec<f64> = [0.3, 0.45, 0.6, 0.8, 1.0, 1.3, 1.8, 2.6].iter().map(|factor| factor * a).collect();
     let profile = profile(&question, &fitted.parameters, "a_per_rad", &values, &dives).unwrap_or_default();
 
+    if dives.iter().any(Dive::is_quasi_steady) {
+        warnings.push(quasi_steady::WARNING.to_owned());
+    }
     warn(&mut warnings, &fitted, &dives, has_speed);
     if let Some(reweighed) = &reweighed {
         warnings.extend(reweighed.named.iter().map(|&position| depends_on_weighing(&fitted, reweighed, position)));
@@ -335,7 +339,7 @@ fn as_the_vehicle_has_it(vehicle: &Vehicle, propagated: &Propagated) -> Pin {
 fn score(parameters: &Parameters<f64>, dives: &[Dive]) -> Score {
     let mut sums = ScoreSums::default();
     for dive in dives {
-        sums.add(&dive.observations, &residuals(parameters, &dive.observations));
+        sums.add(&dive.observations, &dive.residuals(parameters));
     }
     sums.score()
 }
@@ -373,7 +377,7 @@ fn legs_apart(question: &Question, joint: &JointFit, dives: &[Dive]) -> Option<L
 /// What the error of a held lift slope does to the speed, in a sentence.
 fn speed_warning(fitted: &JointFit, propagated: &Propagated, dives: &[Dive]) -> String {
     let mean_speed = |parameters: &Parameters<f64>| {
-        let speeds = dives.iter().flat_map(|dive| residuals(parameters, &dive.observations));
+        let speeds = dives.iter().flat_map(|dive| dive.residuals(parameters));
         let (n, sum) = speeds
             .map(|r| r.predicted_speed_m_s)
             .filter(|speed| speed.is_finite())
@@ -433,7 +437,7 @@ fn warn(warnings: &mut Vec<String>, fitted: &JointFit, dives: &[Dive], has_speed
             ));
         }
     }
-    let angles = dives.iter().flat_map(|dive| residuals(&fitted.parameters, &dive.observations));
+    let angles = dives.iter().flat_map(|dive| dive.residuals(&fitted.parameters));
     let (n, small) = angles
         .map(|r| r.angle_of_attack_rad)
         .filter(|a| a.is_finite())

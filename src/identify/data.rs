@@ -9,6 +9,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::bins::{Bin, bins};
+use super::residuals::{Residual, residuals, residuals_at_rest};
 use super::within_bin::{Inside, Parts};
 use crate::dynamics::Parameters;
 use crate::log::Observation;
@@ -107,6 +108,23 @@ impl Dive {
         }
     }
 
+    /// The same dive of a glider whose forces balance at every moment.
+    pub fn without_inertia(self) -> Self {
+        let inside = vec![Inside::NOTHING; self.bins.len()];
+        Dive { parts: self.parts.without_inertia(), inside, ..self }
+    }
+
+    /// Whether forces are taken to balance at every moment.
+    pub fn is_quasi_steady(&self) -> bool {
+        self.parts.is_quasi_steady()
+    }
+
+    /// The residual of each of its steady samples at these parameters.
+    pub fn residuals(&self, parameters: &Parameters<f64>) -> Vec<Residual> {
+        let residuals = if self.is_quasi_steady() { residuals_at_rest } else { residuals };
+        residuals(parameters, &self.observations)
+    }
+
     /// What happens inside each of its bins at these parameters.
     pub fn inside(&self, parameters: &Parameters<f64>) -> Vec<Inside> {
         self.parts.inside(parameters, &self.bins)
@@ -149,9 +167,12 @@ impl Dive {
         let kept = || (0..self.observations.len()).filter(|&i| keep(i, &self.observations[i]));
         let observations: Vec<Observation> = kept().map(|i| self.observations[i]).collect();
         let root_weights = kept().map(|i| self.root_weights[i]).collect();
-        (!observations.is_empty()).then(|| {
-            Dive::new(self.log.clone(), observations, root_weights, self.before).with_speed_noise(self.speed_noise)
-        })
+        if observations.is_empty() {
+            return None;
+        }
+        let part = Dive::new(self.log.clone(), observations, root_weights, self.before);
+        let part = part.with_speed_noise(self.speed_noise);
+        Some(if self.is_quasi_steady() { part.without_inertia() } else { part })
     }
 }
 

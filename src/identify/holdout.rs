@@ -2,7 +2,7 @@
 
 use super::data::Dive;
 use super::joint::{IdentifyError, Question, fit};
-use super::residuals::{Score, ScoreSums, residuals};
+use super::residuals::{Score, ScoreSums};
 
 /// Least number of dives for two halves that can each be fitted.
 const LEAST_DIVES: usize = 4;
@@ -33,7 +33,7 @@ pub fn hold_out(question: &Question, dives: &[Dive]) -> Result<Option<HeldOut>, 
         let fitted = fit(question, &mut half(1 - held))?;
         halves.iter_mut().for_each(|(row, values)| values[1 - held] = fitted.value(*row));
         for dive in half(held) {
-            sums.add(&dive.observations, &residuals(&fitted.parameters, &dive.observations));
+            sums.add(&dive.observations, &dive.residuals(&fitted.parameters));
         }
     }
     Ok(Some(HeldOut { score: sums.score(), halves }))

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::data::Dive;
 use super::joint::{IdentifyError, JointFit, Question, fit};
-use super::residuals::{Residual, residuals};
+use super::residuals::Residual;
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
 
 /// How far a parameter must be known to count as identified: half of its 95 % interval against its own size, or
@@ -114,7 +114,7 @@ pub fn profile(
 
 /// A point without its deviance.
 fn point(value: f64, parameters: &Parameters<f64>, dives: &[Dive]) -> ProfilePoint {
-    let residuals: Vec<Residual> = dives.iter().flat_map(|dive| residuals(parameters, &dive.observations)).collect();
+    let residuals: Vec<Residual> = dives.iter().flat_map(|dive| dive.residuals(parameters)).collect();
     let mean = |of: fn(&Residual) -> f64| {
         let known = residuals.iter().map(of).filter(|value| value.is_finite());
         let (n, sum) = known.fold((0usize, 0.0), |(n, sum), value| (n + 1, sum + value));

@@ -192,7 +192,7 @@ pub fn median_step_s<'o>(observations: impl Iterator<Item = &'o Observation> + C
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::super::model::{predict, surroundings};
     use super::super::tests::{glider, sample};
     use super::*;
@@ -240,7 +240,12 @@ mod tests {
 
     /// A dive at a held pitch with this course of the net mass over that of a steady glide at 0.3 m/s, begun at this share of
     /// the steady speed with the wing carrying the weight: what was flown, and the angle of attack.
-    fn leg(p: &Parameters<f64>, step_s: f64, begin: f64, course: fn(f64) -> f64) -> Vec<(Observation, f64)> {
+    pub(in crate::identify) fn leg(
+        p: &Parameters<f64>,
+        step_s: f64,
+        begin: f64,
+        course: fn(f64) -> f64,
+    ) -> Vec<(Observation, f64)> {
         let steady = sample(p, -27.0, 0.3, 0, 0.0);
         let pitch_rad = steady.pitch_rad;
         let steady_kg = p.net_mass_kg(steady.ballast_m3, &surroundings(p, &steady));

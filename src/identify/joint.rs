@@ -205,6 +205,12 @@ impl JointFit {
     }
 }
 
+/// Rounds of inertia and parameters, each with the other as it is: two are enough but where the pump runs through half of a short leg.
+const MOST_INERTIA_ROUNDS: usize = 8;
+
+/// Fall of the sum of squares, in units of the scatter, that changes nothing.
+const SETTLED: f64 = 1e-3;
+
 /// Bins on which the starts are tried.
 const BINS_OF_A_START: usize = 400;
 
@@ -223,6 +229,22 @@ pub fn fit(question: &Question, dives: &mut [Dive]) -> Result<JointFit, Identify
     best = solver.minimise(&best, every.div_ceil(3), 1e-4);
     solver.samples.update_inertia(&best);
     solver.weights = scatter(solver.tally(&best, every.div_ceil(3)), solver.weights);
+    // The inertia follows from the parameters, and they from it: until the residuals with both no longer fall.
+    let mut left = solver.squares(&best, 1);
+    for _ in 1..MOST_INERTIA_ROUNDS {
+        let found = solver.minimise(&best, 1, 1e-4);
+        solver.samples.update_inertia(&found);
+        let squares = solver.squares(&found, 1);
+        if squares >= left {
+            solver.samples.update_inertia(&best);
+            break;
+        }
+        let is_settled = left - squares < SETTLED;
+        (best, left) = (found, squares);
+        if is_settled {
+            break;
+        }
+    }
     solver.finish(best)
 }
 
@@ -317,6 +339,12 @@ impl<'a> Solver<'a> {
         })
     }
 
+    /// Sum of the squared weighted residuals with the inertia as it is.
+    fn squares(&mut self, at: &Parameters<f64>, every: usize) -> f64 {
+        self.tally(at, every);
+        Gram::sum(self.question.free.len(), &self.grams).sum_of_squares()
+    }
+
     fn tally(&mut self, at: &Parameters<f64>, every: usize) -> Tally {
         self.evaluations += 1;
         self.samples.evaluate(at, &self.question.free, self.weights, &mut self.grams, every)
@@ -326,8 +354,7 @@ impl<'a> Solver<'a> {
         let mut best = (f64::INFINITY, self.question.baseline);
         for start in starts(self.question) {
             let found = self.minimise(&start, every, 1e-3);
-            self.tally(&found, every);
-            let cost = Gram::sum(self.question.free.len(), &self.grams).sum_of_squares();
+            let cost = self.squares(&found, every);
             if cost < best.0 {
                 best = (cost, found);
             }

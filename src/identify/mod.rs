@@ -32,6 +32,7 @@ pub mod paper;
 pub mod paper_form;
 pub mod pitch_balance;
 pub mod polar_points;
+mod quasi_steady;
 mod residuals;
 mod specification_test;
 mod speeds;

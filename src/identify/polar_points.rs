@@ -4,8 +4,10 @@
 //! angle, speed, lift and drag then follow from the balance of forces alone, as the paper has them:
 //! `xi = pitch - alpha`, `V = w / sin |xi|`, `CL = W cos xi / (q A)`, `CD = W sin |xi| / (q A)`.
 
+use std::ops::Range;
+
 use super::inertia::inertia;
-use super::model::{predict, surroundings};
+use super::model::{Inertia, predict, surroundings};
 use super::paper::{MeanGlide, SolvedGlide};
 use super::ranges;
 use crate::dynamics::Parameters;
@@ -58,18 +60,24 @@ impl From<&SolvedGlide> for PolarPoint {
     }
 }
 
-/// The points of all legs with a steady sample at which a glide exists.
-pub fn polar_points(parameters: &Parameters<f64>, observations: &[Observation]) -> Vec<PolarPoint> {
+/// The points of all legs with a steady sample at which a glide exists; where forces balance at every moment, without inertia.
+pub fn polar_points(
+    parameters: &Parameters<f64>,
+    observations: &[Observation],
+    is_quasi_steady: bool,
+) -> Vec<PolarPoint> {
     let glider = SteadyGlider::new(*parameters);
-    ranges(observations, |o| o.leg).into_iter().filter_map(|range| point(&glider, &observations[range])).collect()
+    let of_leg = |range: Range<usize>| point(&glider, &observations[range], is_quasi_steady);
+    ranges(observations, |o| o.leg).into_iter().filter_map(of_leg).collect()
 }
 
-fn point(glider: &SteadyGlider<f64>, leg: &[Observation]) -> Option<PolarPoint> {
+fn point(glider: &SteadyGlider<f64>, leg: &[Observation], is_quasi_steady: bool) -> Option<PolarPoint> {
     let p = &glider.parameters;
     let (mut n, mut sums, mut speeds) = (0usize, [0.0; 6], (0usize, 0.0));
     let mut guess = None;
     let steady: Vec<Observation> = leg.iter().filter(|o| o.steady).copied().collect();
-    for (o, inertia) in steady.iter().zip(inertia(p, &steady)) {
+    let inertia = if is_quasi_steady { vec![Inertia::NONE; steady.len()] } else { inertia(p, &steady) };
+    for (o, inertia) in steady.iter().zip(inertia) {
         let Some(predicted) = predict(glider, o, &inertia, guess) else { continue };
         guess = Some(predicted.guess);
         let weight = p.net_mass_kg(o.ballast_m3, &surroundings(p, o)) * p.gravity_m_s2;

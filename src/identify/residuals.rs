@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::inertia::inertia;
-use super::model::predict;
+use super::model::{Inertia, predict};
 use crate::dynamics::Parameters;
 use crate::glide::SteadyGlider;
 use crate::log::Observation;
@@ -33,11 +33,24 @@ impl Residual {
 
 /// The residual of every observation, steady or not; NaN where no glide exists.
 pub fn residuals(parameters: &Parameters<f64>, observations: &[Observation]) -> Vec<Residual> {
+    residuals_with(parameters, observations, inertia(parameters, observations))
+}
+
+/// The same for a glider whose forces balance at every moment.
+pub(super) fn residuals_at_rest(parameters: &Parameters<f64>, observations: &[Observation]) -> Vec<Residual> {
+    residuals_with(parameters, observations, std::iter::repeat(Inertia::NONE))
+}
+
+fn residuals_with(
+    parameters: &Parameters<f64>,
+    observations: &[Observation],
+    inertia: impl IntoIterator<Item = Inertia>,
+) -> Vec<Residual> {
     let glider = SteadyGlider::new(*parameters);
     let mut guess = None;
     observations
         .iter()
-        .zip(inertia(parameters, observations))
+        .zip(inertia)
         .map(|(observed, inertia)| {
             let predicted = predict(&glider, observed, &inertia, guess);
             guess = predicted.map(|p| p.guess);

@@ -110,6 +110,10 @@ pub fn inverse_symmetric_at_least(matrix: &DMatrix<f64>) -> DMatrix<f64> {
 /// By the inverse of each eigenvalue, given beside the least that is more than rounding.
 fn inverse(matrix: &DMatrix<f64>, invert: impl Fn(f64, f64) -> f64) -> DMatrix<f64> {
     let n = matrix.nrows();
+    // Nothing is fitted where all is held; an empty matrix has no eigenvalues to ask for.
+    if n == 0 {
+        return matrix.clone();
+    }
     let (scaled, scale) = scaled(matrix);
     let eigen = scaled.symmetric_eigen();
     let most = eigen.eigenvalues.iter().fold(0.0f64, |most, &v| most.max(v)).max(f64::MIN_POSITIVE);
