@@ -3,6 +3,7 @@
 //!
 //! Knows no command and no fit.
 
+mod added_mass;
 mod force_balance;
 mod measured_speed;
 mod prepared_log;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{ReadingError, force_balance, measured_speed, states_gravity};
+use super::{ReadingError, added_mass, force_balance, measured_speed, states_gravity};
 use crate::diagnose::sea::consistency::{self, DensityError};
 use crate::diagnose::{Check, Checked};
 use crate::input::InputError;
@@ -98,10 +98,11 @@ impl PreparedLog {
         ReadingError::Inconsistent { log: self.log.clone(), checks, notes: self.notes.clone() }
     }
 
-    /// Returns what in the log no glider of this size could have flown: a unit is wrong then.
+    /// Returns what in the log no glider of this size could have flown, where a unit is wrong, and what of the vehicle no hull can have.
     pub fn contradictions(&self, vehicle: &Vehicle) -> Vec<String> {
         let parameters = vehicle.glide_parameters();
         let balance = force_balance::contradiction(&self.observations, &parameters);
-        balance.into_iter().chain(measured_speed::contradiction(&self.observations, &parameters)).collect()
+        let speed = measured_speed::contradiction(&self.observations, &parameters);
+        balance.into_iter().chain(speed).chain(added_mass::contradiction(&parameters)).collect()
     }
 }

@@ -158,8 +158,8 @@ sections! {
     }
     /// Water that moves with the hull.
     added_mass AddedMass = "added_mass" {
-        m1_kg: ForMotion("the inertia along the hull contains it"), "kg", 0.0, "Added mass along axis 1";
-        m3_kg: ForMotion("the inertia across the hull contains it"), "kg", 0.0, "Added mass along axis 3";
+        m1_kg: ForMotion("the inertia along the hull contains it"), "kg", 0.0, "Added mass along axis 1, the glider's own mass left out";
+        m3_kg: ForMotion("the inertia across the hull contains it"), "kg", 0.0, "Added mass along axis 3, the glider's own mass left out";
         pitch_inertia_kg_m2: ForMotion("the inertia in pitch"), "kg.m2", POSITIVE, "Moment of inertia in pitch, added inertia included, moving mass left out";
     }
     /// The glide polar.
