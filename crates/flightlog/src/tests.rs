@@ -6,6 +6,7 @@ mod condensing;
 mod forward_filled_speeds;
 mod interpolated_speeds;
 mod lost_speeds;
+mod netcdf_fixes;
 mod preparing;
 mod seaglider_files;
 mod segments;
