@@ -4,7 +4,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use super::csv::{csv_error, header, number, reader};
+use super::csv::{Rows, header, number};
 use super::dates::unix_s;
 use glidepolar_input::InputError;
 
@@ -24,22 +24,17 @@ pub enum Dates {
 /// # Errors
 /// A file that cannot be read, is empty, or names a column twice.
 pub fn plain_table(path: &Path, dates: Dates) -> Result<String, InputError> {
-    let mut reader = reader(path)?;
-    let mut names: Vec<String> = header(path, &mut reader)?.iter().map(|name| name.replace(',', ";")).collect();
+    let mut rows = Rows::open(path)?;
+    let mut names: Vec<String> = header(path, &mut rows)?.iter().map(|name| name.replace(',', ";")).collect();
     // A separator behind the last name.
     names.truncate(names.iter().rposition(|name| !name.is_empty()).map_or(0, |last| last + 1));
-    let first_line = line_before(reader.position().line(), 1);
-    let mut text = "\n".repeat(first_line.saturating_sub(1) as usize) + &names.join(",");
-    let mut line = first_line;
+    let mut line = rows.line();
+    let mut text = "\n".repeat(line.saturating_sub(1)) + &names.join(",");
     let mut first_dates = vec![None; names.len()];
     let mut record = ::csv::ByteRecord::new();
-    loop {
-        let begun = reader.position().line();
-        if !reader.read_byte_record(&mut record).map_err(|error| csv_error(path, &error))? {
-            break;
-        }
-        let here = line_before(reader.position().line(), begun);
-        text.push_str(&"\n".repeat(here.saturating_sub(line).max(1) as usize));
+    while rows.next(&mut record)? {
+        let here = rows.line();
+        text.push_str(&"\n".repeat(here.saturating_sub(line).max(1)));
         line = here.max(line + 1);
         for (i, cell) in record.iter().enumerate().filter(|(i, cell)| *i < names.len() || !cell.is_empty()) {
             if i > 0 {
@@ -63,12 +58,6 @@ pub fn plain_table(path: &Path, dates: Dates) -> Result<String, InputError> {
     }
     text.push('\n');
     Ok(text)
-}
-
-/// The line of a row that has been read: the one before the present line, but at the end of a file that ends without a new one. The
-/// reader's own place of a row is that of the comments before it.
-fn line_before(line: u64, begun: u64) -> u64 {
-    if line > begun { line - 1 } else { line }
 }
 
 #[cfg(test)]
@@ -102,6 +91,9 @@ mod tests {
     #[test]
     fn rows_keep_their_lines_and_wrong_cells_their_text() {
         let text = plain(b"# made by hand\ntime_s;u\n\n1;x,y\n# a remark\n2;3;4\n", Dates::Since1970);
-        assert_eq!(text.lines().collect::<Vec<_>>(), ["", "time_s,u", "", "1,x;y", "", "2,3,4"]);
+        let expected = ["", "time_s,u", "", "1,x;y", "", "2,3,4"];
+        assert_eq!(text.lines().collect::<Vec<_>>(), expected);
+        let text = plain(b"# made by hand\r\ntime_s;u\r\n\r\n1;x,y\r\n# a remark\r\n2;3;4", Dates::Since1970);
+        assert_eq!(text.lines().collect::<Vec<_>>(), expected);
     }
 }
