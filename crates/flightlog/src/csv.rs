@@ -195,10 +195,12 @@ pub(super) fn stated_units(header: &[String], first: Option<&::csv::ByteRecord>)
     header.iter().enumerate().map(of).collect()
 }
 
-/// Whether a row holds units instead of values: no number and no date in it, and a unit of some channel.
+/// Whether a row holds units instead of values: no number and no date in it, and units of some channels. 1 and 1e-3 are the
+/// units of a salinity.
 fn is_line_of_units(record: &::csv::ByteRecord) -> bool {
     let texts: Vec<String> = record.iter().map(|cell| text(cell).trim().to_owned()).collect();
-    let holds_value = |text: &String| number(text.as_bytes()).is_some_and(f64::is_finite) && text != "1";
+    let is_value = |number: f64| number.is_finite() && number != 1.0 && number != 1e-3;
+    let holds_value = |text: &String| number(text.as_bytes()).is_some_and(is_value);
     let is_unit = |text: &String| CHANNELS.iter().any(|info| units::conversion(info.channel, text).is_some());
     !texts.iter().any(|text| holds_value(text) || unix_s(text).is_some())
         && texts.iter().filter(|text| !text.is_empty() && is_unit(text)).count() >= 2
@@ -239,7 +241,7 @@ pub(super) fn find_columns(
         let own = [info.name];
         let known = names::known(info.channel).iter().chain(&own);
         let with_unit = known.filter_map(|name| {
-            let cell = stated.iter().position(|(stem, unit)| unit.is_some() && stem.eq_ignore_ascii_case(name))?;
+            let cell = stated.iter().position(|(stem, unit)| unit.is_some() && names::is_same(stem, name))?;
             Some((cell, units::conversion(info.channel, stated[cell].1.as_deref()?)?))
         });
         if let Some((cell, conversion)) = with_unit.into_iter().next() {
@@ -269,7 +271,9 @@ pub(super) fn find_columns(
     let has = |channel: Channel| columns.iter().any(|column| column.channel == channel);
     let need = |what: &str, wanted: &str| {
         let error = InputError::new(names.clone(), format!("no {what}: expected a column {wanted}"));
-        let alike = header.iter().find(|name| name.to_lowercase().starts_with(what.split(' ').next().unwrap_or(what)));
+        let word = what.split(' ').next().unwrap_or(what);
+        let begins = header.iter().find(|name| name.to_lowercase().starts_with(word));
+        let alike = begins.or_else(|| header.iter().find(|name| name.to_lowercase().contains(word)));
         match alike {
             Some(name) if header.len() == 1 && name.split_whitespace().count() > 2 => {
                 error.help("are the columns separated by blanks? commas, semicolons, tabs and bars are read")
@@ -277,9 +281,12 @@ pub(super) fn find_columns(
             // A name without a unit says too little.
             Some(name) => {
                 let channel = wanted.trim_start_matches('`').split('`').next().unwrap_or("");
+                let name = printable(name);
+                // A shell takes a name with blanks or brackets apart.
+                let is_plain = name.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | '.' | '-'));
+                let quote = if is_plain { "" } else { "\"" };
                 error.help(format!(
-                    "is it `{}`? say --column {channel}={0}, and --unit {channel}=... where it is in another unit",
-                    printable(name)
+                    "is it `{name}`? say --column {quote}{channel}={name}{quote}, and --unit {channel}=... where it is in another unit"
                 ))
             }
             None => error.help(format!("the columns are: {}", listed(header))),

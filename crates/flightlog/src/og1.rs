@@ -11,6 +11,7 @@ use std::path::Path;
 use netcdf_reader::NcFile;
 
 use super::channels::{CHANNELS, Channel, FlightLog};
+use super::clean::MOST_S_M;
 use super::columns::Columns;
 use super::fix::{GpsFix, Positions, degrees};
 use super::names;
@@ -22,9 +23,6 @@ use glidepolar_input::{InputError, Place, printable};
 
 /// Largest pitch in radians, and in degrees what no glider keeps within all its way \[either\].
 const MOST_RAD: f64 = 1.6;
-
-/// Largest conductivity of a sea \[S/m\]: 60 g/kg at 35 degC have 9.
-const MOST_S_M: f64 = 10.0;
 
 /// Reads a time series; what a user should know of it is added to the warnings.
 ///
