@@ -7,6 +7,7 @@ mod added_mass;
 mod force_balance;
 mod measured_speed;
 mod prepared_log;
+mod pressure_and_depth;
 
 use std::path::{Path, PathBuf};
 
@@ -20,6 +21,7 @@ use crate::log::{
 };
 use crate::vehicle::Vehicle;
 pub use prepared_log::PreparedLog;
+use pressure_and_depth::PressureAndDepth;
 
 /// Why a log gives no samples.
 #[derive(Debug, thiserror::Error)]
@@ -235,6 +237,7 @@ pub struct Gathering {
     /// Samples that show turns and nothing else.
     turns_only: Condenser,
     has_tables: bool,
+    pressure_and_depth: PressureAndDepth,
     /// Channels that had a value anywhere.
     recorded: Vec<Channel>,
     rows: usize,
@@ -255,6 +258,7 @@ impl Gathering {
             // None of them is steady: whole dives go where they are too many.
             turns_only: Condenser::new(Shorten::Dives, MOST_OBSERVATIONS),
             has_tables: false,
+            pressure_and_depth: PressureAndDepth::default(),
             recorded: Vec::new(),
             rows: 0,
             steady: [0; 2],
@@ -292,6 +296,7 @@ impl Gathering {
                 self.recorded.push(info.channel);
             }
         }
+        self.pressure_and_depth.take(&piece);
         // Before rows are left out: the first of a run is the one that was measured.
         self.repeated.take_out(&mut piece);
         self.preparation.push(piece, &mut self.batch);
@@ -360,7 +365,8 @@ impl Gathering {
         // Means over a stretch of a long log show no lines any more.
         let interpolated = shortened.is_none().then(|| take_out_interpolated_speeds(&mut observations)).flatten();
         let never_measured = self.repeated.report().into_iter().chain(interpolated);
-        let lost: Vec<String> = never_measured.chain(take_out_lost_speeds(&mut observations)).collect();
+        let lost = never_measured.chain(take_out_lost_speeds(&mut observations));
+        let lost: Vec<String> = lost.chain(self.pressure_and_depth.contradiction()).collect();
         let w_filter =
             if self.has_tables { "the column w_m_s of the table".to_owned() } else { self.preparation.filter() };
         let w_filter = match &shortened {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::{CliError, Output, warn};
+use super::{CliError, Output, inputs, warn};
 use crate::assemble::{Buildup, Effect, Figure, Lateral, Look, Parts, Pod, Surface, Term, build_up, effect};
 use crate::dynamics::{Parameters, Surroundings};
 use crate::estimate::Estimate;
@@ -82,6 +82,7 @@ pub struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let a = arguments;
+    a.output.begin(&inputs([&a.fits], Some(&a.base)), &[("-o", a.out_file.as_deref())])?;
     for (name, value) in [
         ("--speed-m-s", a.speed_m_s),
         ("--tow-speed-m-s", a.tow_speed_m_s.unwrap_or(1.0)),

@@ -6,7 +6,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::reading::Reading;
-use super::{CliError, Output, log_vehicle, vehicle_input, warn};
+use super::{CliError, Output, inputs, log_vehicle, vehicle_input, warn};
 use crate::dynamics::{Parameters, Surroundings};
 use crate::estimate::Estimate;
 use crate::glide::{Attitude, at_pitch};
@@ -53,6 +53,9 @@ const PITCHES_DEG: [f64; 4] = [15.0, 20.0, 25.0, 35.0];
 const DENSITY_KG_M3: f64 = 1027.0;
 
 pub(super) fn run(a: &Arguments) -> Result<(), CliError> {
+    let vehicles = a.what.iter().chain(&a.vehicle);
+    let files: Vec<&Path> = vehicles.flat_map(|name| inputs([], Some(name))).collect();
+    a.output.begin(&files, &[("--out", a.out.as_deref())])?;
     for (name, value) in [("--net-mass-kg", a.net_mass_kg.unwrap_or(1.0)), ("--depth-m", a.depth_m)] {
         if !(value > 0.0 && value.is_finite()) {
             return Err(CliError::Usage(format!("{name} {value}: expected a number above zero")));

@@ -9,7 +9,7 @@ use super::diagnose_words::{
 };
 use super::identify::TrimChoice;
 use super::reading::Reading;
-use super::{CliError, Output, diagnose_page, housekeeping, log_vehicle, print_notes, vehicle_input, warn};
+use super::{CliError, Output, diagnose_page, housekeeping, inputs, log_vehicle, print_notes, vehicle_input, warn};
 use crate::diagnose::sea::{
     LEAST_RELEVANT, LiftSlope, Request, SeaError, SeaProblem, VehicleLogError, diagnose_vehicle, extended,
 };
@@ -58,7 +58,10 @@ pub struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
-    arguments.output.begin(&[("--extended", arguments.extended.as_deref()), ("--out", arguments.out.as_deref())])?;
+    let inputs = inputs(&arguments.logs, Some(&arguments.vehicle));
+    arguments
+        .output
+        .begin(&inputs, &[("--extended", arguments.extended.as_deref()), ("--out", arguments.out.as_deref())])?;
     let vehicle = log_vehicle::load(&arguments.vehicle, &arguments.logs)?;
     let replace = if arguments.output.force { Replace::Any } else { Replace::Never };
     // A diagnosis takes long: what cannot be written is refused before it.

@@ -6,7 +6,7 @@ use clap::Args;
 use glidepolar_archive::{Archive, Limits};
 
 use super::fmu::{Standard, packed};
-use super::{Changes, CliError, warn};
+use super::{Changes, CliError, inputs, own_places, warn};
 use crate::fmu_archive::{PackError, Water, pack, starts_at_rest};
 use crate::input::printable;
 use crate::log::{Dates, plain_table};
@@ -49,6 +49,8 @@ pub struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    let inputs = inputs(arguments.water_column.iter().chain(&arguments.template), Some(&arguments.vehicle));
+    own_places(&inputs, &[("-o", Some(&arguments.output))])?;
     let vehicle = arguments.changes.load(&arguments.vehicle)?;
     let water = match &arguments.water_column {
         None => None,

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::{Changes, CliError, Output, glide_page, vehicle_input, water_density};
+use super::{Changes, CliError, Output, glide_page, inputs, vehicle_input, water_density};
 use crate::dynamics::{Parameters, Surroundings};
 use crate::glide::{Attitude, GlideError, SteadyGlide, at_path, at_pitch, shallowest};
 use crate::vehicle::Vehicle;
@@ -49,6 +49,8 @@ pub struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    let inputs = inputs([], Some(&arguments.vehicle));
+    arguments.output.begin(&inputs, &[("--out", arguments.out.as_deref())])?;
     let vehicle = arguments.changes.load(&arguments.vehicle)?;
     let parameters = vehicle.glide_parameters();
     let water = water(arguments, &parameters)?;

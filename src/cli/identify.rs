@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::reading::Reading;
-use super::{CliError, Output, identify_page, identify_write, log_vehicle, print_notes, vehicle_input, warn};
+use super::{CliError, Output, identify_page, identify_write, inputs, log_vehicle, print_notes, vehicle_input, warn};
 use crate::identify::{
     ExternalValue, Given, Identification, IdentifyError, IdentifyReport, Request, Trim, Unsteady, identify, paper_form,
 };
@@ -90,7 +90,8 @@ impl TrimChoice {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let pin = pins(&arguments.pin)?;
-    arguments.output.begin(&[("--write", arguments.write.as_deref()), ("--out", arguments.out.as_deref())])?;
+    let inputs = inputs(&arguments.logs, Some(&arguments.vehicle));
+    arguments.output.begin(&inputs, &[("--write", arguments.write.as_deref()), ("--out", arguments.out.as_deref())])?;
     let vehicle = log_vehicle::load(&arguments.vehicle, &arguments.logs)?;
     // A fit takes long: what cannot be written is refused before it.
     if let Some(path) = &arguments.write {

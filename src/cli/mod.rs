@@ -51,6 +51,7 @@ pub mod turn;
 mod turn_page;
 pub mod vehicles;
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
@@ -60,7 +61,7 @@ use crate::report::{Block, InputFile, Section};
 use crate::simulate::mission::MissionError;
 use crate::vehicle::Vehicle;
 
-pub use glidepolar_terminal::{CliError, Output, begin, on_terminal, print_line, shell, show, warn};
+pub use glidepolar_terminal::{CliError, Output, begin, on_terminal, own_places, print_line, shell, show, warn};
 
 /// An underwater glider from the towing tank to the sea and back.
 #[derive(Debug, Parser)]
@@ -135,6 +136,12 @@ pub fn water_density(density_kg_m3: Option<f64>) -> Result<Option<f64>, CliError
         }
         None => Ok(density_kg_m3),
     }
+}
+
+/// The files that a command reads: those named, and the vehicle's where it is no built-in one.
+fn inputs<'a>(files: impl IntoIterator<Item = &'a PathBuf>, vehicle: Option<&'a str>) -> Vec<&'a Path> {
+    let is_file = |name: &&str| *name != log_vehicle::FROM_FILE && crate::vehicle::builtin::text(name).is_none();
+    files.into_iter().map(PathBuf::as_path).chain(vehicle.filter(is_file).map(Path::new)).collect()
 }
 
 /// A vehicle as a report lists it among what was read.

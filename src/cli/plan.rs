@@ -9,7 +9,7 @@ use super::glide::USUALLY_TOWED_TO_DEG;
 use super::plan_page::{self, Calibrated, Planned};
 use super::plan_tables::{read_dives, read_strokes};
 use super::table::incomplete;
-use super::{Changes, CliError, Output, vehicle_input, warn, water_density};
+use super::{Changes, CliError, Output, inputs, vehicle_input, warn, water_density};
 use crate::dynamics::{Parameters, Surroundings};
 use crate::estimate::Estimate;
 use crate::glide::{Attitude, at_pitch};
@@ -102,7 +102,8 @@ pub struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
-    arguments.output.begin(&[("--write", arguments.write.as_deref()), ("--out", arguments.out.as_deref())])?;
+    let inputs = inputs(arguments.moves.iter().chain(&arguments.dives), Some(&arguments.vehicle));
+    arguments.output.begin(&inputs, &[("--write", arguments.write.as_deref()), ("--out", arguments.out.as_deref())])?;
     let mut vehicle = arguments.changes.load(&arguments.vehicle)?;
     let calibration = calibrate(arguments, &mut vehicle)?;
     let plan = match arguments.depth_m {

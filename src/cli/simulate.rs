@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::history_page::History;
 use super::mission::{self, Frame, MissionArguments};
-use super::{Changes, CliError, Output, space, sweep, vehicle_input};
+use super::{Changes, CliError, Output, inputs, space, sweep, vehicle_input};
 use crate::dynamics::Actuation;
 use crate::log::{Dates, plain_table};
 use crate::report::InputFile;
@@ -122,12 +122,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         return Ok(());
     }
     let settings = settings(arguments)?;
-    arguments.output.begin(&[
-        ("--csv", arguments.csv.as_deref()),
-        ("--log", arguments.mission.log.as_deref()),
-        ("--fixes", arguments.mission.fixes.as_deref()),
-        ("--out", arguments.mission.out.as_deref()),
-    ])?;
+    let files = arguments.inputs.iter().chain(&arguments.sweep).chain(&arguments.mission.mission);
+    let inputs = inputs(files, arguments.vehicle.as_deref());
+    arguments.output.begin(
+        &inputs,
+        &[
+            ("--csv", arguments.csv.as_deref()),
+            ("--log", arguments.mission.log.as_deref()),
+            ("--fixes", arguments.mission.fixes.as_deref()),
+            ("--out", arguments.mission.out.as_deref()),
+        ],
+    )?;
     let name = arguments.vehicle.as_deref().unwrap_or_default();
     if let Some(file) = &arguments.mission.mission {
         let frame = Frame {

@@ -16,6 +16,7 @@ use super::sweep_journal::Journal;
 use super::{CliError, Output};
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
 use crate::glide::start;
+use crate::input::lines::TextLines;
 use crate::input::{InputError, Place, nearest, printable};
 use crate::simulate::{COLUMNS, Row, Schedule, SimulationSettings, fly_from};
 use glidepolar_progress::{Step, Watch};
@@ -122,12 +123,14 @@ impl Variants {
             InputError::new(place, printable(&error.to_string()))
                 .help("a table of variants has a header of parameters and a number for each in every row")
         };
-        let mut reader =
-            ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_path(file).map_err(failed)?;
+        let text = std::fs::read(file).map_err(|error| InputError::io(file, &error))?;
+        let mut lines = TextLines::new(&text);
+        let mut reader = ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_slice());
         let header = reader.headers().map_err(failed)?.clone();
+        let line_of_names = lines.ending_at(reader.position().byte());
         let mut parameters = Vec::new();
         for (column, name) in header.iter().enumerate() {
-            let place = || Place::line(file, 1).column(column + 1);
+            let place = || Place::line(file, line_of_names).column(column + 1);
             let index = parameter_index(name).ok_or_else(|| {
                 let error = InputError::new(place(), format!("unknown parameter `{}`", printable(name)));
                 match nearest(name, PARAMETERS.iter().map(|row| row.name)) {
@@ -142,7 +145,7 @@ impl Variants {
         }
         let (mut values, mut record) = (Vec::new(), StringRecord::new());
         while reader.read_record(&mut record).map_err(failed)? {
-            let line = record.position().map_or(0, |position| position.line() as usize);
+            let line = lines.ending_at(reader.position().byte());
             for (column, (cell, index)) in record.iter().zip(&parameters).enumerate() {
                 let known = &PARAMETERS[*index];
                 let value = cell.parse().ok().filter(|value| (known.min..=known.max).contains(value));

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use csv::{ReaderBuilder, StringRecord};
 
+use crate::input::lines::TextLines;
 use crate::input::{InputError, Place, nearest, printable};
 use crate::log::{Dates, plain_table};
 
@@ -24,11 +25,13 @@ pub(super) fn for_each_row<const N: usize>(
     };
     let text = plain_table(file, Dates::Since1970)?;
     let mut reader = ReaderBuilder::new().from_reader(text.as_bytes());
+    let mut lines = TextLines::new(text.as_bytes());
     let header = reader.headers().map_err(failed)?.clone();
+    let line_of_names = lines.ending_at(reader.position().byte());
     let mut places = [0; N];
     for (place, name) in places.iter_mut().zip(columns) {
         *place = header.iter().position(|column| column == name).ok_or_else(|| {
-            let error = InputError::new(Place::line(file, 1), format!("no column `{name}`"));
+            let error = InputError::new(Place::line(file, line_of_names), format!("no column `{name}`"));
             match nearest(name, header.iter()) {
                 Some(near) => error.help(format!("is it `{}`?", printable(near))),
                 None => error.help(needed(&columns)),
@@ -37,7 +40,7 @@ pub(super) fn for_each_row<const N: usize>(
     }
     let mut record = StringRecord::new();
     while reader.read_record(&mut record).map_err(failed)? {
-        let line = record.position().map_or(0, |position| position.line() as usize);
+        let line = lines.ending_at(reader.position().byte());
         let mut row = [0.0; N];
         for (value, &column) in row.iter_mut().zip(&places) {
             let cell = record.get(column).unwrap_or("");

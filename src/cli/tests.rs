@@ -74,6 +74,45 @@ fn a_place_that_cannot_be_written_is_refused_before_the_log_is_read() {
 }
 
 #[test]
+fn a_result_in_the_place_of_an_input_is_refused_in_every_command() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, "kept").expect("a file");
+        path.to_str().expect("a plain path").to_owned()
+    };
+    let (log, vehicle, table) = (file("log.csv"), file("v.toml"), file("t.csv"));
+    let json = [&log, &vehicle].map(|path| ["--json", path.as_str(), "--force"]);
+    let [to_log, to_vehicle] = &json;
+    let beside = folder.path().join("./log.csv");
+    let of_log = |command| [command, log.as_str(), "--vehicle", vehicle.as_str()];
+    let [identify, diagnose, track] = ["identify", "diagnose", "track"].map(of_log);
+    let beside = beside.to_str().expect("a plain path");
+    let compare = ["compare", &log, "seaglider", "--vehicle", &vehicle];
+    for arguments in [
+        [&identify[..], to_log].concat(),
+        [&diagnose[..], &["--extended", &vehicle, "--force"]].concat(),
+        [&track[..], &["--out", beside]].concat(),
+        [&track[..], &["--fixes", &table, "--csv", &table, "--force"]].concat(),
+        [&compare[..], to_vehicle].concat(),
+        [&compare[..], to_log].concat(),
+        [&["glide", vehicle.as_str()][..], to_vehicle].concat(),
+        [&["turn", vehicle.as_str()][..], to_vehicle].concat(),
+        [&["plan", &vehicle, "--depth-m", "500", "--moves", &table, "--dives", &log][..], to_log].concat(),
+        vec!["simulate", &vehicle, "--inputs", &table, "--csv", &table, "--force"],
+        vec!["assemble", &log, "--hull", "x", "--base", &vehicle, "-o", &vehicle, "--force"],
+        vec!["export-fmu", &vehicle, "-o", &vehicle, "--force"],
+    ] {
+        let found = refused(&arguments);
+        assert!(found.contains("names a file that this command reads"), "{arguments:?}: {found}");
+    }
+    // The name of a built-in vehicle is no file, whatever stands there.
+    let page = folder.path().join("seaglider");
+    let glide = ["glidepolar", "glide", "seaglider", "--quiet", "--out", page.to_str().expect("a plain path")];
+    run(Cli::parse_from(glide)).expect("a page");
+}
+
+#[test]
 fn a_plan_at_a_pitch_that_no_glider_flies_is_warned_of() {
     let folder = tempfile::tempdir().expect("a folder");
     let warns = |pitch_deg: &str| {

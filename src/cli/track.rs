@@ -10,7 +10,7 @@ use super::reading::columns;
 use super::track_fixes::{self, Fixes, FixesAt};
 use super::track_log::{self, Read, Stated, log_table};
 use super::track_page::{self, Remarks};
-use super::{CliError, Output, housekeeping, log_vehicle, print_notes, vehicle_input, warn, water_density};
+use super::{CliError, Output, housekeeping, inputs, log_vehicle, print_notes, vehicle_input, warn, water_density};
 use crate::dynamics::Parameters;
 use crate::report::{InputFile, Report as Page};
 use crate::track::comparison::{self, Comparison};
@@ -84,6 +84,9 @@ const UNKNOWN_POLAR_PERCENT: f64 = 10.0;
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let a = arguments;
+    let inputs = inputs(a.logs.iter().chain(&a.fixes), Some(&a.vehicle));
+    let places = [("--csv", a.csv.as_deref()), ("--write", a.write.as_deref()), ("--out", a.out.as_deref())];
+    a.output.begin(&inputs, &places)?;
     for (name, value) in [
         ("--heading-error-deg", a.heading_error_deg),
         ("--speed-error-percent", a.speed_error_percent.unwrap_or(0.0)),

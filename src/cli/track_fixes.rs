@@ -164,6 +164,7 @@ mod tests {
     fn positions_that_are_none_are_refused_with_row_and_remedy() {
         for (rows, line, remedy) in [
             ("0,54.2,10.1\n10,-122.4,54.5\n", "fixes.csv:3", "swapped"),
+            ("0,54.2,10.1\n# a gap\n\n10,-122.4,54.5\n", "fixes.csv:5", "swapped"),
             ("0,5415.99,724.63\n", "fixes.csv:2", "m_gps_lat"),
             ("0,54.2,-12805.8\n", "fixes.csv:2", "m_gps_lat"),
             ("0,69696969,69696969\n", "fixes.csv:2", "write degrees"),

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::turn_page::Case;
-use super::{Changes, CliError, Output, turn_page, vehicle_input, warn, water_density};
+use super::{Changes, CliError, Output, inputs, turn_page, vehicle_input, warn, water_density};
 use crate::dynamics::Surroundings;
 use crate::input::{nearest, printable};
 use crate::spatial::Body;
@@ -65,6 +65,8 @@ const DEFAULT_PITCH_DEG: f64 = 26.0;
 const SWEEP_VALUES: usize = 41;
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    let inputs = inputs([], Some(&arguments.vehicle));
+    arguments.output.begin(&inputs, &[("--out", arguments.out.as_deref())])?;
     let vehicle = arguments.changes.load(&arguments.vehicle)?;
     let body = vehicle.body()?;
     let commands = Commands::new(arguments);

@@ -8,7 +8,7 @@
 //! The path is steeper than the pitch, so that this `CD` is a lower bound, by some ten to thirty per cent.
 //!
 //! Units closer to the decibar than a factor of 1.7, as the pound per square inch (1.45), stay within what fouling and
-//! hulls explain: only a measured speed or a density column beside temperature and salinity shows them.
+//! hulls explain: only a measured speed, a depth column, or a density column beside temperature and salinity shows them.
 
 use glidepolar_inference::order;
 

@@ -26,6 +26,9 @@ const UNITS: [(&str, f64); 6] = [
     ("m/min", 1.0 / 60.0),
 ];
 
+/// Ratios that a pressure in pounds per square inch makes: vertical velocities are 1.45 times too large.
+const PSI: std::ops::Range<f64> = 0.64..0.72;
+
 /// Returns what to say where the measured speed differs from that of the path by a factor.
 pub(super) fn contradiction(observations: &[Observation], vehicle: &Parameters<f64>) -> Option<String> {
     let mut ratios: Vec<f64> = observations.iter().filter_map(|o| ratio(o, vehicle)).collect();
@@ -42,6 +45,11 @@ pub(super) fn contradiction(observations: &[Observation], vehicle: &Parameters<f
     let name = CHANNELS[Channel::Speed as usize].name;
     let cause = match near {
         Some((unit, _)) => format!("is it in {unit}? --unit {name}={unit} states it"),
+        None if PSI.contains(&ratio) => {
+            format!(
+                "is the pressure in psi, which makes 0.69 of it (--unit pressure_dbar=psi), or the speed in another unit (--unit {name}=UNIT)?"
+            )
+        }
         None => format!("check its unit (--unit {name}=UNIT), and those of pressure and pitch"),
     };
     Some(format!(
@@ -93,6 +101,7 @@ mod tests {
             let says = says(factor).unwrap_or_else(|| panic!("{unit}"));
             assert!(says.contains(unit) && says.contains(&format!("{factor:.2} times")), "{unit}: {says}");
         }
+        assert!(says(1.0 / 1.450_4).is_some_and(|says| says.contains("pressure_dbar=psi")));
         assert!(says(0.4).is_some_and(|says| says.contains("check its unit")));
     }
 

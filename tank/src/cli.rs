@@ -97,6 +97,7 @@ impl Reduce {
                 self.range_deg
             )));
         }
+        self.has_own_places(input)?;
         let relevance = Relevance::parse(&self.relevant, &NAMES, "CL=0.005")
             .map_err(|error| CliError::Usage(format!("--relevant: {error}")))?;
         let mut results = match &self.hull {
@@ -137,6 +138,17 @@ impl Reduce {
             return Err(CliError::Failed("no usable result: no hull has a fit; the warnings say why".to_owned()));
         }
         Ok(())
+    }
+
+    /// Refuses results in the place of what is reduced: a table, or the files of a campaign.
+    fn has_own_places(&self, input: &Path) -> Result<(), CliError> {
+        let files = match input.is_dir() {
+            true => ["campaign.toml", "runs.csv", "data"].map(|name| input.join(name)).to_vec(),
+            false => vec![input.to_owned()],
+        };
+        let inputs: Vec<PathBuf> = self.hull.iter().cloned().chain(files).collect();
+        let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+        self.output.begin(&inputs, &[("--out", Some(&self.out))])
     }
 
     fn reduce_campaign(&self, folder: &Path) -> Result<glidepolar_tank::Results, CliError> {

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use glidepolar_input::lines::TextLines;
 use glidepolar_input::{InputError, Place, nearest, printable};
 
 /// A table as text, rows and cells as the file has them.
@@ -9,6 +10,7 @@ use glidepolar_input::{InputError, Place, nearest, printable};
 pub struct Table {
     file: PathBuf,
     header: Vec<String>,
+    header_line: usize,
     rows: Vec<Row>,
 }
 
@@ -62,13 +64,17 @@ impl Table {
             .comment(Some(b'#'))
             .trim(csv::Trim::All)
             .from_reader(text.as_bytes());
-        let mut rows = Vec::new();
-        for record in reader.records() {
-            let record = record.map_err(|error| {
+        let (mut rows, mut record) = (Vec::new(), csv::StringRecord::new());
+        let mut lines = TextLines::new(text.as_bytes());
+        loop {
+            let is_row = reader.read_record(&mut record).map_err(|error| {
                 let line = error.position().map_or(1, |p| p.line() as usize);
                 InputError::new(Place::line(file, line), printable(&error.to_string()))
             })?;
-            let line = record.position().map_or(1, |p| p.line() as usize);
+            if !is_row {
+                break;
+            }
+            let line = lines.ending_at(reader.position().byte());
             rows.push(Row { line, cells: record.iter().map(str::to_owned).collect() });
         }
         if rows.is_empty() {
@@ -98,7 +104,7 @@ impl Table {
                 return Err(InputError::new(place, format!("column {} stands twice", printable(name))));
             }
         }
-        Ok((Table { file: file.to_owned(), header: header.cells, rows }, malformed))
+        Ok((Table { file: file.to_owned(), header: header.cells, header_line: header.line, rows }, malformed))
     }
 
     /// Whether a column of this name is there.
@@ -128,7 +134,7 @@ impl Table {
     pub fn require(&self, columns: &[&str]) -> Result<(), InputError> {
         match columns.iter().find(|column| !self.has(column)) {
             None => Ok(()),
-            Some(missing) => Err(missing_column(Place::line(&self.file, 1), missing, &self.header)),
+            Some(missing) => Err(missing_column(Place::line(&self.file, self.header_line), missing, &self.header)),
         }
     }
 }
@@ -246,6 +252,9 @@ mod tests {
         assert_eq!(row.number("yaw_deg").unwrap(), 1.0);
         let error = row.number("b").unwrap_err().to_string();
         assert!(error.contains("t.csv:3:2") && error.contains("`x`"), "{error}");
+        let table_with_gap = parse("yaw_deg,b\n1,2\n# a gap\n\n3,x\n").unwrap();
+        let error = table_with_gap.rows().nth(1).unwrap().number("b").unwrap_err().to_string();
+        assert!(error.contains("t.csv:5:2"), "{error}");
         let row = table.rows().nth(1).unwrap();
         assert!(row.number("yaw_deg").unwrap_err().to_string().contains("decimal point"));
         assert!(row.number("b").unwrap_err().to_string().contains("finite"));

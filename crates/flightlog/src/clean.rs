@@ -135,6 +135,20 @@ impl Share {
     }
 }
 
+/// Largest conductivity of a sea \[S/m\]: 60 g/kg at 35 degC have 9.
+pub(super) const MOST_S_M: f64 = 10.0;
+
+/// A conductivity beyond what a sea has is in mS/cm, whatever the name of its column says.
+pub(super) fn conductivity_in_s_m(log: &mut FlightLog, notes: &mut Notes) {
+    let mut known: Vec<f64> =
+        log.column(Channel::Conductivity).iter().copied().filter(|value| value.is_finite()).collect();
+    if known.is_empty() || median(&mut known) <= MOST_S_M {
+        return;
+    }
+    log.column_mut(Channel::Conductivity).iter_mut().for_each(|value| *value *= 0.1);
+    notes.add("conductivities beyond 10 S/m, which no sea has: taken as mS/cm", known.len());
+}
+
 /// A clock that runs back for more rows than this was set, not disturbed.
 const SET_CLOCK_ROWS: usize = 5;
 

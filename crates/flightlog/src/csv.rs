@@ -14,7 +14,7 @@ pub(super) use super::cells::{not_a_number, number};
 use super::channels::{CHANNELS, Channel, FlightLog};
 use super::columns::Columns;
 use super::dates::unix_s;
-pub(super) use super::dialect::{csv_error, reader};
+pub(super) use super::dialect::Rows;
 use super::makers;
 use super::names;
 use super::row_dates::RowDates;
@@ -25,7 +25,7 @@ use glidepolar_input::{InputError, Place, nearest, printable};
 /// A CSV log that is being read.
 pub struct CsvLog {
     path: PathBuf,
-    reader: ::csv::Reader<File>,
+    rows: Rows,
     columns: Vec<Column>,
     record: ::csv::ByteRecord,
     /// Whether the record is a row of data that was read to see whether it holds units.
@@ -51,15 +51,16 @@ impl CsvLog {
     /// # Errors
     /// Where the file cannot be read or a channel is missing without which nothing can be done.
     pub fn open(path: &Path, columns: &Columns) -> Result<Self, InputError> {
-        let mut reader = reader(path)?;
-        let header = header(path, &mut reader)?;
+        let mut rows = Rows::open(path)?;
+        let header = header(path, &mut rows)?;
+        let names = rows.place();
         let mut record = ::csv::ByteRecord::new();
-        let mut has_row = reader.read_byte_record(&mut record).map_err(|error| csv_error(path, &error))?;
+        let mut has_row = rows.next(&mut record)?;
         let stated = stated_units(&header, has_row.then_some(&record));
         if has_row && is_line_of_units(&record) {
             has_row = false;
         }
-        let found = find_columns(path, &header, &stated, columns).map_err(|error| {
+        let found = find_columns(&names, &header, &stated, columns).map_err(|error| {
             // The names of a table are as many as its cells.
             let below = record.len();
             if below > header.len() + 1 {
@@ -75,7 +76,7 @@ impl CsvLog {
         let mut warnings = Vec::new();
         let dates = RowDates::find(path, &header, time, columns.date_order(), &mut warnings)?;
         let path = path.to_owned();
-        Ok(CsvLog { path, reader, columns: found, record, has_row, dates, warnings, is_checked: false, header })
+        Ok(CsvLog { path, rows, columns: found, record, has_row, dates, warnings, is_checked: false, header })
     }
 
     /// The next piece of at most `rows` samples; nothing at the end.
@@ -87,7 +88,7 @@ impl CsvLog {
         let mut row: Vec<(Channel, f64)> = Vec::with_capacity(self.columns.len());
         while piece.len() < rows {
             let is_read = std::mem::take(&mut self.has_row);
-            if !is_read && !self.reader.read_byte_record(&mut self.record).map_err(|e| csv_error(&self.path, &e))? {
+            if !is_read && !self.rows.next(&mut self.record)? {
                 break;
             }
             row.clear();
@@ -114,10 +115,9 @@ impl CsvLog {
     }
 
     /// The values of the row that was read last.
-    fn read_row(&self, row: &mut Vec<(Channel, f64)>) -> Result<(), InputError> {
-        let line = self.record.position().map_or(0, |p| p.line() as usize);
+    fn read_row(&mut self, row: &mut Vec<(Channel, f64)>) -> Result<(), InputError> {
         if self.record.len() != self.header.len() {
-            let place = Place::line(&self.path, line);
+            let place = self.rows.place();
             let problem = format!("{} cells, expected {} as in the header", self.record.len(), self.header.len());
             return Err(InputError::new(place, problem).help("was the file cut off while it was written?"));
         }
@@ -127,7 +127,7 @@ impl CsvLog {
             let date = || if is_time { self.dates.unix_s(&self.record) } else { None };
             let read = number(cell).map(|value| column.value(value)).or_else(date);
             let value = read.ok_or_else(|| {
-                let place = Place::line(&self.path, line).column(column.cell + 1);
+                let place = self.rows.place().column(column.cell + 1);
                 let name = &self.header[column.cell];
                 if is_time { no_time(place, name, cell) } else { not_a_number(place, name, cell) }
             })?;
@@ -145,7 +145,7 @@ impl CsvLog {
         file.seek(SeekFrom::End(-1)).map_err(io)?;
         file.read_exact(&mut last).map_err(io)?;
         let mut next = ::csv::ByteRecord::new();
-        Ok(last[0] != b'\n' && !self.reader.read_byte_record(&mut next).map_err(|e| csv_error(&self.path, &e))?)
+        Ok(last[0] != b'\n' && !self.rows.next(&mut next)?)
     }
 }
 
@@ -157,16 +157,18 @@ impl Column {
 }
 
 /// The names of the columns.
-pub(super) fn header(path: &Path, reader: &mut ::csv::Reader<File>) -> Result<Vec<String>, InputError> {
-    let header = reader.byte_headers().map_err(|error| csv_error(path, &error))?;
-    let names: Vec<String> =
-        header.iter().map(|cell| text(cell).trim_start_matches('\u{feff}').trim_matches('"').to_owned()).collect();
+pub(super) fn header(path: &Path, rows: &mut Rows) -> Result<Vec<String>, InputError> {
+    let names: Vec<String> = rows
+        .names()?
+        .iter()
+        .map(|cell| text(cell).trim_start_matches('\u{feff}').trim_matches('"').to_owned())
+        .collect();
     if names.iter().all(|name| name.is_empty()) {
         return Err(InputError::new(Place::file(path), "the file is empty, expected a line of column names"));
     }
     for (i, name) in names.iter().enumerate() {
         if !name.is_empty() && names[..i].contains(name) {
-            let place = Place::line(path, 1).column(i + 1);
+            let place = rows.place().column(i + 1);
             return Err(InputError::new(place, format!("column `{}` stands twice", printable(name))));
         }
     }
@@ -193,18 +195,20 @@ pub(super) fn stated_units(header: &[String], first: Option<&::csv::ByteRecord>)
     header.iter().enumerate().map(of).collect()
 }
 
-/// Whether a row holds units instead of values: no number and no date in it, and a unit of some channel.
+/// Whether a row holds units instead of values: no number and no date in it, and units of some channels. 1 and 1e-3 are the
+/// units of a salinity.
 fn is_line_of_units(record: &::csv::ByteRecord) -> bool {
     let texts: Vec<String> = record.iter().map(|cell| text(cell).trim().to_owned()).collect();
-    let holds_value = |text: &String| number(text.as_bytes()).is_some_and(f64::is_finite) && text != "1";
+    let is_value = |number: f64| number.is_finite() && number != 1.0 && number != 1e-3;
+    let holds_value = |text: &String| number(text.as_bytes()).is_some_and(is_value);
     let is_unit = |text: &String| CHANNELS.iter().any(|info| units::conversion(info.channel, text).is_some());
     !texts.iter().any(|text| holds_value(text) || unix_s(text).is_some())
         && texts.iter().filter(|text| !text.is_empty() && is_unit(text)).count() >= 2
 }
 
-/// Where each channel stands among the columns, and in which unit.
+/// Where each channel stands among the columns, and in which unit; `names` is the place of their names.
 pub(super) fn find_columns(
-    path: &Path,
+    names: &Place,
     header: &[String],
     stated: &[(String, Option<String>)],
     wanted: &Columns,
@@ -215,14 +219,14 @@ pub(super) fn find_columns(
         if let Some(name) = wanted.chosen(info.channel) {
             let cell = position(name).ok_or_else(|| {
                 let near = nearest(name, header.iter().map(String::as_str));
-                let error = InputError::new(Place::line(path, 1), format!("no column `{}`", printable(name)));
+                let error = InputError::new(names.clone(), format!("no column `{}`", printable(name)));
                 match near {
                     Some(near) => error.help(format!("did you mean `{}`?", printable(near))),
                     None => error.help(format!("the columns are: {}", listed(header))),
                 }
             })?;
             if info.channel == Channel::Ballast && wanted.unit(info.channel).is_none() {
-                refuse_mass(path, cell, &stated[cell])?;
+                refuse_mass(names, cell, &stated[cell])?;
             }
             let by_name = || {
                 let of_table = stated[cell].1.as_deref().and_then(|unit| units::conversion(info.channel, unit));
@@ -237,7 +241,7 @@ pub(super) fn find_columns(
         let own = [info.name];
         let known = names::known(info.channel).iter().chain(&own);
         let with_unit = known.filter_map(|name| {
-            let cell = stated.iter().position(|(stem, unit)| unit.is_some() && stem.eq_ignore_ascii_case(name))?;
+            let cell = stated.iter().position(|(stem, unit)| unit.is_some() && names::is_same(stem, name))?;
             Some((cell, units::conversion(info.channel, stated[cell].1.as_deref()?)?))
         });
         if let Some((cell, conversion)) = with_unit.into_iter().next() {
@@ -249,11 +253,11 @@ pub(super) fn find_columns(
             .iter()
             .filter(|(channel, ..)| *channel == info.channel)
             .map(|(_, name, factor)| (*name, *factor));
-        let names = std::iter::once((info.name, 1.0)).chain(info.aliases.iter().copied()).chain(makers);
+        let of_channel = std::iter::once((info.name, 1.0)).chain(info.aliases.iter().copied()).chain(makers);
         // Without capital letters where no column has the very name; a plain word as `Pitch` is no maker's in small letters.
         let alike = |name: &str| header.iter().position(|found| name.contains('_') && found.eq_ignore_ascii_case(name));
-        let mut exact = names.clone().filter_map(|(name, factor)| Some((position(name)?, factor)));
-        let mut alike = names.filter_map(|(name, factor)| Some((alike(name)?, factor)));
+        let mut exact = of_channel.clone().filter_map(|(name, factor)| Some((position(name)?, factor)));
+        let mut alike = of_channel.filter_map(|(name, factor)| Some((alike(name)?, factor)));
         let found = exact.next().or_else(|| alike.next()).map(|(cell, factor)| (cell, Conversion::by(factor)));
         let found = found.or_else(|| {
             let of = |(cell, name): (usize, &String)| Some((cell, units::unit_in_name(info.channel, name)?));
@@ -265,19 +269,24 @@ pub(super) fn find_columns(
         }
     }
     let has = |channel: Channel| columns.iter().any(|column| column.channel == channel);
-    let need = |what: &str, names: &str| {
-        let error = InputError::new(Place::line(path, 1), format!("no {what}: expected a column {names}"));
-        let alike = header.iter().find(|name| name.to_lowercase().starts_with(what.split(' ').next().unwrap_or(what)));
+    let need = |what: &str, wanted: &str| {
+        let error = InputError::new(names.clone(), format!("no {what}: expected a column {wanted}"));
+        let word = what.split(' ').next().unwrap_or(what);
+        let begins = header.iter().find(|name| name.to_lowercase().starts_with(word));
+        let alike = begins.or_else(|| header.iter().find(|name| name.to_lowercase().contains(word)));
         match alike {
             Some(name) if header.len() == 1 && name.split_whitespace().count() > 2 => {
                 error.help("are the columns separated by blanks? commas, semicolons, tabs and bars are read")
             }
             // A name without a unit says too little.
             Some(name) => {
-                let channel = names.trim_start_matches('`').split('`').next().unwrap_or("");
+                let channel = wanted.trim_start_matches('`').split('`').next().unwrap_or("");
+                let name = printable(name);
+                // A shell takes a name with blanks or brackets apart.
+                let is_plain = name.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | '.' | '-'));
+                let quote = if is_plain { "" } else { "\"" };
                 error.help(format!(
-                    "is it `{}`? say --column {channel}={0}, and --unit {channel}=... where it is in another unit",
-                    printable(name)
+                    "is it `{name}`? say --column {quote}{channel}={name}{quote}, and --unit {channel}=... where it is in another unit"
                 ))
             }
             None => error.help(format!("the columns are: {}", listed(header))),
@@ -295,7 +304,7 @@ pub(super) fn find_columns(
     if !has(Channel::Ballast) {
         let is_ballast = |name: &str| ["ballast", "vbd", "oil"].iter().any(|word| name.to_lowercase().contains(word));
         for (cell, column) in stated.iter().enumerate().filter(|(_, (name, _))| is_ballast(name)) {
-            refuse_mass(path, cell, column)?;
+            refuse_mass(names, cell, column)?;
         }
         return Err(need("ballast volume", "`vbd_cc` or `vbd_m3`"));
     }
@@ -303,12 +312,12 @@ pub(super) fn find_columns(
 }
 
 /// Refuses a mass of ballast: its volume depends on the water.
-fn refuse_mass(path: &Path, cell: usize, (name, unit): &(String, Option<String>)) -> Result<(), InputError> {
+fn refuse_mass(names: &Place, cell: usize, (name, unit): &(String, Option<String>)) -> Result<(), InputError> {
     if !units::is_mass(name, unit.as_deref()) {
         return Ok(());
     }
     let problem = format!("`{}` is a mass, expected the volume of the ballast", printable(name));
-    Err(InputError::new(Place::line(path, 1).column(cell + 1), problem).help(
+    Err(InputError::new(names.clone().column(cell + 1), problem).help(
         "divide grams by the density of the water, 1.025 g/cc in the sea, and name the column `vbd_cc`; more buoyant is positive",
     ))
 }

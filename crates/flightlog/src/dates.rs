@@ -100,6 +100,7 @@ fn of_years(text: &str, years: std::ops::Range<i64>, order: DateOrder) -> Option
     };
     let (year, month, day) = date_of(date, order)?;
     let (clock, zone_s) = without_zone(clock)?;
+    let (clock, half_h) = without_half(clock);
     // Without colons: `164957`.
     let is_compact = clock.len() == 6 && clock.bytes().all(|digit| digit.is_ascii_digit());
     let with_colons =
@@ -124,6 +125,11 @@ fn of_years(text: &str, years: std::ops::Range<i64>, order: DateOrder) -> Option
     if !years.contains(&year) || !(1..=12).contains(&month) || !(1..=days_of(year, month)).contains(&day) {
         return None;
     }
+    let hour = match half_h {
+        None => hour,
+        Some(half_h) if (1.0..13.0).contains(&hour) => hour % 12.0 + half_h,
+        Some(_) => return None,
+    };
     let days = days_since_1970(year, month, day);
     Some(days as f64 * 86_400.0 + hour * 3600.0 + minute * 60.0 + second - zone_s)
 }
@@ -154,6 +160,19 @@ fn date_of(text: &str, order: DateOrder) -> Option<(i64, i64, i64)> {
         }
         (1 | 2, 4) => Some((number(c)?, number(b)?, number(a)?)),
         _ => None,
+    }
+}
+
+/// The clock without `AM` or `PM`, and the hour from which that half of the day counts: spreadsheets write so.
+fn without_half(clock: &str) -> (&str, Option<f64>) {
+    let half = |ending: &str| {
+        let at = clock.len().checked_sub(ending.len())?;
+        clock.get(at..).filter(|end| end.eq_ignore_ascii_case(ending)).map(|_| clock[..at].trim_end())
+    };
+    match (half("am"), half("pm")) {
+        (Some(clock), _) => (clock, Some(0.0)),
+        (_, Some(clock)) => (clock, Some(12.0)),
+        _ => (clock, None),
     }
 }
 
@@ -197,13 +216,27 @@ mod tests {
             "20230418T164957Z",
             "18-Apr-2023 16:49:57",
             "2023-04-18 16:49:57 GMT",
+            "18/04/2023 04:49:57 PM",
+            "18/04/2023 4:49:57pm",
         ] {
             assert_eq!(unix_s(text), Some(1_681_836_597.0), "{text}");
         }
         assert_eq!(unix_s("1970-01-01"), Some(0.0));
+        for (text, hour) in [("12:30:00 AM", 0.5), ("12:30:00 PM", 12.5), ("1:00 AM", 1.0), ("11:00:00 PM", 23.0)] {
+            assert_eq!(unix_s(&format!("1970-01-01 {text}")), Some(3600.0 * hour), "{text}");
+        }
         assert_eq!((unix_s("0000-01-01"), epoch_s("0000-01-01")), (None, Some(-719_528.0 * 86_400.0)));
         assert_eq!(unix_s("22/07/2019 05:24:38.427").map(|t| (t * 1e3).round()), Some(1_563_773_078_427.0));
-        for text in ["", "12.5", "2023-13-01", "2023-04-18T25:00:00", "yesterday", "1.2.3", "2023-04-18T16:49:57:1"] {
+        for text in [
+            "",
+            "12.5",
+            "2023-13-01",
+            "2023-04-18T25:00:00",
+            "yesterday",
+            "1.2.3",
+            "2023-04-18T16:49:57:1",
+            "18/04/2023 16:49:57 PM",
+        ] {
             assert_eq!(unix_s(text), None, "{text}");
         }
     }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::channels::{CHANNELS, Channel};
 use super::columns::Columns;
-use super::csv::{csv_error, header, not_a_number, number, reader};
+use super::csv::{Rows, header, not_a_number, number};
 use super::observation::Observation;
 use glidepolar_input::{InputError, Place};
 
@@ -13,7 +13,7 @@ const VERTICAL_VELOCITY: &str = "w_m_s";
 
 /// Whether the header is that of a table of glides.
 pub(super) fn is_one(path: &Path) -> Result<bool, InputError> {
-    let names = header(path, &mut reader(path)?)?;
+    let names = header(path, &mut Rows::open(path)?)?;
     let has = |name: &str| names.iter().any(|found| found == name);
     Ok(has(VERTICAL_VELOCITY) && (has("glide") || has("segment")))
 }
@@ -23,8 +23,9 @@ pub(super) fn is_one(path: &Path) -> Result<bool, InputError> {
 /// # Errors
 /// A missing column, or a cell that is no number, with its place.
 pub fn read_glide_table(path: &Path, columns: &Columns) -> Result<Vec<Observation>, InputError> {
-    let mut reader = reader(path)?;
-    let names = header(path, &mut reader)?;
+    let mut rows = Rows::open(path)?;
+    let names = header(path, &mut rows)?;
+    let line_of_names = rows.place();
     let position = |name: &str| names.iter().position(|found| found == name);
     // Where each channel stands, with the factor to its unit.
     let cell_of = |channel: Channel| {
@@ -39,13 +40,13 @@ pub fn read_glide_table(path: &Path, columns: &Columns) -> Result<Vec<Observatio
     let need = |channel: Channel| {
         cell_of(channel).ok_or_else(|| {
             let problem = format!("no column `{}`", CHANNELS[channel as usize].name);
-            InputError::new(Place::line(path, 1), problem)
+            InputError::new(line_of_names.clone(), problem)
                 .help("a table of glides needs pitch, ballast volume and `w_m_s`")
         })
     };
     let (pitch, ballast) = (need(Channel::Pitch)?, need(Channel::Ballast)?);
     let w = position(VERTICAL_VELOCITY)
-        .ok_or_else(|| InputError::new(Place::line(path, 1), format!("no column `{VERTICAL_VELOCITY}`")))?;
+        .ok_or_else(|| InputError::new(line_of_names.clone(), format!("no column `{VERTICAL_VELOCITY}`")))?;
     let start = position("start_s").map(|cell| (cell, 1.0)).or_else(|| cell_of(Channel::Time));
     let duration = position("duration_s").map(|cell| (cell, 1.0));
     let depth = position("mean_depth_m").map(|cell| (cell, 1.0)).or_else(|| cell_of(Channel::Depth));
@@ -65,13 +66,12 @@ pub fn read_glide_table(path: &Path, columns: &Columns) -> Result<Vec<Observatio
     let mut glides: Vec<Observation> = Vec::new();
     let mut record = ::csv::ByteRecord::new();
     let mut first_time = f64::NAN;
-    while reader.read_byte_record(&mut record).map_err(|error| csv_error(path, &error))? {
-        let line = record.position().map_or(0, |position| position.line() as usize);
-        let read = |at: Option<(usize, f64)>| -> Result<f64, InputError> {
+    while rows.next(&mut record)? {
+        let mut read = |at: Option<(usize, f64)>| -> Result<f64, InputError> {
             let Some((cell, factor)) = at else { return Ok(f64::NAN) };
             let text = record.get(cell).unwrap_or(b"");
-            let place = || Place::line(path, line).column(cell + 1);
-            number(text).map(|value| value * factor).ok_or_else(|| not_a_number(place(), &names[cell], text))
+            let value = number(text).map(|value| value * factor);
+            value.ok_or_else(|| not_a_number(rows.place().column(cell + 1), &names[cell], text))
         };
         let (pitch_rad, vbd_cc, up) = (read(Some(pitch))?, read(Some(ballast))?, read(Some((w, 1.0)))?);
         if !(pitch_rad.is_finite() && vbd_cc.is_finite() && up.is_finite()) {

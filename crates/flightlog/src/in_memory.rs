@@ -23,7 +23,7 @@ impl InMemory {
     /// Where a channel is missing without which nothing can be done.
     pub(super) fn open(table: Arc<Table>, columns: &Columns) -> Result<Self, InputError> {
         let names = table.names();
-        let found = find_columns(table.path(), &names, &stated_units(&names, None), columns)?;
+        let found = find_columns(&Place::line(table.path(), 1), &names, &stated_units(&names, None), columns)?;
         Ok(InMemory { table, columns: found, row: 0 })
     }
 

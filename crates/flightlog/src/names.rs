@@ -203,13 +203,18 @@ pub(super) fn known(channel: Channel) -> &'static [&'static str] {
     NAMES.iter().find(|(named, _)| *named == channel).map_or(&[], |(_, names)| names)
 }
 
+/// Whether a table's name is a known one; capital letters do not matter, and blanks stand for underscores.
+pub(super) fn is_same(name: &str, known: &str) -> bool {
+    name.trim().replace(' ', "_").eq_ignore_ascii_case(known)
+}
+
 /// Where a channel stands among the names of a table that may state units in brackets behind them.
 pub fn column_of(channel: Channel, header: &[String]) -> Option<usize> {
     let info = &CHANNELS[channel as usize];
     let own = std::iter::once(info.name).chain(info.aliases.iter().map(|(alias, _)| *alias));
-    let stem = |name: &String| with_unit(name).map_or(name.as_str(), |(stem, _)| stem).to_lowercase();
+    let stem = |name: &'_ String| with_unit(name).map_or(name.clone(), |(stem, _)| stem.to_owned());
     let mut all = own.chain(known(channel).iter().copied());
-    all.find_map(|known| header.iter().position(|name| stem(name) == known.to_lowercase()))
+    all.find_map(|known| header.iter().position(|name| is_same(&stem(name), known)))
 }
 
 /// Whether a column of this name holds some channel.

@@ -11,20 +11,18 @@ use std::path::Path;
 use netcdf_reader::NcFile;
 
 use super::channels::{CHANNELS, Channel, FlightLog};
+use super::clean::MOST_S_M;
 use super::columns::Columns;
-use super::fix::{GpsFix, degrees};
+use super::fix::{GpsFix, Positions, degrees};
 use super::names;
 use super::netcdf;
-use super::netcdf::{attribute_of, attribute_text, first, has, missing, of_length, open, units, values};
+use super::netcdf::{attribute_of, attribute_text, has, missing, of_length, open, units, values};
 use super::times;
 use super::units::{self, Conversion, is_angle};
 use glidepolar_input::{InputError, Place, printable};
 
 /// Largest pitch in radians, and in degrees what no glider keeps within all its way \[either\].
 const MOST_RAD: f64 = 1.6;
-
-/// Largest conductivity of a sea \[S/m\]: 60 g/kg at 35 degC have 9.
-const MOST_S_M: f64 = 10.0;
 
 /// Reads a time series; what a user should know of it is added to the warnings.
 ///
@@ -258,36 +256,119 @@ fn radians_labelled_degrees(path: &Path, labelled: &[Channel], log: &mut FlightL
     ));
 }
 
-/// Positions of the receiver, where the file holds them apart from the positions between: with times of their own, or at
-/// those of the record.
+/// Names of a receiver's positions, latitude and longitude: OG1 and EGO, a Slocum's, those of a Seaglider.
+const RECEIVER: [[&str; 2]; 4] = [
+    ["LATITUDE_GPS", "LONGITUDE_GPS"],
+    ["m_gps_lat", "m_gps_lon"],
+    ["gps_lat", "gps_lon"],
+    ["log_gps_lat", "log_gps_lon"],
+];
+
+/// Names of the positions of all rows, most of them reckoned.
+const ROWS: [[&str; 2]; 2] = [["LATITUDE", "LONGITUDE"], ["latitude", "longitude"]];
+
+/// Fixes: the receiver's positions, where the file holds them apart, else those of all rows that quality control calls good. A
+/// receiver's position that stands in most rows was written again and again: it is a fix where it changes at the surface.
 ///
 /// # Errors
 /// A variable that is not readable.
 pub(super) fn fixes(path: &Path) -> Result<Vec<GpsFix>, InputError> {
-    const LATITUDES: [&str; 4] = ["LATITUDE_GPS", "m_gps_lat", "gps_lat", "log_gps_lat"];
-    const LONGITUDES: [&str; 4] = ["LONGITUDE_GPS", "m_gps_lon", "gps_lon", "log_gps_lon"];
     let file = open(path)?;
-    let column = |names: &[&str]| first(path, &file, names);
-    let (Some(lat), Some(lon)) = (column(&LATITUDES)?, column(&LONGITUDES)?) else { return Ok(Vec::new()) };
-    let times = ["TIME_GPS", "gps_time", "log_gps_time", "TIME", "time", "m_present_time"];
-    let mut time = Vec::new();
-    for name in times.into_iter().filter(|name| has(&file, name)) {
-        let conversion = stated(path, &file, Channel::Time, name)?;
-        time = values(path, &file, name)?.into_iter().map(|value| conversion.convert(value)).collect();
-        if time.len() == lat.len() {
-            break;
+    let there =
+        |pairs: &[[&'static str; 2]]| pairs.iter().copied().find(|pair| pair.iter().all(|name| has(&file, name)));
+    let (names, is_receiver) = match (there(&RECEIVER), there(&ROWS)) {
+        (Some(names), _) => (names, true),
+        (None, Some(names)) => (names, false),
+        (None, None) => return Ok(Vec::new()),
+    };
+    let (mut lat, lon) = (values(path, &file, names[0])?, values(path, &file, names[1])?);
+    if lat.len() != lon.len() {
+        return Ok(Vec::new());
+    }
+    let flags = names.map(|name| format!("{name}_QC")).into_iter().chain(names.map(|name| format!("{name}_qc")));
+    let of_both = if is_receiver { "POSITION_GPS_QC" } else { "POSITION_QC" };
+    let mut is_judged = false;
+    for flags in flags.chain([of_both.to_owned()]).filter_map(|name| netcdf::flags(path, &file, &name)) {
+        if flags.len() == lat.len() {
+            is_judged = true;
+            lat.iter_mut()
+                .zip(flags)
+                .filter(|(_, flag)| !is_received(*flag, is_receiver))
+                .for_each(|(lat, _)| *lat = f64::NAN);
         }
     }
+    // Positions between fixes that nobody judged are reckoned ones for all that is known.
+    if !is_receiver && !is_judged {
+        return Ok(Vec::new());
+    }
+    let time = times_of(path, &file, lat.len())?;
     let is_ddmm = lat.iter().any(|value| value.abs() > 90.0);
     let of = |value: f64| if is_ddmm { degrees(value) } else { value };
-    let mut fixes: Vec<GpsFix> = Vec::new();
-    for ((&time, &lat), &lon) in time.iter().zip(&lat).zip(&lon).filter(|_| lat.len() == lon.len()) {
-        let Some(fix) = GpsFix::new(time, of(lat), of(lon)) else { continue };
-        if fixes.last().is_none_or(|last| (last.lat_deg, last.lon_deg) != (fix.lat_deg, fix.lon_deg)) {
+    let depth = depth_of(path, &file, lat.len());
+    let is_filled = 2 * lat.iter().filter(|lat| lat.is_finite()).count() > lat.len() && !depth.is_empty();
+    let mut positions = Positions::default();
+    let mut last: Option<GpsFix> = None;
+    let mut fixes = Vec::new();
+    for (row, (&time, (&lat, &lon))) in time.iter().zip(lat.iter().zip(&lon)).enumerate() {
+        let is_deep = depth.get(row).is_some_and(|depth| depth.abs() > AT_SURFACE);
+        let is_new = positions.is_received(lat, lon, !is_deep && lat.is_finite() && lon.is_finite());
+        let Some(fix) = GpsFix::new(time, of(lat), of(lon)).filter(|_| !is_deep) else { continue };
+        let differs = last.is_none_or(|last| (last.lat_deg, last.lon_deg) != (fix.lat_deg, fix.lon_deg));
+        if if is_filled { is_new } else { differs } {
             fixes.push(fix);
         }
+        last = Some(fix);
     }
     Ok(fixes)
+}
+
+/// A receiver gets no position below, an offset of the sensor included \[dbar or m\].
+const AT_SURFACE: f64 = 5.0;
+
+/// Whether quality control takes a position for one that was received: neither bad (3, 4) nor missing (9), nor interpolated (8).
+/// Of the positions of all rows those alone that it calls good (1, 2).
+fn is_received(flag: f64, is_receiver: bool) -> bool {
+    if is_receiver { ![3.0, 4.0, 8.0, 9.0].contains(&flag) } else { [1.0, 2.0].contains(&flag) }
+}
+
+/// The times of so many positions \[s\]: the receiver's own before those of the rows.
+fn times_of(path: &Path, file: &NcFile, rows: usize) -> Result<Vec<f64>, InputError> {
+    for name in ["TIME_GPS", "gps_time", "log_gps_time", "TIME", "time", "m_present_time"] {
+        if !has(file, name) {
+            continue;
+        }
+        let time = values(path, file, name)?;
+        // Where the receiver has a time of its own in few rows only, it has it where the positions are.
+        if time.len() == rows && time.iter().any(|time| time.is_finite()) {
+            let conversion = stated(path, file, Channel::Time, name)?;
+            return Ok(time.into_iter().map(|value| conversion.convert(value)).collect());
+        }
+    }
+    Ok(Vec::new())
+}
+
+/// Pressure or depth of the rows where positions stand in them, the last value before where one is missing; else nothing.
+fn depth_of(path: &Path, file: &NcFile, rows: usize) -> Vec<f64> {
+    let variables = Variables::new(file);
+    for channel in [Channel::Pressure, Channel::Depth] {
+        let Ok(Some(name)) = variables.find(path, file, channel, Some(rows)) else { continue };
+        let (Ok(column), Ok(conversion)) = (values(path, file, &name), stated(path, file, channel, &name)) else {
+            continue;
+        };
+        if column.len() == rows {
+            let mut last = f64::NAN;
+            let known = column.into_iter().map(|value| value_of(channel, conversion, value));
+            return known
+                .map(|value| {
+                    if value.is_finite() {
+                        last = value
+                    }
+                    last
+                })
+                .collect();
+        }
+    }
+    Vec::new()
 }
 
 /// The glider, where the file names it, and the first time of its record \[s\].

@@ -4,7 +4,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use super::csv::{csv_error, header, number, reader};
+use super::csv::{Rows, header, number};
 use super::dates::unix_s;
 use glidepolar_input::InputError;
 
@@ -24,22 +24,17 @@ pub enum Dates {
 /// # Errors
 /// A file that cannot be read, is empty, or names a column twice.
 pub fn plain_table(path: &Path, dates: Dates) -> Result<String, InputError> {
-    let mut reader = reader(path)?;
-    let mut names: Vec<String> = header(path, &mut reader)?.iter().map(|name| name.replace(',', ";")).collect();
+    let mut rows = Rows::open(path)?;
+    let mut names: Vec<String> = header(path, &mut rows)?.iter().map(|name| plain(name)).collect();
     // A separator behind the last name.
     names.truncate(names.iter().rposition(|name| !name.is_empty()).map_or(0, |last| last + 1));
-    let first_line = line_before(reader.position().line(), 1);
-    let mut text = "\n".repeat(first_line.saturating_sub(1) as usize) + &names.join(",");
-    let mut line = first_line;
+    let mut line = rows.line();
+    let mut text = "\n".repeat(line.saturating_sub(1)) + &names.join(",");
     let mut first_dates = vec![None; names.len()];
     let mut record = ::csv::ByteRecord::new();
-    loop {
-        let begun = reader.position().line();
-        if !reader.read_byte_record(&mut record).map_err(|error| csv_error(path, &error))? {
-            break;
-        }
-        let here = line_before(reader.position().line(), begun);
-        text.push_str(&"\n".repeat(here.saturating_sub(line).max(1) as usize));
+    while rows.next(&mut record)? {
+        let here = rows.line();
+        text.push_str(&"\n".repeat(here.saturating_sub(line).max(1)));
         line = here.max(line + 1);
         for (i, cell) in record.iter().enumerate().filter(|(i, cell)| *i < names.len() || !cell.is_empty()) {
             if i > 0 {
@@ -48,6 +43,10 @@ pub fn plain_table(path: &Path, dates: Dates) -> Result<String, InputError> {
             let shown = String::from_utf8_lossy(cell);
             match (number(cell), unix_s(&shown)) {
                 (Some(value), _) if value.is_nan() => {}
+                // Without what separates thousands.
+                (Some(value), _) if shown.contains(',') && (shown.contains('.') || shown.matches(',').count() > 1) => {
+                    let _ = write!(text, "{value}");
+                }
                 // The digits as they stand.
                 (Some(_), _) => text.push_str(&shown.replacen(',', ".", 1)),
                 (None, Some(time_s)) => {
@@ -57,7 +56,7 @@ pub fn plain_table(path: &Path, dates: Dates) -> Result<String, InputError> {
                     };
                     let _ = write!(text, "{}", time_s - origin_s);
                 }
-                (None, None) => text.push_str(&shown.replace(',', ";")),
+                (None, None) => text.push_str(&plain(&shown)),
             }
         }
     }
@@ -65,17 +64,23 @@ pub fn plain_table(path: &Path, dates: Dates) -> Result<String, InputError> {
     Ok(text)
 }
 
-/// The line of a row that has been read: the one before the present line, but at the end of a file that ends without a new one. The
-/// reader's own place of a row is that of the comments before it.
-fn line_before(line: u64, begun: u64) -> u64 {
-    if line > begun { line - 1 } else { line }
+/// A text that stays one cell of one line: without the separator, quotation marks and ends of lines, which a cell in
+/// quotation marks may hold.
+fn plain(text: &str) -> String {
+    let replaced = |c: char| match c {
+        ',' => ';',
+        '"' => '\'',
+        '\n' | '\r' => ' ',
+        c => c,
+    };
+    text.chars().map(replaced).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn plain(bytes: &[u8], dates: Dates) -> String {
+    fn plain_text(bytes: &[u8], dates: Dates) -> String {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("table.csv");
         std::fs::write(&path, bytes).expect("a file");
@@ -94,14 +99,30 @@ mod tests {
             b"time_s , lat_deg\n 0 ,\"54.25\"\n60,n/a",
             b"time_s;lat_deg\n2023-04-18T16:49:57Z;54,25\n2023-04-18 16:50:57;\n",
         ] {
-            assert_eq!(plain(bytes, Dates::SinceFirst), expected, "{}", String::from_utf8_lossy(bytes));
+            assert_eq!(plain_text(bytes, Dates::SinceFirst), expected, "{}", String::from_utf8_lossy(bytes));
         }
-        assert_eq!(plain(b"time\n2023-04-18T16:49:57Z\n", Dates::Since1970), "time\n1681836597\n");
+        assert_eq!(plain_text(b"time\n2023-04-18T16:49:57Z\n", Dates::Since1970), "time\n1681836597\n");
+    }
+
+    #[test]
+    fn thousands_are_no_cells_of_their_own() {
+        let text = plain_text(b"time_s,u\n\"1,655,143,200.5\",\"1,020.25\"\n\"1.020,5\",\"0,5\"\n", Dates::Since1970);
+        assert_eq!(text, "time_s,u\n1655143200.5,1020.25\n1020.5,0.5\n");
+    }
+
+    #[test]
+    fn a_cell_of_several_lines_stays_one_cell() {
+        let text =
+            plain_text(b"time_s,\"a\nnote\"\n1,\"two\nlines, \"\"one\"\" cell\"\n2,\"\"\"x\"\"\"\n", Dates::Since1970);
+        assert_eq!(text.lines().collect::<Vec<_>>(), ["", "time_s,a note", "", "1,two lines; 'one' cell", "2,'x'"]);
     }
 
     #[test]
     fn rows_keep_their_lines_and_wrong_cells_their_text() {
-        let text = plain(b"# made by hand\ntime_s;u\n\n1;x,y\n# a remark\n2;3;4\n", Dates::Since1970);
-        assert_eq!(text.lines().collect::<Vec<_>>(), ["", "time_s,u", "", "1,x;y", "", "2,3,4"]);
+        let text = plain_text(b"# made by hand\ntime_s;u\n\n1;x,y\n# a remark\n2;3;4\n", Dates::Since1970);
+        let expected = ["", "time_s,u", "", "1,x;y", "", "2,3,4"];
+        assert_eq!(text.lines().collect::<Vec<_>>(), expected);
+        let text = plain_text(b"# made by hand\r\ntime_s;u\r\n\r\n1;x,y\r\n# a remark\r\n2;3;4", Dates::Since1970);
+        assert_eq!(text.lines().collect::<Vec<_>>(), expected);
     }
 }

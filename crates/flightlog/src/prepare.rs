@@ -4,7 +4,7 @@
 //! passes through a bounded memory.
 
 use super::channels::{Channel, FlightLog};
-use super::clean::{Notes, OtherUnits, Share, despike, fill, fill_angle, median_step, order};
+use super::clean::{Notes, OtherUnits, Share, conductivity_in_s_m, despike, fill, fill_angle, median_step, order};
 use super::density::{densities_kg_m3, practical_salinity};
 use super::motors::motors;
 use super::observation::{DBAR_PA, Observation};
@@ -137,6 +137,7 @@ impl Preparation {
             return;
         }
         self.other_units.count(&piece);
+        conductivity_in_s_m(&mut piece, &mut self.notes);
         despike(&mut piece, &mut self.notes);
         let time = piece.column(Channel::Time);
         self.last_time_s = time[time.len() - 1];

@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use super::dates::{DateOrder, Shows, has_year_last, ordered_unix_s, shows_order};
-use super::dialect::{csv_error, reader};
+use super::dialect::Rows;
 use glidepolar_input::{InputError, printable};
 
 /// Names of a column that holds the date of a clock in another.
@@ -57,11 +57,11 @@ impl RowDates {
 
     /// Looks through the rows until one of them decides. A table whose first date has the year first, or none, is not read.
     fn order_by_rows(&mut self, path: &Path, warnings: &mut Vec<String>) -> Result<(), InputError> {
-        let mut rows = reader(path)?;
-        rows.byte_headers().map_err(|error| csv_error(path, &error))?;
+        let mut rows = Rows::open(path)?;
+        rows.names()?;
         let mut record = ::csv::ByteRecord::new();
         let mut doubtful: Option<String> = None;
-        while rows.read_byte_record(&mut record).map_err(|error| csv_error(path, &error))? {
+        while rows.next(&mut record)? {
             let cell = [self.date_cell, Some(self.time_cell)].into_iter().flatten().find_map(|cell| {
                 let text = std::str::from_utf8(record.get(cell)?).ok()?;
                 text.contains(['/', '-']).then_some(text)

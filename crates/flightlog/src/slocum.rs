@@ -6,8 +6,9 @@
 //! elsewhere; all else is brought to these times by straight lines.
 //!
 //! Pressures are bar, angles radians, battery positions inches, positions `DDMM.mmm`. A value that the glider read again and
-//! found unchanged is a reading as well. The first cycle of a file has the last value of every sensor, however old, and the
-//! second may say of some that they are unchanged: positions are fixes only where they change after that.
+//! found unchanged is a reading as well. The first cycle of a binary file has the last value of every sensor, however old, at
+//! the time when the file was opened: it is no reading, and left out. The second may say of some that they are unchanged:
+//! positions are fixes only where they change after that. `dbd2asc` leaves the first cycle out by itself.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -388,12 +389,13 @@ impl File {
     /// Takes cycles up to a time, and of the file that leads no more than are held at once; the last time comes back.
     fn collect(&mut self, readings: &mut Sensors, end_s: f64, leads: bool) -> Result<f64, InputError> {
         let (mut last_s, mut cycles) = (f64::NEG_INFINITY, 0);
+        let is_binary = matches!(self.cycles, Cycles::Binary(_));
         if let Some((time, values)) = self.next.take() {
             if time > end_s {
                 self.next = Some((time, values));
                 return Ok(last_s);
             }
-            readings.take(time, &values, false);
+            readings.take(time, &values);
         }
         while !self.ended {
             if leads && cycles >= CYCLES {
@@ -409,12 +411,22 @@ impl File {
             if !TIMES.contains(&time) {
                 continue;
             }
+            if is_first && is_binary {
+                // The flight computer's file leads; it alone has positions.
+                if leads {
+                    readings.begin(time, values);
+                }
+                continue;
+            }
             if time > end_s {
                 self.next = Some((time, values.to_vec()));
                 break;
             }
             last_s = last_s.max(time);
-            readings.take(time, values, is_first && leads);
+            if is_first && leads {
+                readings.begin(time, values);
+            }
+            readings.take(time, values);
         }
         Ok(last_s)
     }
@@ -452,6 +464,14 @@ struct Position {
     is_good: bool,
 }
 
+impl Position {
+    fn of(time_s: f64, values: &[f64]) -> Self {
+        let (lat, lon, status) = (values[LAT], values[LON], values[STATUS]);
+        let is_good = lat.is_finite() && lon.is_finite() && !(status.is_finite() && status != 0.0);
+        Position { time_s, lat, lon, is_good }
+    }
+}
+
 /// Places among the names.
 const LAT: usize = 2;
 const LON: usize = 3;
@@ -462,16 +482,17 @@ impl Sensors {
         Sensors { values: vec![Vec::new(); sensors], positions: Vec::new() }
     }
 
-    fn take(&mut self, time_s: f64, values: &[f64], is_first: bool) {
+    /// Takes the position of a file's first cycle: what comes after it is new where it differs, and where there is none.
+    fn begin(&mut self, time_s: f64, values: &[f64]) {
+        self.positions.push(Position::of(time_s, values));
+    }
+
+    fn take(&mut self, time_s: f64, values: &[f64]) {
         for (readings, value) in self.values.iter_mut().zip(values).filter(|(_, value)| value.is_finite()) {
             readings.push((time_s, *value));
         }
-        let (lat, lon) = (values[LAT], values[LON]);
-        let is_there = lat.is_finite() && lon.is_finite();
-        let is_good = is_there && !(values[STATUS].is_finite() && values[STATUS] != 0.0);
-        // A first cycle without a position: whatever comes is new.
-        if is_there || is_first {
-            self.positions.push(Position { time_s, lat, lon, is_good });
+        if values[LAT].is_finite() && values[LON].is_finite() {
+            self.positions.push(Position::of(time_s, values));
         }
     }
 

@@ -6,6 +6,7 @@ mod condensing;
 mod forward_filled_speeds;
 mod interpolated_speeds;
 mod lost_speeds;
+mod netcdf_fixes;
 mod preparing;
 mod seaglider_files;
 mod segments;
@@ -166,6 +167,26 @@ fn names_of_oil_volumes_are_ballast_and_masses_are_refused() {
         let error = csv(&format!("time_s,pressure_dbar,pitch_deg,{name}\n1,5,-30,-200\n")).series().unwrap_err();
         assert!(error.to_string().contains("is a mass") && error.to_string().contains("1.025"), "{name}: {error}");
     }
+}
+
+#[test]
+fn units_below_the_names_may_be_those_of_a_salinity() {
+    let units = "seconds since 1970-01-01T00:00:00Z,dbar,degrees,cm3,degree_C,1e-3";
+    let text = format!("time,pressure,pitch,ballast_pumped,temperature,salinity\n{units}\n1.6e9,20,-30,-200,10,35\n");
+    let log = csv(&text).series().expect("a log");
+    assert_eq!((log.len(), log.at(Channel::Salinity, 0), log.at(Channel::Ballast, 0)), (1, 35.0, -200.0));
+    assert!((log.at(Channel::Pitch, 0) + 30f64.to_radians()).abs() < 1e-12);
+}
+
+#[test]
+fn a_name_of_several_words_is_known_with_its_unit() {
+    let text = "Time (s),Pressure (dbar),Pitch (deg),Ballast volume (cm^3)\n1,20,-30,-200\n";
+    assert_eq!(csv(text).series().expect("a log").at(Channel::Ballast, 0), -200.0);
+    let said = |text: &str| csv(text).series().expect_err("a name that is not known").to_string();
+    let found = said("Time (s),Pressure (dbar),Pitch (deg),Ballast of the day (cm^3)\n1,20,-30,-200\n");
+    assert!(found.contains("--column \"vbd_cc=Ballast of the day (cm^3)\","), "{found}");
+    let found = said("ctd_time_dt64,pressure_dbar,pitch_deg,vbd_cc\n1,20,-30,-200\n");
+    assert!(found.contains("is it `ctd_time_dt64`? say --column time_s=ctd_time_dt64"), "{found}");
 }
 
 #[test]

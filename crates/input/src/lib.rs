@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case, reason = "units stand in names as they are written: N, Pa, C, J")]
 
+pub mod lines;
 pub mod memory;
 pub mod toml;
 

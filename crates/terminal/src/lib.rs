@@ -16,7 +16,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use glidepolar_dynamics::glide::GlideError;
-use glidepolar_input::InputError;
+use glidepolar_input::{InputError, printable};
 use glidepolar_report::output::{OutputError, OutputFolder, Replace, check, write_whole};
 use glidepolar_vehicle::MissingKeys;
 
@@ -41,23 +41,14 @@ impl Output {
     }
 
     /// Finds out before any work whether the results have places of their own, `--json` among them; each place comes with its
-    /// option.
+    /// option. `inputs` are the files that the command reads; what is not there is none of them.
     ///
     /// # Errors
-    /// Where two options name one place, or the place of `--json` cannot be written to.
-    pub fn begin(&self, places: &[(&str, Option<&Path>)]) -> Result<(), CliError> {
+    /// Where two options name one place or an option names an input, or the place of `--json` cannot be written to.
+    pub fn begin(&self, inputs: &[&Path], places: &[(&str, Option<&Path>)]) -> Result<(), CliError> {
         let json = self.json.as_deref().filter(|path| path.as_os_str() != "-");
-        let mut taken: Vec<(&str, PathBuf)> = Vec::new();
-        for (option, path) in places.iter().chain(&[("--json", json)]) {
-            let Some(path) = path else { continue };
-            let place = place(path);
-            if let Some((other, _)) = taken.iter().find(|(_, taken)| *taken == place) {
-                let name = path.display();
-                let problem = format!("{other} and {option} name the same place, {name}: give each result its own");
-                return Err(CliError::Usage(problem));
-            }
-            taken.push((option, place));
-        }
+        let places: Vec<(&str, Option<&Path>)> = places.iter().copied().chain([("--json", json)]).collect();
+        own_places(inputs, &places)?;
         self.check_json()
     }
 
@@ -120,6 +111,34 @@ impl Output {
     fn replace(&self) -> Replace {
         if self.force { Replace::Any } else { Replace::Own }
     }
+}
+
+/// Finds out whether each result has a place of its own. A result in the place of what it was made of is never meant, and an
+/// input is lost by it: `--force` does not allow it. A folder among the inputs stands for the files in it.
+///
+/// # Errors
+/// Where two options name one place, or an option names an input.
+pub fn own_places(inputs: &[&Path], places: &[(&str, Option<&Path>)]) -> Result<(), CliError> {
+    // A device, as standard input, is nobody's place.
+    let is_kept = |path: &&&Path| std::fs::metadata(path).is_ok_and(|found| found.is_file() || found.is_dir());
+    let inputs: Vec<PathBuf> = inputs.iter().filter(is_kept).map(|path| place(path)).collect();
+    let mut taken: Vec<(&str, PathBuf)> = Vec::new();
+    for (option, path) in places {
+        let Some(path) = path else { continue };
+        let (name, place) = (printable(&path.to_string_lossy()), place(path));
+        let is_of =
+            |input: &PathBuf| *input == place || (input.is_dir() && place.is_file() && place.starts_with(input));
+        if inputs.iter().any(is_of) {
+            let problem = format!("{option} {name} names a file that this command reads: give the result another name");
+            return Err(CliError::Usage(problem));
+        }
+        if let Some((other, _)) = taken.iter().find(|(_, taken)| *taken == place) {
+            let problem = format!("{other} and {option} name the same place, {name}: give each result its own");
+            return Err(CliError::Usage(problem));
+        }
+        taken.push((option, place));
+    }
+    Ok(())
 }
 
 /// Where a path leads to, whether or not the file is there already.

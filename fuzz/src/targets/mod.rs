@@ -6,6 +6,7 @@ mod fmu_state;
 mod glider_files;
 mod log;
 mod pilot;
+mod table;
 mod tank;
 mod toml;
 mod vehicle_fmu;
@@ -26,6 +27,7 @@ pub const TARGETS: &[Target] = &[
     pilot::CALIBRATION,
     pilot::INPUTS,
     pilot::SWEEP,
+    table::TABLE,
     toml::VEHICLE,
     toml::MISSION,
     archive::ARCHIVE,

@@ -30,6 +30,30 @@ fn cells_that_are_no_numbers_are_named_with_line_and_column() {
 }
 
 #[test]
+fn a_line_is_the_files_own_after_comments_and_empty_lines() {
+    let (names, row) = (HEADER.trim_end(), "1,2,-0.4,-200,1025");
+    for end in ["\n", "\r\n"] {
+        let text = |lines: &[&str]| lines.join(end);
+        let comments = ["# by hand", "", names, row, "# a gap", "#", "", "2,3,west,-200,1025", row, ""];
+        let found = problem(&text(&comments));
+        assert!(found.contains("log.csv:8:3:"), "{end:?}: {found}");
+        let found = problem(&text(&["sep=,", names, "# a gap", row, "1,2", row, ""]));
+        assert!(found.contains("log.csv:5:"), "{end:?}: {found}");
+        // A mark of the byte order, and a cell of several lines, which ends where the row does.
+        let found = problem(&text(&[
+            "\u{feff}time_s,pressure_dbar,pitch_rad,vbd_cc,note",
+            "1,2,3,4,\"a",
+            "b\"",
+            "2,west,3,4,",
+            "",
+        ]));
+        assert!(found.contains("log.csv:4:2:"), "{end:?}: {found}");
+        let found = problem(&text(&["#", "", "time_s,pressure_dbar,pitch_rad", row, ""]));
+        assert!(found.contains("log.csv:3: no ballast"), "{end:?}: {found}");
+    }
+}
+
+#[test]
 fn semicolons_tabs_decimal_commas_and_dates_are_read() {
     let with = |text: &str| csv(text).series().unwrap();
     // As a spreadsheet writes it where the comma is the decimal mark.

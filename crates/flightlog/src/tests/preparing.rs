@@ -146,6 +146,23 @@ fn values_in_another_unit_are_counted_before_they_are_taken_out() {
 }
 
 #[test]
+fn a_conductivity_that_no_sea_has_is_in_another_unit() {
+    let with = |factor: f64| {
+        let mut log = saw_tooth(2);
+        let rows = log.len();
+        log.set(Channel::Density, vec![f64::NAN; rows]);
+        log.set(Channel::Temperature, vec![10.0; rows]);
+        log.set(Channel::Conductivity, vec![3.8 * factor; rows]);
+        prepared(log)
+    };
+    let ((right, _), (other, notes)) = (with(1.0), with(10.0));
+    assert!(right.len() > 30 && right.len() == other.len());
+    let differs = |(a, b): (&Observation, &Observation)| (a.density_kg_m3 - b.density_kg_m3).abs() > 1e-6;
+    assert!(!right.iter().zip(&other).any(differs) && right[0].density_kg_m3 > 1020.0);
+    assert!(notes.iter().any(|note| note.contains("taken as mS/cm")), "{notes:?}");
+}
+
+#[test]
 fn the_noise_of_a_reading_is_no_motor() {
     // Two tenths of a cubic centimetre and of a millimetre, at one row a second: steps of half a unit all the time.
     let mut random = StdRng::seed_from_u64(5);

@@ -79,26 +79,25 @@ pub(super) fn segment(name: &str, start_s: f64) -> (Vec<u8>, Vec<u8>) {
         ("m_gps_lat", "lat"),
         ("m_gps_lon", "lon"),
     ];
-    let rows: Vec<Vec<f64>> = (0..200)
-        .map(|i| {
-            let t = 4.0 * f64::from(i);
-            // The first cycle has a position of before.
-            let lat = if i == 0 { 5400.6 } else { 5430.6 };
-            vec![start_s + t, -0.4 - 1e-4 * t, 0.0, -200.0 + 0.1 * t, 0.5, 6.2 + 0.001 * t, 0.02 * t, lat, -730.0]
-        })
-        .collect();
+    // The first cycle has what was last read before, at the time when the file was opened.
+    let stale = vec![start_s - 2.0, 1.3, 0.0, 500.0, 9.0, 1.0, 60.0, 5400.6, -730.0];
+    let rows = (0..200).map(|i| {
+        let t = 4.0 * f64::from(i);
+        vec![start_s + t, -0.4 - 1e-4 * t, 0.0, -200.0 + 0.1 * t, 0.5, 6.2 + 0.001 * t, 0.02 * t, 5430.6, -730.0]
+    });
+    let rows: Vec<Vec<f64>> = std::iter::once(stale).chain(rows).collect();
     let science = [
         ("sci_m_present_time", "timestamp"),
         ("sci_water_pressure", "bar"),
         ("sci_water_temp", "degC"),
         ("sci_water_cond", "S/m"),
     ];
-    let science_rows: Vec<Vec<f64>> = (0..300)
-        .map(|i| {
-            let t = 0.25 + f64::from(i);
-            vec![start_s + t, 0.02 * t + 0.01, 15.0 - 0.01 * t, 4.0]
-        })
-        .collect();
+    let stale = vec![start_s - 1.0, 60.0, 30.0, 0.0];
+    let science_rows = (0..300).map(|i| {
+        let t = 0.25 + f64::from(i);
+        vec![start_s + t, 0.02 * t + 0.01, 15.0 - 0.01 * t, 4.0]
+    });
+    let science_rows: Vec<Vec<f64>> = std::iter::once(stale).chain(science_rows).collect();
     (dbd(name, "dbd", &flight, &rows), dbd(name, "ebd", &science, &science_rows))
 }
 
@@ -128,7 +127,7 @@ fn flight_and_science_files_of_a_slocum_are_one_log() {
         1,
         "the last position is written again and again, and that of the first cycle is of before"
     );
-    assert_eq!(fixes[0].time_s, START_S + 4.0);
+    assert_eq!(fixes[0].time_s, START_S);
     assert!((fixes[0].lat_deg - 54.51).abs() < 1e-9 && (fixes[0].lon_deg + 7.5).abs() < 1e-9);
     assert!(files.warnings().is_empty(), "{:?}", files.warnings());
 }
