@@ -6,10 +6,10 @@ import sys
 
 import log_files
 import pytest
-from conftest import together
+from conftest import long, together
 from log_files import Dive
 
-pytestmark = together("progress")
+pytestmark = [together("progress"), long]
 
 
 @pytest.fixture(scope="module")

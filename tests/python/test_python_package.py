@@ -12,6 +12,7 @@ import time
 from pathlib import Path
 
 import pytest
+from conftest import long
 
 ROOT = Path(__file__).parents[2]
 NOTHING_ELSE = {name: value for name, value in os.environ.items() if not name.startswith("GLIDEPOLAR_")}
@@ -213,6 +214,7 @@ def test_long_work_says_how_far_it_is_and_ends_where_the_callback_fails(programs
     )
 
 
+@long
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux lets a process reset its own peak of memory")
 def test_a_long_log_is_not_copied(programs, tmp_path):
     """The analysis keeps a bounded number of samples, and means over a minute each: the same flight of a million seconds in
