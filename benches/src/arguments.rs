@@ -102,7 +102,7 @@ impl Choice {
 
     /// Rounds in which all contenders take their turn.
     pub fn rounds(&self) -> usize {
-        self.size(Sized { quick: 2, standard: 7, full: 11 })
+        self.size(Sized { quick: 0, standard: 7, full: 11 })
     }
 
     /// Whether this is the run that the page is written from.

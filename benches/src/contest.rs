@@ -100,7 +100,8 @@ impl Outcome {
     }
 }
 
-/// Runs the rounds after one round to warm up, which does not count. Who fails once is out; the others go on.
+/// Runs the rounds after one round to warm up, which counts only where it is all: whether everything runs takes no second one.
+/// Who fails once is out; the others go on.
 pub fn contest<const N: usize>(rounds: usize, contenders: [Contender<'_>; N]) -> [Outcome; N] {
     let mut running = contenders.map(|contender| {
         let outcome = Outcome { name: contender.name.clone(), samples: Samples::default(), failure: None };
@@ -114,7 +115,7 @@ pub fn contest<const N: usize>(rounds: usize, contenders: [Contender<'_>; N]) ->
                 continue;
             }
             match (contender.work)() {
-                Ok(_) if round == 0 => {}
+                Ok(_) if round == 0 && rounds > 0 => {}
                 Ok(figure) => outcome.samples.push(figure),
                 Err(error) => outcome.failure = Some(format!("{}: {error:#}", outcome.name)),
             }
@@ -140,6 +141,19 @@ mod tests {
         // Everything was twice as slow in the second round: the ratio does not show it.
         let (ours, theirs) = (Samples(vec![1.0, 2.0]), Samples(vec![3.0, 6.0]));
         assert_eq!(theirs.over(&ours), Samples(vec![3.0, 3.0]));
+    }
+
+    #[test]
+    fn without_rounds_the_one_to_warm_up_counts() {
+        let mut calls = 0;
+        let [only] = contest(
+            0,
+            [Contender::new("only", || {
+                calls += 1;
+                Ok(2.0)
+            })],
+        );
+        assert_eq!((only.samples.median(), calls), (2.0, 1));
     }
 
     #[test]

@@ -21,6 +21,25 @@ def together(group: str) -> pytest.MarkDecorator:
     return pytest.mark.xdist_group(group)
 
 
+# Minutes each: they begin before all others, so that none of them is left over for one process at the end.
+long = pytest.mark.long
+
+
+def pytest_configure(config):
+    config.addinivalue_line("markers", "long: takes minutes, and begins before all others")
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(config, items):
+    """Long tests come first. Where pytest-xdist does not see the groups, what is dear is made in every process, and two of them
+    build in one folder: nothing fails, everything takes longer. That is said here.
+    """
+    items.sort(key=lambda item: item.get_closest_marker("long") is None)
+    if getattr(config.option, "loadgroup", False):
+        alone = [item.nodeid for item in items if item.get_closest_marker("xdist_group") and "@" not in item.nodeid]
+        assert alone == [], f"pytest-xdist has lost the groups of {len(alone)} tests, as {alone[0]}"
+
+
 def path_from(variable: str) -> Path:
     value = os.environ.get(variable)
     if value is None:

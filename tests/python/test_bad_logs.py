@@ -9,6 +9,7 @@ import log_files
 import netCDF4
 import numpy as np
 import pytest
+from conftest import long
 from log_files import Dive
 from test_pilot_logs import run
 
@@ -219,6 +220,7 @@ def test_gzipped_netcdf_is_read_as_it_is_unpacked(log_values, tmp_path, maker, f
     assert done.returncode == 2 and packed.name in done.stderr and "damaged" in done.stderr, done.stderr
 
 
+@long
 def test_a_gigabyte_of_one_file_passes_through_bounded_memory(glidepolar, tmp_path):
     """Half a year of a cycle in 5 s; a damage in the middle costs the cycles around it, the end is cut off."""
     dive, repeats = Dive(rows=400), 8000

@@ -25,12 +25,14 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import pytest
-from conftest import MEASURED, counters, empty_environment, path_from
+from conftest import MEASURED, counters, empty_environment, long, path_from, together
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "wheel/README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 PROGRAMS = {"glidepolar", "tank-reduce", "cargo", "fmpy", "python", "pip", "man", "printf", "valgrind"}
 CLEAN_START = "<!-- clean start -->"
+# Pages that diagnose long logs.
+LONG = {"findings.md", "fmu-users.md", "pilots.md"}
 MARKER = re.compile(r"<!-- (in short|with|measured): (.+?) -->")
 # Longer than this, and a command belongs into a campaign; those of cargo may have to build first.
 PATIENCE_S, PATIENCE_OF_CARGO_S = 120, 1200
@@ -213,7 +215,7 @@ def in_groups(pages: list[Path]) -> list:
         return any(program_of(command) == "cargo" for block in blocks_of(page) for command in block.commands)
 
     def parameter(page: Path):
-        marks = [pytest.mark.xdist_group("cargo")] if runs_cargo(page) else []
+        marks = [together("cargo"), long] if runs_cargo(page) else [long] if page.name in LONG else []
         return pytest.param(page, id=str(page.relative_to(ROOT)), marks=marks)
 
     return [parameter(page) for page in sorted(pages, key=runs_cargo, reverse=True)]

@@ -14,15 +14,16 @@ pytestmark = together("progress")
 
 @pytest.fixture(scope="module")
 def long_log(tmp_path_factory):
-    """A table that takes some seconds to read: forty days of a row in two seconds."""
+    """A table that takes some seconds to read and little to fit: between forty dives the glider lies at the surface for a day."""
     path = tmp_path_factory.mktemp("long") / "log.csv"
     dive = Dive(rows=400)
     names = ["time_s", "pressure_dbar", "pitch_deg", "vbd_cc", "temperature_C", "salinity_psu", "heading_deg"]
     lines = [",".join(f"{dive[name][row]:.4f}" for name in names[1:]) for row in range(dive.rows)]
+    lines += [lines[-1]] * 19_600
     with open(path, "w", encoding="utf-8") as file:
         file.write(",".join(names) + "\n")
-        for i in range(4000):
-            start = log_files.START_S + 2100 * i
+        for i in range(40):
+            start = log_files.START_S + (5 * len(lines) + 100) * i
             file.write("".join(f"{start + 5 * row:.1f},{line}\n" for row, line in enumerate(lines)))
     return path
 

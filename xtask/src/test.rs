@@ -48,8 +48,8 @@ pub fn run(workspace: &Workspace, only: Option<Part>) -> Result<()> {
     if wanted(Part::Python) {
         let mut command = workspace.command(tested.python.interpreter());
         command.args(["-m", "pytest", "tests/python", "-rs", "--timeout=300", "-p", "no:cacheprovider"]);
-        // Tests of one group, those that run cargo, stay in one process and in their order.
-        command.args(["--numprocesses=2", "--dist=loadgroup", "--durations=25"]);
+        // Tests of one group, those that run cargo, stay in one process and in their order: the long ones first, not the large groups.
+        command.args(["--numprocesses=2", "--dist=loadgroup", "--no-loadscope-reorder", "--durations=40"]);
         stages.time("tests in Python", || run_command(tested.announce(&mut command)))?;
     }
     stages.print();

@@ -43,7 +43,7 @@ fn of_log(context: &Context<'_>, part: &mut Part, log: &Log, goal: f64) -> Resul
     let question = Question::new(baseline, log.free())?;
     let dives = by_dive(&observations);
     let evaluations = fit(&question, &mut dives.clone())?.evaluations;
-    let rounds = context.choice.size(Sized { quick: 1, standard: 3, full: 7 });
+    let rounds = context.choice.size(Sized { quick: 0, standard: 3, full: 7 });
     let [whole, look, single] = contest(
         rounds,
         [

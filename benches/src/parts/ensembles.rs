@@ -27,7 +27,7 @@ pub fn measure(context: &Context<'_>) -> Result<Part> {
     });
     for &missions in sizes {
         let rounds =
-            if missions >= 100_000 { 2 } else { context.choice.size(Sized { quick: 1, standard: 5, full: 7 }) };
+            if missions >= 100_000 { 2 } else { context.choice.size(Sized { quick: 0, standard: 5, full: 7 }) };
         let fly_all = || (0..missions).into_par_iter().try_for_each(|mission| fly(&glider, mission));
         let [alone, both] = contest(
             rounds,
@@ -61,7 +61,7 @@ fn beside_dask(context: &Context<'_>, part: &mut Part, glider: &FmuGlider) -> Re
     let missions = context.choice.size(Sized { quick: 20, standard: 400, full: 2_000 });
     let mut peer = Peer::start(context.python(), context.root(), "fmpy_ensemble.py", &[context.fmu(Standard::Fmi3)?])?;
     let two = rayon::ThreadPoolBuilder::new().num_threads(2).build()?;
-    let rounds = context.choice.size(Sized { quick: 1, standard: 5, full: 7 });
+    let rounds = context.choice.size(Sized { quick: 0, standard: 5, full: 7 });
     let [ours, theirs] = contest(
         rounds,
         [

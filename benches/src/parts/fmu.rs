@@ -229,7 +229,7 @@ fn right_hand_side(context: &Context<'_>, part: &mut Part) {
 fn voyages(context: &Context<'_>, part: &mut Part) -> Result<()> {
     let days = context.choice.size(Sized { quick: 0.25, standard: VOYAGE_DAYS, full: VOYAGE_DAYS });
     let legs = (days * LEGS_PER_DAY).floor() as usize;
-    let rounds = context.choice.size(Sized { quick: 1, standard: 3, full: 7 });
+    let rounds = context.choice.size(Sized { quick: 0, standard: 3, full: 7 });
     let (three, two) = (context.glider(Standard::Fmi3)?, context.glider(Standard::Fmi2)?);
     let fly = |glider: &FmuGlider, step_s: f64| -> Result<()> {
         let instance = glider.fmu.begin(Interface::CoSimulation, TOLERANCE)?;
@@ -272,7 +272,7 @@ fn beside_python(context: &Context<'_>, part: &mut Part) -> Result<()> {
     };
     let seconds = |fmu, legs, step_s| number(&ask(fmu, legs, step_s)?, "seconds");
     let (ours_legs, their_legs) = context.choice.size(Sized { quick: (4, 2), standard: (200, 4), full: (1000, 10) });
-    let rounds = context.choice.size(Sized { quick: 1, standard: 5, full: 9 });
+    let rounds = context.choice.size(Sized { quick: 0, standard: 5, full: 9 });
 
     // A ratio of things that are not the same would mean nothing.
     let reference = states(&ask(0, 2, LEG_S)?)?;

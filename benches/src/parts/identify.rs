@@ -51,7 +51,7 @@ fn steady(context: &Context<'_>, part: &mut Part, log: &Log) -> Result<()> {
     write_bins(&bins, &question, &dives, &found)?;
     let mut peer = Peer::start(context.python(), context.root(), "least_squares.py", &[&bins]);
     let mut first = None;
-    let rounds = context.choice.size(Sized { quick: 2, standard: 7, full: 15 });
+    let rounds = context.choice.size(Sized { quick: 0, standard: 7, full: 15 });
     let [ours, one_start, theirs] = contest(
         rounds,
         [
@@ -166,7 +166,7 @@ fn beside_gliderflight(context: &Context<'_>, part: &mut Part) -> Result<()> {
         Err(anyhow::anyhow!("{PEER_DATA} is not there; fetch it by `cargo xtask fetch-data`"))
     };
     let mut peer = peer.map(|peer| peer.patience(1200));
-    let rounds = context.choice.size(Sized { quick: 1, standard: 5, full: 9 });
+    let rounds = context.choice.size(Sized { quick: 0, standard: 5, full: 9 });
     let [whole, theirs] = contest(
         rounds,
         [
@@ -189,7 +189,7 @@ fn beside_gliderflight(context: &Context<'_>, part: &mut Part) -> Result<()> {
 
 /// Dives flown through time. The peer's calibration takes minutes: stopped after a while unless all of it was asked for.
 fn unsteady(context: &Context<'_>, part: &mut Part, peer: Option<&mut Peer>) {
-    let rounds = context.choice.size(Sized { quick: 1, standard: 5, full: 9 });
+    let rounds = context.choice.size(Sized { quick: 0, standard: 5, full: 9 });
     let [ours] = contest(rounds, [Contender::timed("glidepolar", 1, || command(context, &["--unsteady"]))]);
     let budget_s = context.choice.size(Sized { quick: 5.0, standard: 60.0, full: 1100.0 });
     let begin = Instant::now();

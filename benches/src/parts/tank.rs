@@ -47,8 +47,8 @@ fn of_size(context: &Context<'_>, part: &mut Part, megabytes: f64) -> Result<()>
     let runs = folder.path().join("pmm_runs");
     let rounds = match megabytes {
         size if size > 500.0 => 2,
-        size if size > 50.0 => context.choice.size(Sized { quick: 1, standard: 3, full: 5 }),
-        _ => context.choice.size(Sized { quick: 1, standard: 5, full: 7 }),
+        size if size > 50.0 => context.choice.size(Sized { quick: 0, standard: 3, full: 5 }),
+        _ => context.choice.size(Sized { quick: 0, standard: 5, full: 7 }),
     };
     let mut memories: [Samples; 4] = Default::default();
     let mut values: [Option<Value>; 2] = [None, None];

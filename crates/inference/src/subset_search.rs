@@ -4,6 +4,8 @@
 //! M, `n_eff` the number of independent rows. Curves in the covariates run in the same search: where a curve that nobody
 //! can name beats every mechanism, no mechanism is named.
 
+use std::collections::HashSet;
+
 use super::score::Score;
 
 /// By how much an unnamed curve must be better before it keeps a mechanism from being named, and how much worse
@@ -159,6 +161,7 @@ impl<'a> SubsetSearch<'a> {
         let mut level = starts;
         for size in 1..=max_members {
             let mut next: Vec<Choice> = Vec::new();
+            let mut known: HashSet<Vec<usize>> = HashSet::new();
             for choice in &level {
                 for other in named {
                     let family = self.regressors[*other].family;
@@ -168,7 +171,7 @@ impl<'a> SubsetSearch<'a> {
                     let mut members = choice.members.clone();
                     members.push(*other);
                     members.sort_unstable();
-                    if next.iter().any(|known| known.members == members) {
+                    if !known.insert(members.clone()) {
                         continue;
                     }
                     let criterion = self.criterion(&members);

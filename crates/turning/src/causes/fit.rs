@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::findings::{MOST_CHANCE, ROLL};
-use super::model::{ATTACK, Row, Term, dives, predicted, start};
+use super::model::{ATTACK, Model, Path, Row, Term, dives, predicted, start};
 use crate::{SURE, Stretch, sd};
 
 /// Questions that are asked of a log: roll at rest, list, sensor, yaw.
@@ -61,8 +61,9 @@ impl Fit {
         let mut values = start(terms);
         let scatter = |values: &DVector<f64>| {
             let mut squares = [0.0; 2];
+            let model = Model::new(terms, values);
             for row in rows {
-                let [rate, roll] = predicted(row, terms, values);
+                let [rate, roll] = model.predicted(row, model.path(row));
                 squares[0] += (row.stretch.rate_rad_s - rate).powi(2);
                 squares[1] += (row.stretch.roll_rad - roll).powi(2);
             }
@@ -80,8 +81,10 @@ impl Fit {
         let length = clusters.len();
         let mut last = None;
         for step in 0..STEPS {
-            let of_rows = rows.iter().flat_map(|row| {
-                let [rate, roll] = predicted(row, terms, &values);
+            let here = Model::new(terms, &values);
+            let paths: Vec<Path> = rows.iter().map(|row| here.path(row)).collect();
+            let of_rows = rows.iter().zip(&paths).flat_map(|(row, path)| {
+                let [rate, roll] = here.predicted(row, *path);
                 [(row.stretch.rate_rad_s - rate) / weights[0], (row.stretch.roll_rad - roll) / weights[1]]
             });
             let of_priors = priors.iter().map(|(at, [mean, sd])| (mean - values[*at]) / sd);
@@ -95,11 +98,13 @@ impl Fit {
                 let at = |change: f64| {
                     let mut values = values.clone();
                     values[column] += change;
-                    values
+                    Model::new(terms, &values)
                 };
                 let (above, below) = (at(step), at(-step));
-                for (i, row) in rows.iter().enumerate() {
-                    let (up, down) = (predicted(row, terms, &above), predicted(row, terms, &below));
+                let turns_paths = terms[column] == Term::Attack;
+                for (i, (row, path)) in rows.iter().zip(&paths).enumerate() {
+                    let [up, down] = [&above, &below]
+                        .map(|model| model.predicted(row, if turns_paths { model.path(row) } else { *path }));
                     for k in 0..2 {
                         design[(2 * i + k, column)] = (up[k] - down[k]) / (2.0 * step) / weights[k];
                     }

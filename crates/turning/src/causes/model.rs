@@ -24,16 +24,6 @@ pub(super) struct Row {
     pub(super) drag_per_lift: f64,
 }
 
-impl Row {
-    /// Speed along the path \[m/s\], and the net weight's component to the side over the drag for a unit of roll. The path is steeper than
-    /// the hull by the angle of attack, whose product with the tangent of the path is drag over slope of the lift.
-    fn along_path(&self, drag_per_lift: f64) -> (f64, f64) {
-        let pitch = self.stretch.pitch_rad.abs();
-        let path = pitch + angle_of_attack(pitch, drag_per_lift);
-        (self.speed_m_s * pitch.sin() / path.sin(), pitch.cos() / path.sin())
-    }
-}
-
 /// The angle of attack of a glide at this pitch: `angle tan(pitch + angle) = drag_per_lift`, by Newton's steps from above. With the
 /// tangent of the pitch alone it would be half again too large at the flattest pitches.
 fn angle_of_attack(pitch_rad: f64, drag_per_lift: f64) -> f64 {
@@ -148,28 +138,99 @@ pub(super) fn start(terms: &[Term]) -> DVector<f64> {
 
 /// Turn rate and roll of a stretch by the model.
 pub(super) fn predicted(row: &Row, terms: &[Term], values: &DVector<f64>) -> [f64; 2] {
-    let of = |wanted: Term| terms.iter().position(|term| *term == wanted).map_or(0.0, |at| values[at]);
-    let stretch = row.stretch;
-    let (speed_m_s, cot) =
-        row.along_path(if terms.contains(&Term::Attack) { of(Term::Attack) } else { row.drag_per_lift });
-    let finite = |value: f64| if value.is_finite() { value } else { 0.0 };
-    let (rudder, roll_mass) = (finite(stretch.rudder_rad), finite(stretch.roll_mass_rad));
-    let (zero, gain) = (of(Term::Zero), of(Term::Gain));
-    let sign = if stretch.descends { -1.0 } else { 1.0 };
-    let per_roll = of(Term::RollTurns(stretch.descends)) + sign * of(Term::RollTurnsAlike);
-    // Turned over, the glider turns the other way: an odd law of the true roll.
-    let sin_roll = (stretch.roll_rad - zero).sin();
-    let per_roll = per_roll
-        + of(Term::RollBends(stretch.descends)) * sin_roll * sin_roll
-        + of(Term::PitchBends(stretch.descends)) * cot;
-    let side = per_roll * sin_roll;
-    let rate = speed_m_s * (of(Term::Yaw) - sign * of(Term::YawApart) + of(Term::Rudder) * rudder + side * cot);
-    let share = of(Term::Share);
-    let (sin, cos) = (roll_mass + of(Term::RollMassOffset) + share).sin_cos();
-    // The roll rate of a turn at this pitch is the turn rate times the sine of the pitch; gravity's lever is the cosine of the pitch.
-    let damped = of(Term::Damped) * speed_m_s * stretch.rate_rad_s * stretch.pitch_rad.clamp(-1.4, 1.4).tan();
-    let pulled =
-        gain * (sin - share.sin()) + of(Term::List).tan() + damped / (stretch.roll_rad - zero).clamp(-1.4, 1.4).cos();
-    let lean = (pulled / (1.0 + gain * (cos - 1.0))).atan();
-    [rate, zero + lean + of(Term::RudderRolls) * rudder * speed_m_s * speed_m_s]
+    let model = Model::new(terms, values);
+    model.predicted(row, model.path(row))
+}
+
+/// The way of a stretch through the water: what of the model depends on the angle of attack alone.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Path {
+    /// Speed along it \[m/s\].
+    speed_m_s: f64,
+    /// The net weight's component to the side over the drag for a unit of roll.
+    cot: f64,
+    /// Tangent of the hull's pitch.
+    tan_pitch: f64,
+}
+
+/// Values of all terms, zero where one is not fitted: looked up once for all stretches.
+pub(super) struct Model {
+    attack: Option<f64>,
+    yaw: f64,
+    yaw_apart: f64,
+    /// On ascents, on descents; so are the two behind it.
+    roll_turns: [f64; 2],
+    roll_bends: [f64; 2],
+    pitch_bends: [f64; 2],
+    roll_turns_alike: f64,
+    rudder: f64,
+    zero: f64,
+    tan_list: f64,
+    roll_mass_offset: f64,
+    share: f64,
+    sin_share: f64,
+    gain: f64,
+    rudder_rolls: f64,
+    damped: f64,
+}
+
+impl Model {
+    pub(super) fn new(terms: &[Term], values: &DVector<f64>) -> Self {
+        let known = |wanted: Term| terms.iter().position(|term| *term == wanted).map(|at| values[at]);
+        let of = |wanted: Term| known(wanted).unwrap_or(0.0);
+        Model {
+            attack: known(Term::Attack),
+            yaw: of(Term::Yaw),
+            yaw_apart: of(Term::YawApart),
+            roll_turns: [false, true].map(|descends| of(Term::RollTurns(descends))),
+            roll_bends: [false, true].map(|descends| of(Term::RollBends(descends))),
+            pitch_bends: [false, true].map(|descends| of(Term::PitchBends(descends))),
+            roll_turns_alike: of(Term::RollTurnsAlike),
+            rudder: of(Term::Rudder),
+            zero: of(Term::Zero),
+            tan_list: of(Term::List).tan(),
+            roll_mass_offset: of(Term::RollMassOffset),
+            share: of(Term::Share),
+            sin_share: of(Term::Share).sin(),
+            gain: of(Term::Gain),
+            rudder_rolls: of(Term::RudderRolls),
+            damped: of(Term::Damped),
+        }
+    }
+
+    /// The path is steeper than the hull by the angle of attack, whose product with the tangent of the path is drag over slope of the
+    /// lift. Its tangents are most of what a prediction costs, and only [`Term::Attack`] changes them.
+    pub(super) fn path(&self, row: &Row) -> Path {
+        let pitch = row.stretch.pitch_rad.abs();
+        let path = pitch + angle_of_attack(pitch, self.attack.unwrap_or(row.drag_per_lift));
+        Path {
+            speed_m_s: row.speed_m_s * pitch.sin() / path.sin(),
+            cot: pitch.cos() / path.sin(),
+            tan_pitch: row.stretch.pitch_rad.clamp(-1.4, 1.4).tan(),
+        }
+    }
+
+    /// Turn rate and roll of a stretch on its path.
+    pub(super) fn predicted(&self, row: &Row, path: Path) -> [f64; 2] {
+        let Path { speed_m_s, cot, tan_pitch } = path;
+        let stretch = &row.stretch;
+        let finite = |value: f64| if value.is_finite() { value } else { 0.0 };
+        let (rudder, roll_mass) = (finite(stretch.rudder_rad), finite(stretch.roll_mass_rad));
+        let (zero, gain) = (self.zero, self.gain);
+        let leg = usize::from(stretch.descends);
+        let sign = if stretch.descends { -1.0 } else { 1.0 };
+        let per_roll = self.roll_turns[leg] + sign * self.roll_turns_alike;
+        // Turned over, the glider turns the other way: an odd law of the true roll.
+        let sin_roll = (stretch.roll_rad - zero).sin();
+        let per_roll = per_roll + self.roll_bends[leg] * sin_roll * sin_roll + self.pitch_bends[leg] * cot;
+        let side = per_roll * sin_roll;
+        let rate = speed_m_s * (self.yaw - sign * self.yaw_apart + self.rudder * rudder + side * cot);
+        let (sin, cos) = (roll_mass + self.roll_mass_offset + self.share).sin_cos();
+        // The roll rate of a turn at this pitch is the turn rate times the sine of the pitch; gravity's lever is the cosine of the pitch.
+        let damped = self.damped * speed_m_s * stretch.rate_rad_s * tan_pitch;
+        let pulled =
+            gain * (sin - self.sin_share) + self.tan_list + damped / (stretch.roll_rad - zero).clamp(-1.4, 1.4).cos();
+        let lean = (pulled / (1.0 + gain * (cos - 1.0))).atan();
+        [rate, zero + lean + self.rudder_rolls * rudder * speed_m_s * speed_m_s]
+    }
 }
