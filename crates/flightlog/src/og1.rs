@@ -314,7 +314,8 @@ pub(super) fn fixes(path: &Path) -> Result<Vec<GpsFix>, InputError> {
         let is_new = positions.is_received(lat, lon, !is_deep && lat.is_finite() && lon.is_finite());
         let Some(fix) = GpsFix::new(time, of(lat), of(lon)).filter(|_| !is_deep) else { continue };
         let differs = last.is_none_or(|last| (last.lat_deg, last.lon_deg) != (fix.lat_deg, fix.lon_deg));
-        if if is_filled { is_new } else { differs } {
+        let counts = if is_filled { is_new } else { differs };
+        if counts {
             fixes.push(fix);
         }
         last = Some(fix);
