@@ -40,7 +40,8 @@ def test_a_list_of_sensors_of_another_file_is_refused_and_named(glidepolar, log_
     (tmp_path / "cac" / name).write_bytes(log_files.slocum_list())
     (tmp_path / name).unlink()
     rows, _ = values(log_values, "--cache", tmp_path / "cac", tmp_path / "a.dbd")
-    assert rows == 120
+    # The first of 120 cycles is no reading.
+    assert rows == 119
 
 
 def test_a_binary_file_that_is_cut_off_or_damaged_keeps_what_is_sound(log_values, tmp_path):
@@ -49,7 +50,7 @@ def test_a_binary_file_that_is_cut_off_or_damaged_keeps_what_is_sound(log_values
     content = path.read_bytes()
     path.write_bytes(content[: -20 * cycle - 7])
     rows, said = values(log_values, path)
-    assert rows == 99 and "a.dbd" in said and "cut off" in said, (rows, said)
+    assert rows == 98 and "a.dbd" in said and "cut off" in said, (rows, said)
     damaged = bytearray(content)
     at = len(content) - 1 - 60 * cycle
     damaged[at - 3 * cycle : at] = b"\x55" * (3 * cycle)
@@ -121,7 +122,8 @@ def test_one_file_behind_another_is_read_on_or_named(log_values, tmp_path, kind)
         for path, one, two in zip(joined, *pairs, strict=True):
             path.write_bytes(one.read_bytes() + two.read_bytes())
     rows, _ = values(log_values, *joined)
-    assert rows == 240, rows
+    # The first cycle of a Slocum's file is no reading; that of a file within another cannot be known for one.
+    assert rows == (239 if kind == "slocum" else 240), rows
 
 
 @pytest.mark.parametrize("lacks", ["m_pitch", "m_ballast_pumped"])

@@ -66,7 +66,7 @@ SEGMENTS = [
     ("dbdreader", ["amadeus-2014-204-05-000.dbd", "amadeus-2014-204-05-000.ebd"], "cac"),
     ("dbdreader", ["sebastian-2014-204-05-000.dbd", "sebastian-2014-204-05-000.ebd"], "cac"),
     ("dbdreader", ["electa-2023-143-00-050.sbd", "electa-2023-143-00-050.tbd"], "cac"),
-    ("pyglider/maria997", ["maria-997-2022-164-7-10.sbd", "maria-997-2022-164-7-10.tbd"], "cac"),
+    ("pyglider/maria997", ["maria-997-2022-164-7-0.sbd", "maria-997-2022-164-7-0.tbd"], "cac"),
 ]
 
 
