@@ -60,9 +60,13 @@ pub fn correlation(covariance: &DMatrix<f64>) -> DMatrix<f64> {
 /// Condition number of `J` with its columns scaled to one length: how much a small change of the data can turn into
 /// a change of the parameters, whatever their units.
 pub fn condition_number(normal: &DMatrix<f64>) -> f64 {
+    // Nothing is fitted where all is held.
+    if normal.is_empty() {
+        return 1.0;
+    }
     let eigen = scaled(normal).0.symmetric_eigenvalues();
     let (least, most) = eigen.iter().fold((f64::INFINITY, 0.0f64), |(low, high), &v| (low.min(v), high.max(v)));
-    if eigen.is_empty() { 1.0 } else { (most / least.max(most * 1e-16)).sqrt() }
+    (most / least.max(most * 1e-16)).sqrt()
 }
 
 /// `A^-1 b` for a symmetric positive matrix of any scaling; directions that it does not see stay where they are.
@@ -130,4 +134,17 @@ fn scaled(matrix: &DMatrix<f64>) -> (DMatrix<f64>, Vec<f64>) {
     let scale: Vec<f64> =
         (0..n).map(|i| matrix[(i, i)].max(0.0).sqrt()).map(|s| if s > 0.0 { s } else { 1.0 }).collect();
     (DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] / (scale[i] * scale[j])), scale)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Everything held leaves an empty matrix, which has no eigenvalues to ask for.
+    #[test]
+    fn nothing_fitted_is_no_error() {
+        let nothing = DMatrix::zeros(0, 0);
+        assert_eq!((inverse_symmetric(&nothing).nrows(), condition_number(&nothing)), (0, 1.0));
+        assert_eq!(jackknife(0, &[Gram::new(0), Gram::new(0)]).nrows(), 0);
+    }
 }
