@@ -208,7 +208,7 @@ impl Fitted {
         let stated = self.evidence.stated_sd[rows].iter().map(|sd| sd * sd).sum::<f64>() / n.max(1) as f64;
         let slow: f64 = noise.slow.iter().map(|slow| slow.variance).sum();
         let most = (left - noise.white * stated).max(0.0);
-        let mut within = noise.clone();
+        let mut within = *noise;
         if slow > most {
             within.slow.iter_mut().for_each(|part| part.variance *= most / slow);
         }
