@@ -215,7 +215,9 @@ def test_an_interrupted_sweep_goes_on_where_it_stopped(glidepolar, tmp_path):
             time.sleep(0.002)
         process.send_signal(signal.SIGINT)
     assert process.returncode == -signal.SIGINT and not (tmp_path / "ends.csv").exists()
-    mark, *rows = kept.read_text().splitlines()
+    # A signal can end a write between two pages: what follows the last end of line is a row that was cut off.
+    left = kept.read_text()
+    mark, *rows = left[: left.rindex("\n")].split("\n")
     assert 0 < len(rows) < 2000 and rows == whole.splitlines()[1 : 1 + len(rows)], "finished rows stand on the disk"
 
     done = run(glidepolar, *sweep, "--tolerance", "1e-5", "--csv", "ends.csv", "--resume", cwd=tmp_path)
