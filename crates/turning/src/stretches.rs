@@ -43,6 +43,7 @@ pub(crate) struct Stretch {
     pub(crate) roll_rad: f64,
     pub(crate) rudder_rad: f64,
     pub(crate) roll_mass_rad: f64,
+    pub(crate) battery_forward_m: f64,
 }
 
 /// The steady stretches of a log with heading.
@@ -145,5 +146,6 @@ fn close(run: &mut Vec<&Observation>, limits: &Limits, found: &mut Vec<Stretch>)
         roll_rad: mean(|o| o.roll_rad),
         rudder_rad: mean(|o| o.rudder_rad),
         roll_mass_rad: mean(|o| o.roll_mass_rad),
+        battery_forward_m: mean(|o| o.battery_forward_m),
     });
 }

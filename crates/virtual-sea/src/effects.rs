@@ -132,8 +132,10 @@ impl Hidden {
 /// On what the instruments say.
 impl Hidden {
     /// Pitch that a perfect instrument would read, rad.
-    pub fn pitch_reading(&self, pitch_rad: f64, heading_rad: f64) -> f64 {
-        (pitch_rad - self.pitch_offset_rad) / self.pitch_scale + self.compass_pitch_rad * heading_rad.sin()
+    pub fn pitch_reading(&self, pitch_rad: f64, roll_rad: f64, heading_rad: f64) -> f64 {
+        (pitch_rad - self.pitch_offset_rad) / self.pitch_scale
+            + self.compass_pitch_rad * heading_rad.sin()
+            + self.pitch_per_roll * roll_rad
     }
 
     /// Ballast volume that the engine reads when its own count is `engine_cc`.

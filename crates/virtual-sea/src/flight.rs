@@ -147,7 +147,7 @@ impl<'a> SimulatedGlider<'a> {
         let read = Readings {
             time_s: now.time_s,
             depth_m: hidden.pressure_reading_dbar(now.depth_m),
-            pitch_rad: hidden.pitch_reading(now.pitch_rad, now.heading_rad),
+            pitch_rad: hidden.pitch_reading(now.pitch_rad, now.roll_rad, now.heading_rad),
             heading_rad: now.heading_rad,
         };
         let orders = self.pilot.orders(&read, STEP_S);
@@ -174,6 +174,8 @@ impl<'a> SimulatedGlider<'a> {
             roll_rad: self.roll_rad,
             rudder_rad: self.rudder_rad,
             memory: self.memory,
+            lateral: self.lateral.as_ref(),
+            forward_kg_m: vehicle.moving_mass_kg * self.imposed.moving_mass_m,
         };
         self.state = inertia.step(&self.state, &self.imposed, STEP_S, |state, motion| forces.load(state, motion));
         self.engine_cc += pumped_cc;
@@ -229,6 +231,9 @@ struct Forces<'a> {
     roll_rad: f64,
     rudder_rad: f64,
     memory: Memory,
+    lateral: Option<&'a Lateral>,
+    /// First moment of the sliding mass, kg m.
+    forward_kg_m: f64,
 }
 
 impl Forces<'_> {
@@ -255,9 +260,10 @@ impl Forces<'_> {
             depth_m: state.depth_m,
         };
         let force = water_force(vehicle, hidden, &flow, immersed);
+        let leans_n_m = self.lateral.map_or(0.0, |it| it.pitching_n_m(hidden, self.forward_kg_m, state.pitch_rad));
         Load {
             displaced_kg: water.density_kg_m3 * volume_m3 * immersed,
-            moment_n_m: force.moment_n_m - vehicle.pitch_damping_n_m_s * pitch_rate,
+            moment_n_m: force.moment_n_m - vehicle.pitch_damping_n_m_s * pitch_rate + leans_n_m,
             ..force
         }
     }

@@ -105,6 +105,7 @@ hidden! {
     rudder_offset_rad = "rudder_offset_rad", |_| 0.0;
     roll_mass_offset_rad = "roll_mass_offset_rad", |_| 0.0;
     roll_offset_rad = "roll_offset_rad", |_| 0.0;
+    pitch_per_roll = "pitch_per_roll", |_| 0.0;
     pod_m3 = "yaw_asymmetry_m3", |_| 0.0;
 }
 

@@ -14,15 +14,14 @@
 //! Sy             = M R sin gamma + Sz0 tan(list),    Sz = Sz0 + M R (cos gamma - 1)
 //! ```
 //!
-//! `S` is the first moment of all masses about the centre of buoyancy, `B` drag area times arm of a pod on one side. The pitch is
-//! given, so `Sx` is what balances the pitching moment at this roll: the sliding mass gives way to roll and roll mass,
+//! `S` is the first moment of all masses about the centre of buoyancy, `B` drag area times arm of a pod on one side. Roll and roll
+//! mass pitch the glider too: [`Lateral::pitching_n_m`] is what the moment of gravity about the starboard axis,
 //!
 //! ```text
-//! Sx cos phi cos theta + Sz sin theta = Sx0 cos theta + Sz0 sin theta
+//! -g (Sx cos phi cos theta + Sz sin theta)
 //! ```
 //!
-//! with the values of the vertical plane on the right, and the pitch rate in body axes is `r tan phi`. So the gravity of a leaning
-//! glider yaws it by its roll alone, whether a list or the roll mass makes it lean. CN_beta contains Munk's couple. The list
+//! differs by from that of the vertical plane. CN_beta contains Munk's couple. The list
 //! is that of a roll mass at rest; the roll mass reads `gamma` less its offset, the rudder `delta` less its own. Gusts from
 //! the side and eddies about the vertical axis disturb the heading by some tenths of a degree a
 //! second, as readings of real gliders between two moves of their controls do.
@@ -77,6 +76,8 @@ pub struct LateralFigures {
     pub own_rudder_rad: f64,
     /// Roll that its attitude sensor reads where there is none, rad.
     pub roll_zero_rad: f64,
+    /// Pitch that it reads per roll: it is mounted askew about the vertical axis by so many radians.
+    pub pitch_per_roll: f64,
 }
 
 impl LateralFigures {
@@ -105,6 +106,7 @@ impl LateralFigures {
             own_list_rad: degree * between(random, -0.5, 0.5),
             own_rudder_rad: if rolls { 0.0 } else { degree * between(random, -0.3, 0.3) },
             roll_zero_rad: degree * between(random, -0.5, 0.5),
+            pitch_per_roll: degree * between(random, -2.0, 2.0),
         }
     }
 
@@ -180,8 +182,6 @@ struct Given<'a> {
     forward_kg_m: f64,
     starboard_kg_m: f64,
     below_kg_m: f64,
-    /// Below, with the roll mass in the middle.
-    level_below_kg_m: f64,
     rudder_rad: f64,
     pod_m3: f64,
     gust_m_s: f64,
@@ -213,6 +213,14 @@ impl Lateral {
         if self.figures.rolls() { f64::NAN } else { self.rudder_rad }
     }
 
+    /// Moment of gravity, nose up, beyond that of the vertical plane, N m: a leaning glider has its sliding mass on a shorter
+    /// lever, and a roll mass that is turned lies less far below. `forward_kg_m` is the first moment of the sliding mass.
+    pub fn pitching_n_m(&self, hidden: &Hidden, forward_kg_m: f64, pitch_rad: f64) -> f64 {
+        let (sin_pitch, cos_pitch) = pitch_rad.sin_cos();
+        let risen_kg_m = self.figures.rolling_kg_m * (1.0 - (self.roll_mass_rad + hidden.roll_mass_offset_rad).cos());
+        GRAVITY_M_S2 * (forward_kg_m * (1.0 - self.state.roll_rad.cos()) * cos_pitch + risen_kg_m * sin_pitch)
+    }
+
     /// A step of `step_s`: control of the heading by `orders`, then motion. Returns roll, true rudder angle and heading.
     pub fn step(
         &mut self,
@@ -241,7 +249,6 @@ impl Lateral {
             forward_kg_m: vehicle.moving_mass_kg * now.moving_mass_m,
             starboard_kg_m: rolling * true_roll_mass.sin() + below * list_rad.tan(),
             below_kg_m: below + rolling * (true_roll_mass.cos() - 1.0),
-            level_below_kg_m: below,
             rudder_rad,
             pod_m3: hidden.pod_m3,
             gust_m_s: self.gust.next(&mut self.random),
@@ -308,8 +315,7 @@ impl Given<'_> {
         let roll_n_m = GRAVITY_M_S2 * cos_pitch * (self.starboard_kg_m * cos_roll - self.below_kg_m * sin_roll)
             + pressed_n * length * figures.roll_per_rate * roll_star
             - AFLOAT_N_M_S * 0.3 * state.roll_rate;
-        let balanced_kg_m = self.forward_kg_m * cos_pitch + (self.level_below_kg_m - self.below_kg_m) * sin_pitch;
-        let yaw_n_m = GRAVITY_M_S2 * (balanced_kg_m * sin_roll / cos_roll + self.starboard_kg_m * sin_pitch)
+        let yaw_n_m = GRAVITY_M_S2 * (self.forward_kg_m * sin_roll * cos_pitch + self.starboard_kg_m * sin_pitch)
             + pressed_n
                 * length
                 * (figures.yaw_per_rad * slip

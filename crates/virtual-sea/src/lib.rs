@@ -119,6 +119,7 @@ pub fn generate_observed(options: &Options, mut observe: impl FnMut(&Instant)) -
     let lateral = (options.lateral || turns.is_some())
         .then(|| LateralFigures::draw(&mut stream(seed, Part::LateralFigures), hull));
     hidden.roll_offset_rad += lateral.map_or(0.0, |figures| figures.roll_zero_rad);
+    hidden.pitch_per_roll += lateral.map_or(0.0, |figures| figures.pitch_per_roll);
     let legs = pilot::plan(&vehicle, &ocean, &mut stream(seed, Part::Mission), options.hours, options.dives.max(1));
 
     let mut random = stream(seed, Part::Sensors);

@@ -162,8 +162,9 @@ impl<'a> Instruments<'a> {
             salinity_psu: self.hidden.salinity_reading(&flown.water, row.cell_c, time_s) + noise(quality.salinity_psu),
             ..flown.water
         };
-        let pitch =
-            self.hidden.pitch_reading(now.pitch_rad, now.heading_rad) + pitch_error_rad + noise(quality.pitch_rad);
+        let pitch = self.hidden.pitch_reading(now.pitch_rad, now.roll_rad, now.heading_rad)
+            + pitch_error_rad
+            + noise(quality.pitch_rad);
         let pitch = self.hidden.pitch_shown(pitch, &row.felt);
         let late_s = if self.hidden.clock_jitter > 0.0 {
             self.hidden.clock_jitter * quality.interval_s * between(&mut self.random, -1.0, 1.0)

@@ -109,6 +109,7 @@ fn lateral_json(figures: &LateralFigures) -> Value {
         "own_list_rad": figures.own_list_rad,
         "own_rudder_rad": figures.own_rudder_rad,
         "roll_zero_rad": figures.roll_zero_rad,
+        "pitch_per_roll": figures.pitch_per_roll,
     })
 }
 

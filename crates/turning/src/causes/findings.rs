@@ -15,10 +15,12 @@ pub const RELEVANT_ROLL_RAD: f64 = 0.044;
 /// control, within five minutes at 0.3 m/s.
 pub const RELEVANT_YAW_RAD_M: f64 = 0.003;
 
-/// The quantities of the two readings.
+/// The quantities of the readings.
 pub const TURN_RATE: &str = "turn_rate";
 /// See [`TURN_RATE`].
 pub const ROLL: &str = "roll";
+/// See [`TURN_RATE`]: nothing is named by the pitch alone.
+pub(super) const PITCH: &str = "pitch";
 
 /// A cause that is named.
 #[derive(Debug, Clone)]

@@ -1,4 +1,4 @@
-//! The model with some of its terms, fitted to turn rate and roll of all stretches.
+//! The model with some of its terms, fitted to turn rate, roll and, where a roll mass moves it, pitch of all stretches.
 
 use std::collections::BTreeMap;
 
@@ -8,8 +8,8 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use super::findings::{MOST_CHANCE, ROLL};
-use super::model::{ATTACK, Model, Path, Row, Term, dives, predicted, start};
+use super::findings::{MOST_CHANCE, PITCH, ROLL, TURN_RATE};
+use super::model::{ATTACK, Model, Path, Row, SLIDING, Term, dives, predicted, read_steeper, start};
 use crate::{SURE, Stretch, sd};
 
 /// Questions that are asked of a log: roll at rest, list, sensor, yaw.
@@ -39,6 +39,7 @@ fn prior(term: Term) -> Option<[f64; 2]> {
         Term::RollTurnsAlike => Some([0.0, PRIOR_PER_ROLL]),
         Term::RollBends(_) => Some([0.0, PRIOR_BEND]),
         Term::PitchBends(_) => Some([0.0, PRIOR_PITCH]),
+        Term::RollPitches => Some(SLIDING),
         _ => None,
     }
 }
@@ -48,33 +49,41 @@ pub(super) struct Fit {
     terms: Vec<Term>,
     pub(super) values: DVector<f64>,
     covariance: DMatrix<f64>,
-    /// Scatter of turn rate and roll.
-    pub(super) sds: [f64; 2],
-    /// Sums of squares of turn rate and roll, in units of the scatter, for each dive.
-    by_dive: Vec<[f64; 2]>,
+    /// Scatter of turn rate, roll and pitch.
+    pub(super) sds: [f64; 3],
+    /// Sums of squares of turn rate, roll and pitch, in units of the scatter, for each dive.
+    by_dive: Vec<[f64; 3]>,
 }
 
 impl Fit {
     /// None where the terms depend on each other. The weights follow from the scatter where they are not given.
-    pub(super) fn new(rows: &[Row], terms: &[Term], sds: Option<[f64; 2]>) -> Option<Fit> {
+    pub(super) fn new(rows: &[Row], terms: &[Term], sds: Option<[f64; 3]>) -> Option<Fit> {
         let n = rows.len();
+        let has_pitch = terms.contains(&Term::Askew);
+        let readings = if has_pitch { 3 } else { 2 };
+        let steeper = if has_pitch { read_steeper(rows) } else { Vec::new() };
         let mut values = start(terms);
         let scatter = |values: &DVector<f64>| {
-            let mut squares = [0.0; 2];
+            let mut squares = [0.0; 3];
             let model = Model::new(terms, values);
             for row in rows {
                 let [rate, roll] = model.predicted(row, model.path(row));
                 squares[0] += (row.stretch.rate_rad_s - rate).powi(2);
                 squares[1] += (row.stretch.roll_rad - roll).powi(2);
             }
+            if has_pitch {
+                squares[2] =
+                    model.steeper(rows).iter().zip(&steeper).map(|(of_model, read)| (read - of_model).powi(2)).sum();
+            }
             // Perfect readings would leave nothing to weigh by.
             squares.map(|sum| (sum / n as f64).sqrt().max(1e-9))
         };
         let spread = |of: fn(&Stretch) -> f64| sd(&rows.iter().map(|row| of(&row.stretch)).collect::<Vec<_>>());
-        let mut weights =
-            sds.unwrap_or_else(|| [spread(|s| s.rate_rad_s), spread(|s| s.roll_rad)].map(|sd| sd.max(1e-9)));
-        // Twice a dive: rate and roll of one stretch err apart, those of one dive together.
+        let mut weights = sds
+            .unwrap_or_else(|| [spread(|s| s.rate_rad_s), spread(|s| s.roll_rad), sd(&steeper)].map(|sd| sd.max(1e-9)));
+        // Each reading has the dive: those of one stretch err apart, those of one dive together.
         let mut clusters: Vec<u32> = rows.iter().flat_map(|row| [row.stretch.dive; 2]).collect();
+        clusters.extend(rows.iter().take(steeper.len()).map(|row| row.stretch.dive));
         let priors: Vec<(usize, [f64; 2])> =
             terms.iter().enumerate().filter_map(|(at, term)| Some((at, prior(*term)?))).collect();
         clusters.extend(priors.iter().map(|_| rows[0].stretch.dive));
@@ -87,11 +96,13 @@ impl Fit {
                 let [rate, roll] = here.predicted(row, *path);
                 [(row.stretch.rate_rad_s - rate) / weights[0], (row.stretch.roll_rad - roll) / weights[1]]
             });
+            let here_steeper = if has_pitch { here.steeper(rows) } else { Vec::new() };
+            let of_pitch = steeper.iter().zip(&here_steeper).map(|(read, of_model)| (read - of_model) / weights[2]);
             let of_priors = priors.iter().map(|(at, [mean, sd])| (mean - values[*at]) / sd);
-            let residual = DVector::from_iterator(length, of_rows.chain(of_priors));
+            let residual = DVector::from_iterator(length, of_rows.chain(of_pitch).chain(of_priors));
             let mut design = DMatrix::zeros(length, terms.len());
             for (i, (at, [_, sd])) in priors.iter().enumerate() {
-                design[(2 * n + i, *at)] = 1.0 / sd;
+                design[(readings * n + i, *at)] = 1.0 / sd;
             }
             for column in 0..terms.len() {
                 let step = 1e-5;
@@ -107,6 +118,12 @@ impl Fit {
                         .map(|model| model.predicted(row, if turns_paths { model.path(row) } else { *path }));
                     for k in 0..2 {
                         design[(2 * i + k, column)] = (up[k] - down[k]) / (2.0 * step) / weights[k];
+                    }
+                }
+                if has_pitch && !turns_paths {
+                    let [up, down] = [&above, &below].map(|model| model.steeper(rows));
+                    for (i, (up, down)) in up.iter().zip(&down).enumerate() {
+                        design[(2 * n + i, column)] = (up - down) / (2.0 * step) / weights[2];
                     }
                 }
             }
@@ -131,13 +148,17 @@ impl Fit {
             }
             if known.len() == terms.len() && step + 1 == STEPS {
                 // A prior errs by its standard deviation, whatever it is off by here.
-                fit.residuals.rows_mut(2 * n, priors.len()).fill(0.0);
-                let of_priors = fit.gain.columns(2 * n, priors.len());
+                fit.residuals.rows_mut(readings * n, priors.len()).fill(0.0);
+                let of_priors = fit.gain.columns(readings * n, priors.len());
                 last = Some(fit.cluster_covariance(&clusters) + of_priors * of_priors.transpose());
             }
         }
         let covariance = last?;
-        let mut by_dive: BTreeMap<u32, [f64; 2]> = BTreeMap::new();
+        let mut by_dive: BTreeMap<u32, [f64; 3]> = BTreeMap::new();
+        let of_model = if has_pitch { Model::new(terms, &values).steeper(rows) } else { Vec::new() };
+        for (row, (read, of_model)) in rows.iter().zip(steeper.iter().zip(&of_model)) {
+            by_dive.entry(row.stretch.dive).or_default()[2] += ((read - of_model) / weights[2]).powi(2);
+        }
         for row in rows {
             let [rate, roll] = predicted(row, terms, &values);
             let of_dive = by_dive.entry(row.stretch.dive).or_default();
@@ -243,7 +264,7 @@ impl Fit {
 
     /// Whether its misfit in a quantity is larger for certain, the dives being independent (Vuong 1989, with Student's t).
     pub(super) fn is_worse_than(&self, other: &Fit, quantity: &str) -> bool {
-        let at = usize::from(quantity == ROLL);
+        let at = [TURN_RATE, ROLL, PITCH].iter().position(|known| *known == quantity).unwrap_or(0);
         let apart: Vec<f64> = self.by_dive.iter().zip(&other.by_dive).map(|(a, b)| a[at] - b[at]).collect();
         let n = apart.len() as f64;
         let mean = apart.iter().sum::<f64>() / n;

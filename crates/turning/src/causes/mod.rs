@@ -1,13 +1,14 @@
 //! What makes a glider turn or lean that should not: list, rudder or roll mass off their zeros, drag on one side, an attitude
 //! sensor that is mounted askew.
 //!
-//! Each steady stretch gives two readings, its turn rate and its roll:
+//! Each steady stretch gives its turn rate and its roll, and with a roll mass and a battery that is read its pitch:
 //!
 //! ```text
 //! turn rate = V (c + k_delta delta + (k_leg + b_leg sin^2 phi + h_leg L) L sin phi),      phi = roll - e
 //! roll      = e + atan((g sin(gamma + gamma0) + tan list + k_p V r tan theta / cos phi) / (1 + g (cos(gamma + gamma0) - 1)))
 //!               + k_roll delta V^2
 //! path      = |theta| + kappa / tan |theta|,   V = depth rate / sin(path),   L = cos(theta) / sin(path)
+//! ln tan |theta| = mean of the leg + k x + s ln cos phi - ln(1 + g (cos(gamma + gamma0) - 1)) + e3 phi / (sin theta cos theta)
 //! ```
 //!
 //! `V` is the stretch's own speed: at the turn of a leg a glider is slow, and there its control leans it. The side component of the net
@@ -15,7 +16,7 @@
 //! roll separates causes. A rudder's offset or drag on one side (`c`) turns both legs alike. A list (`list`) or an offset of the roll
 //! mass (`gamma0`) turns them apart and is read as roll. A sensor that is askew (`e`) is read as roll and turns nothing. Offset of the
 //! rudder and drag on one side are one group. List and offset of the roll mass differ in the second order of the angle of the roll
-//! mass, and at `g` = 1/2 not even there.
+//! mass, and at `g` = 1/2 not even there; in the pitch they differ in the first.
 //!
 //! A size must be more than chance explains ([`MOST_CHANCE`]) with all other sizes fitted beside it, exceed a limit of relevance by
 //! a standard error, and predict held-out dives better by one. What turns both legs alike must be alike on both. Where no part of the

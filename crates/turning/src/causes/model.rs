@@ -1,4 +1,5 @@
-//! The two readings of a steady stretch and what the model says they are.
+//! The readings of a steady stretch and what the model says they are: turn rate, roll, and how much steeper than on the rest of its
+//! leg the glider pitches.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -69,6 +70,12 @@ pub(super) enum Term {
     RudderRolls,
     /// Roll by what damps the roll rate of a turn at this pitch.
     Damped,
+    /// Relative change of the pitch's tangent with the battery's place on descents, on ascents \[1/m\].
+    MassPitches(bool),
+    /// The same with the logarithm of the roll's cosine: the part of the sliding mass in the balance of pitch.
+    RollPitches,
+    /// Pitch that the sensor reads per roll, being askew about the vertical axis.
+    Askew,
 }
 
 pub(super) fn name(term: Term) -> &'static str {
@@ -91,6 +98,10 @@ pub(super) fn parameter(term: Term) -> &'static str {
         _ => "static_list_rad",
     }
 }
+
+/// Part of the sliding mass in the balance of pitch and its standard deviation, the water's moment being the rest: the built-in gliders
+/// have 0.42 to 1.03 at pitches of 15 to 40 deg, ROGUE apart.
+pub(super) const SLIDING: [f64; 2] = [0.75, 0.3];
 
 /// Drag over slope of the lift and its standard deviation, of the built-in gliders: 0.016 to 0.059.
 pub(super) const ATTACK: [f64; 2] = [0.03, 0.02];
@@ -131,6 +142,7 @@ pub(super) fn start(terms: &[Term]) -> DVector<f64> {
         terms.iter().map(|term| match term {
             Term::Gain => 0.5,
             Term::Attack => ATTACK[0],
+            Term::RollPitches => SLIDING[0],
             _ => 0.0,
         }),
     )
@@ -172,6 +184,10 @@ pub(super) struct Model {
     gain: f64,
     rudder_rolls: f64,
     damped: f64,
+    mass_pitches: [f64; 2],
+    /// Where it is not fitted, neither roll nor roll mass moves the pitch.
+    roll_pitches: Option<f64>,
+    askew: f64,
 }
 
 impl Model {
@@ -195,6 +211,9 @@ impl Model {
             gain: of(Term::Gain),
             rudder_rolls: of(Term::RudderRolls),
             damped: of(Term::Damped),
+            mass_pitches: [false, true].map(|descends| of(Term::MassPitches(descends))),
+            roll_pitches: known(Term::RollPitches),
+            askew: of(Term::Askew),
         }
     }
 
@@ -233,4 +252,38 @@ impl Model {
         let lean = (pulled / (1.0 + gain * (cos - 1.0))).atan();
         [rate, zero + lean + self.rudder_rolls * rudder * speed_m_s * speed_m_s]
     }
+
+    /// By how much the logarithm of the pitch's tangent exceeds the mean of the leg, for each stretch. The balance of pitch is
+    /// `Sx cos(roll) + Sz tan(pitch) = 0` but for the water's moment: battery and lean move the first, the roll mass the second.
+    pub(super) fn steeper(&self, rows: &[Row]) -> Vec<f64> {
+        let of_row = |row: &Row| {
+            let stretch = &row.stretch;
+            let roll = (stretch.roll_rad - self.zero).clamp(-1.4, 1.4);
+            let (sin, cos) = stretch.pitch_rad.sin_cos();
+            let balanced = self.roll_pitches.map_or(0.0, |part| {
+                let turned = stretch.roll_mass_rad + self.roll_mass_offset + self.share;
+                part * roll.cos().ln() - (1.0 + self.gain * (turned.cos() - 1.0)).max(0.1).ln()
+            });
+            self.mass_pitches[usize::from(stretch.descends)] * stretch.battery_forward_m
+                + self.askew * roll / (sin * cos)
+                + balanced
+        };
+        from_mean_of_leg(rows, of_row)
+    }
+}
+
+/// The same as [`Model::steeper`], as it was read.
+pub(super) fn read_steeper(rows: &[Row]) -> Vec<f64> {
+    from_mean_of_leg(rows, |row| row.stretch.pitch_rad.abs().tan().ln())
+}
+
+/// Deviations from the mean of the leg.
+pub(super) fn from_mean_of_leg(rows: &[Row], of: impl Fn(&Row) -> f64) -> Vec<f64> {
+    let is_one_leg = |a: &Row, b: &Row| a.stretch.dive == b.stretch.dive && a.stretch.descends == b.stretch.descends;
+    let of_leg = |leg: &[Row]| {
+        let values: Vec<f64> = leg.iter().map(&of).collect();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        values.into_iter().map(move |value| value - mean).collect::<Vec<_>>()
+    };
+    rows.chunk_by(is_one_leg).flat_map(of_leg).collect()
 }

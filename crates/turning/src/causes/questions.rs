@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 use glidepolar_inference::estimate::Estimate;
 
 use super::findings::{
-    LateralCause, LateralDiagnosis, LateralRejected, MOST_CHANCE, RELEVANT_ROLL_RAD, RELEVANT_YAW_RAD_M, ROLL,
+    LateralCause, LateralDiagnosis, LateralRejected, MOST_CHANCE, PITCH, RELEVANT_ROLL_RAD, RELEVANT_YAW_RAD_M, ROLL,
     TURN_RATE,
 };
 use super::fit::Fit;
 use super::held_out::{HeldOut, delta_bic, halves};
-use super::model::{ATTACK, Row, Term, name, parameter, rolls};
+use super::model::{ATTACK, Row, Term, from_mean_of_leg, name, parameter, rolls};
 use crate::{HELD_RUDDER_RAD, LEAST_STRETCHES, Stretch, VARIES_RAD, sd};
 
 /// Standard error of the roll sensor's zero where turning does not show it \[rad\]: sensors are mounted within about a degree.
@@ -61,7 +61,27 @@ impl Terms {
         if has_roll_mass {
             rolls.extend([Term::Gain, Term::Damped]);
         }
-        Terms { turns, rolls, separates_sensor, has_roll_mass, has_rudder, rudder_is_held, both_legs }
+        let terms = Terms { turns, rolls, separates_sensor, has_roll_mass, has_rudder, rudder_is_held, both_legs };
+        if has_roll_mass { terms.with_pitch(rows) } else { terms }
+    }
+
+    /// With the pitch as a third reading, where roll and roll mass move it for certain: a pitch that something else holds would
+    /// speak for one cause of the lean against another without having seen either.
+    fn with_pitch(self, rows: &[Row]) -> Terms {
+        if !rows.iter().all(|row| row.stretch.battery_forward_m.is_finite()) {
+            return self;
+        }
+        let pitches = pitches(rows);
+        let with = |pitches: &[Term]| [&self.rolls[..], pitches].concat();
+        let moved =
+            Terms { rolls: with(&[&pitches[..], &[Term::RollPitches]].concat()), turns: self.turns.clone(), ..self };
+        let held = Terms { rolls: with(&pitches), turns: self.turns.clone(), ..self };
+        let zero: &[Term] = if self.separates_sensor { &[Term::Zero] } else { &[] };
+        let fit = |terms: &Terms, lean: Term, sds| Fit::new(rows, &terms.with(&[&[lean], zero].concat()), sds);
+        let Some(held) = fit(&held, Term::List, None) else { return self };
+        let is_better =
+            |lean: Term| fit(&moved, lean, Some(held.sds)).is_some_and(|fit| held.is_worse_than(&fit, PITCH));
+        if [Term::List, Term::RollMassOffset].into_iter().any(is_better) { moved } else { self }
     }
 
     /// Every term, those of the lean in the form of a list.
@@ -140,7 +160,7 @@ impl Terms {
     }
 
     /// Whether the legs turn apart as a rolled glider's do, where the roll does not vary: a sensor turns nothing.
-    fn turns_apart(&self, rows: &[Row], sds: [f64; 2]) -> Option<bool> {
+    fn turns_apart(&self, rows: &[Row], sds: [f64; 3]) -> Option<bool> {
         let [list, sensor] = [Term::List, Term::Zero].map(|term| Fit::new(rows, &self.with(&[term]), Some(sds)));
         Some(sensor?.is_worse_than(&list?, TURN_RATE))
     }
@@ -292,6 +312,19 @@ const LEAST_RATIO: f64 = 20.0;
 
 /// Causes of the roll at rest.
 const LEANS: [Term; 3] = [Term::List, Term::RollMassOffset, Term::Zero];
+
+/// A battery that moves less than this within a leg shows nothing of what its place does \[m\]: some times its reading's noise.
+const LEAST_SLIDE_M: f64 = 2e-4;
+
+/// What moves the pitch, or its reading, whatever leans the glider.
+fn pitches(rows: &[Row]) -> Vec<Term> {
+    let slides = |down: bool| {
+        let of_leg: Vec<Row> = rows.iter().filter(|row| row.stretch.descends == down).copied().collect();
+        sd(&from_mean_of_leg(&of_leg, |row| row.stretch.battery_forward_m)) > LEAST_SLIDE_M
+    };
+    let of_mass = [true, false].into_iter().filter(|down| slides(*down)).map(Term::MassPitches);
+    of_mass.chain([Term::Askew]).collect()
+}
 
 fn reject(
     found: &mut LateralDiagnosis,

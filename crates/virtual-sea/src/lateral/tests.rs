@@ -24,7 +24,9 @@ fn turn_with_list(
     let net_mass_kg = -0.2 * pitch_rad.signum();
     let (angle_rad, speed_m_s) = vehicle.steady_glide(net_mass_kg, pitch_rad, 1027.0).expect("a glide");
     let below = vehicle.moving_mass_kg * vehicle.moving_mass_height_m;
-    let given = Given {
+    let sliding_kg_m = vehicle.moving_mass_kg * vehicle.moving_mass_for(pitch_rad, angle_rad, speed_m_s, 1027.0);
+    let below_kg_m = below + figures.rolling_kg_m * (roll_mass_rad.cos() - 1.0);
+    let mut given = Given {
         vehicle: &vehicle,
         figures: &figures,
         speed_m_s,
@@ -32,10 +34,9 @@ fn turn_with_list(
         pitch_rad,
         density_kg_m3: 1027.0,
         net_mass_kg,
-        forward_kg_m: vehicle.moving_mass_kg * vehicle.moving_mass_for(pitch_rad, angle_rad, speed_m_s, 1027.0),
+        forward_kg_m: sliding_kg_m,
         starboard_kg_m: figures.rolling_kg_m * roll_mass_rad.sin() + below * list_rad.tan(),
-        below_kg_m: below + figures.rolling_kg_m * (roll_mass_rad.cos() - 1.0),
-        level_below_kg_m: below,
+        below_kg_m,
         rudder_rad,
         pod_m3,
         gust_m_s: 0.0,
@@ -44,6 +45,8 @@ fn turn_with_list(
     let mut state = State::default();
     for _ in 0..8000 {
         state = given.advance(&state, 0.025);
+        // The sliding mass that holds this pitch at this roll.
+        given.forward_kg_m = (sliding_kg_m + (below - below_kg_m) * pitch_rad.tan()) / state.roll_rad.cos();
     }
     (given.rate(&state)[4], state.roll_rad)
 }

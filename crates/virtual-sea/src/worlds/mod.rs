@@ -209,7 +209,7 @@ impl Instruments {
         log.temperature_c.push(water.temperature_c);
         log.salinity_psu.push(water.salinity_psu);
         log.density_kg_m3.push(hidden.density_reading(&water, pressure_dbar));
-        let pitch_rad = read(&mut self.pitch, hidden.pitch_reading(now.pitch_rad, now.heading_rad));
+        let pitch_rad = read(&mut self.pitch, hidden.pitch_reading(now.pitch_rad, now.roll_rad, now.heading_rad));
         log.pitch_rad.push(hidden.pitch_shown(pitch_rad, &row.felt));
         log.roll_rad.push(read(&mut self.roll, now.roll_rad));
         let ballast_cc = hidden.ballast_reading_cc(now.engine_cc, now.water.temperature_c);
