@@ -12,7 +12,7 @@ use glidepolar_inference::gram::Gram;
 /// Dives without which no comparison is made: of fewer the scatter is hardly known.
 const LEAST_DIVES: usize = 4;
 
-/// What is said of such a log.
+/// The warning for such a log.
 pub(super) const WARNING: &str = "the log follows a glide without inertia better than one with it, as a log that was simulated from steady glides does: it is fitted without";
 
 /// Fits the dives, and takes them for those of a glider without inertia from then on where they follow one better for certain.

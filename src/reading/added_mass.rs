@@ -7,7 +7,7 @@ use crate::dynamics::Parameters;
 /// than it is wide is smaller: a tenth at a length of three diameters.
 const SPHERE: f64 = 0.5;
 
-/// Says that the added mass along the hull is more than any hull has.
+/// Returns a warning where the added mass along the hull is larger than a body longer than wide can have.
 pub(super) fn contradiction(parameters: &Parameters<f64>) -> Option<String> {
     let (added_kg, mass_kg) = (parameters.added_mass_1_kg, parameters.mass_kg());
     (added_kg > SPHERE * mass_kg).then(|| {
@@ -23,14 +23,14 @@ mod tests {
     use crate::vehicle::{Vehicle, builtin};
 
     #[test]
-    fn the_gliders_own_mass_in_it_is_told() {
+    fn an_added_mass_that_includes_the_mass_gives_a_warning() {
         for name in builtin::NAMES.iter().copied() {
             let mut vehicle = Vehicle::load(name).expect("a built-in vehicle");
             assert_eq!(contradiction(&vehicle.glide_parameters()), None, "{name}");
             let p = vehicle.glide_parameters();
             vehicle.set("added_mass.m1_kg", p.added_mass_1_kg + p.mass_kg()).expect("a key of a vehicle");
-            let told = contradiction(&vehicle.glide_parameters()).expect("a warning");
-            assert!(told.contains("added_mass.m1_kg"), "{name}: {told}");
+            let warning = contradiction(&vehicle.glide_parameters()).expect("a warning");
+            assert!(warning.contains("added_mass.m1_kg"), "{name}: {warning}");
         }
     }
 }

@@ -166,17 +166,18 @@ fn nothing_is_replaced_that_this_command_did_not_write_as_it_is() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some(log) = log_of(folder.path(), "slocum-049", "") else { return };
     let before = std::fs::read(folder.path().join(&log)).expect("the log");
-    for arguments in [
-        &["export-fmu", "slocum-049", "-o", &log][..],
-        &["glide", "slocum-049", "-q", "--json", &log],
-        &["simulate", "slocum-049", "--stop", "10", "-q", "--csv", &log],
-        &["identify", &log, "--vehicle", "slocum-049", "-q", "--write", &log],
+    let of_another = "--force";
+    for (arguments, expected) in [
+        // An FMU needs the built library: where there is none, that is what is said, and the log stays.
+        (&["export-fmu", "slocum-049", "-o", &log][..], ""),
+        (&["glide", "slocum-049", "-q", "--json", &log], of_another),
+        (&["simulate", "slocum-049", "--stop", "10", "-q", "--csv", &log], of_another),
+        (&["identify", &log, "--vehicle", "slocum-049", "-q", "--write", &log], "a file that this command reads"),
     ] {
         let output = run(folder.path(), arguments).expect("it ran before");
         let said = String::from_utf8_lossy(&output.stderr);
-        // An FMU needs the built library: where there is none, that is what is said, and the log stays.
         assert!(!output.status.success(), "{arguments:?}");
-        assert!(arguments[0] == "export-fmu" || said.contains("--force"), "{arguments:?}: {said}");
+        assert!(said.contains(expected), "{arguments:?}: {said}");
         assert_eq!(std::fs::read(folder.path().join(&log)).expect("the log"), before, "{arguments:?}");
     }
     // The same command replaces its own result, until somebody has edited it.
