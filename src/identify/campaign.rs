@@ -14,6 +14,7 @@ use super::holdout::{HeldOut, hold_out};
 use super::identifiability::{ProfilePoint, is_identified, profile};
 use super::inflections::{Inflections, UNSTEADY_ONLY, Unsteady, inflections};
 use super::joint::{IdentifyError, JointFit, Question, fit};
+use super::misfit;
 use super::names::{long_name, short_name};
 use super::pitch_balance::{PitchBalance, pitch_balance};
 use super::quasi_steady::{self, fit_with_inertia_or_without};
@@ -258,6 +259,7 @@ fn identify_from(
         warnings.push(quasi_steady::WARNING.to_owned());
     }
     warn(&mut warnings, &fitted, &dives, has_speed);
+    warnings.extend(misfit::warnings(&score, &dives));
     if let Some(reweighed) = &reweighed {
         warnings.extend(reweighed.named.iter().map(|&position| depends_on_weighing(&fitted, reweighed, position)));
     }

@@ -26,6 +26,7 @@ pub mod identifiability;
 mod inertia;
 pub mod inflections;
 pub mod joint;
+mod misfit;
 pub mod model;
 pub mod names;
 pub mod paper;

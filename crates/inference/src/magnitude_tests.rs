@@ -21,6 +21,12 @@ const SHOWN_ON_A_LEG: f64 = 1.645;
 /// named being tested.
 const SURELY_APART: f64 = 3.0;
 
+/// Parts of the record on which a size is asked for: what comes for a tenth of the time fills half of one.
+const PARTS_OF_TIME: usize = 6;
+
+/// The probability of sizes that vary as much by chance: that of [`SURELY_APART`] standard errors.
+const CHANCE_OF_PARTS: f64 = 1.0 / 400.0;
+
 /// Standard errors by which a size must lie beyond those that nature has: 95 %, one-sided.
 const BEYOND_NATURE: f64 = 1.645;
 
@@ -154,9 +160,15 @@ impl Fitted {
         self.included.iter().map(of).collect()
     }
 
-    /// A mechanism whose size differs between the halves of the data for certain, and by more than may stay unexplained, is another
-    /// one.
+    /// A mechanism whose size differs between the halves of the data, or from part to part of the record, for certain and by more than may
+    /// stay unexplained is another one.
     pub(super) fn drop_what_differs_on_halves(&mut self, problem: &impl Problem, baseline: &Fitted) {
+        let parts = self.parts_of_time(PARTS_OF_TIME);
+        let varies = |fitted: &Fitted, place: usize| {
+            let included = fitted.regimes_included(problem);
+            regimes::over_time(&fitted.evidence, &fitted.noises, &included, place, &parts)
+                .is_some_and(|over_time| over_time.varies(CHANCE_OF_PARTS, problem.part_unexplained()))
+        };
         let differs = |fitted: &Fitted, place: usize| {
             let member = fitted.included[place];
             let candidate = &problem.candidates()[member];
@@ -171,6 +183,7 @@ impl Fitted {
                     }
                     _ => false,
                 }
+                || candidate.version.is_none_or(|version| !version.is_onset) && varies(fitted, place)
         };
         while problem.has_regimes() {
             let Some(place) = (0..self.included.len()).find(|place| differs(self, *place)) else { return };

@@ -5,7 +5,9 @@
 //! enough. A test of one degree of freedom sees this long before a free curve pays its cost.
 
 use nalgebra::{DMatrix, DVector};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
+use super::covariance::inverse_symmetric;
 use super::evidence::Evidence;
 use super::score::Score;
 use super::smooth::Kind;
@@ -189,6 +191,66 @@ pub fn on_each_leg(evidence: &Evidence, noises: &[Noise], included: &[Included<'
     })
 }
 
+/// How the size of a mechanism varies from one part of the record to the next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OverTime {
+    /// What sizes of their own explain beyond one size, in units of the noise: a chi-squared variable where there is one size.
+    pub beyond_one_size: f64,
+    /// Its degrees of freedom: the parts less one.
+    pub degrees_of_freedom: f64,
+    /// What one size explains, in the same units.
+    pub explained: f64,
+}
+
+impl OverTime {
+    /// Whether the sizes differ by more than chance allows, and explain more by `share` of what one size does.
+    pub fn varies(&self, chance: f64, share: f64) -> bool {
+        let Ok(chi_squared) = ChiSquared::new(self.degrees_of_freedom) else { return false };
+        chi_squared.sf(self.beyond_one_size) < chance
+            && self.beyond_one_size - self.degrees_of_freedom > share * self.explained
+    }
+}
+
+/// Sizes of an included mechanism on parts of the record, all else being fitted to the whole: what comes and goes, or drifts, has no one
+/// size, which two halves may hide. `part` is that of each row. Nothing where fewer than two parts show the mechanism.
+pub fn over_time(
+    evidence: &Evidence,
+    noises: &[Noise],
+    included: &[Included<'_>],
+    place: usize,
+    part: &[usize],
+) -> Option<OverTime> {
+    let n = evidence.residual.len();
+    let trace = included[place].trace();
+    let of_part = |wanted: usize| DVector::from_fn(n, |row, _| if part[row] == wanted { trace[row] } else { 0.0 });
+    let parts = part.iter().max()? + 1;
+    let mut columns: Vec<DVector<f64>> = (0..parts).map(of_part).collect();
+    let others = included.iter().enumerate().filter(|(other, _)| *other != place);
+    columns.extend(others.flat_map(|(_, one)| one.columns.column_iter().map(|column| column.into_owned())));
+    let all = DMatrix::from_columns(&columns);
+    let mut evidence = evidence.clone();
+    evidence.prior.truncate(evidence.baseline.ncols());
+    let prior = vec![(0.0, f64::INFINITY); all.ncols()];
+    let score = Score::new(&evidence, noises, &evidence.baseline, &all, &prior);
+    let shown: Vec<usize> = (0..parts).filter(|part| score.is_identifiable(*part)).collect();
+    if shown.len() < 2 {
+        return None;
+    }
+    let fit = score.fit(&shown.iter().copied().chain(parts..all.ncols()).collect::<Vec<_>>());
+    let k = shown.len();
+    let sizes = fit.step.rows(0, k).add_scalar(included[place].sizes[0]);
+    let weight = inverse_symmetric(&fit.covariance.view((0, 0), (k, k)).into_owned());
+    let ones = DVector::from_element(k, 1.0);
+    let weight_of_one = ones.dot(&(&weight * &ones));
+    let one = ones.dot(&(&weight * &sizes)) / weight_of_one;
+    let apart = sizes.add_scalar(-one);
+    Some(OverTime {
+        beyond_one_size: apart.dot(&(&weight * &apart)),
+        degrees_of_freedom: (k - 1) as f64,
+        explained: one * one * weight_of_one,
+    })
+}
+
 /// What a size may go with: each covariate that runs along a line, the leg, the second quantity.
 fn weights(evidence: &Evidence) -> Vec<(String, Vec<f64>)> {
     let n = evidence.residual.len();
@@ -212,7 +274,17 @@ fn weights(evidence: &Evidence) -> Vec<(String, Vec<f64>)> {
 
 #[cfg(test)]
 mod tests {
-    use super::OnParts;
+    use super::{OnParts, OverTime};
+
+    #[test]
+    fn a_size_varies_where_chance_does_not_explain_it_and_it_matters() {
+        let varies = |beyond_one_size, explained| {
+            OverTime { beyond_one_size, degrees_of_freedom: 5.0, explained }.varies(1.0 / 400.0, 0.1)
+        };
+        // The quantile of chi-squared of 5 degrees of freedom is 18.4; beside 400 a tenth is 40.
+        assert!(varies(19.0, 36.0) && !varies(18.0, 36.0));
+        assert!(!varies(40.0, 400.0) && varies(46.0, 400.0));
+    }
 
     /// The rule of the diagnosis at sea.
     fn disagree(legs: OnParts) -> bool {

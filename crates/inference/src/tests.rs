@@ -288,6 +288,17 @@ fn a_law_that_predicts_as_well_takes_the_place_of_a_refused_one() {
 }
 
 #[test]
+fn what_comes_for_some_dives_only_is_no_offset() {
+    // On two of each ten legs: both halves of the record have as much of it.
+    let toy =
+        Toy { has_regimes: true, ..Toy::new(12, |i, toy| if toy.block[i] % 10 < 2 { 6.0 * toy.leg[i] } else { 0.0 }) };
+    let named = diagnose(&toy).0.causes;
+    assert!(named.is_empty(), "{named:?}");
+    let always = Toy { has_regimes: true, ..Toy::new(12, |i, toy| 1.2 * toy.leg[i]) };
+    assert_eq!(diagnose(&always).0.causes[0].cause, "offset");
+}
+
+#[test]
 fn two_causes_are_found_together() {
     let right = (200..220)
         .filter(|seed| {

@@ -111,6 +111,11 @@ impl Fitted {
 
     /// Which rows are of the first half of the data: whole blocks, by the time at which they begin.
     pub(super) fn first_half(&self) -> Vec<bool> {
+        self.parts_of_time(2).into_iter().map(|part| part == 0).collect()
+    }
+
+    /// Of which part of the data each row is, of so many with as many blocks each: whole blocks, by the time at which they begin.
+    pub(super) fn parts_of_time(&self, parts: usize) -> Vec<usize> {
         let mut begins: BTreeMap<usize, f64> = BTreeMap::new();
         for (block, time_s) in self.evidence.block.iter().zip(&self.evidence.time_s) {
             let begin = begins.entry(*block).or_insert(*time_s);
@@ -118,7 +123,10 @@ impl Fitted {
         }
         let mut times: Vec<f64> = begins.values().copied().collect();
         times.sort_by(f64::total_cmp);
-        let middle = times.get(times.len() / 2).copied().unwrap_or(f64::INFINITY);
-        self.evidence.block.iter().map(|block| begins[block] < middle).collect()
+        let part_of = |block: &usize| {
+            let before = times.partition_point(|time_s| *time_s < begins[block]);
+            (1..parts).filter(|part| before >= times.len() * part / parts).count()
+        };
+        self.evidence.block.iter().map(part_of).collect()
     }
 }
