@@ -12,7 +12,7 @@ const MOST_OF_SPEED: f64 = 0.1;
 /// motion, some mm/s to 2 cm/s over nine samples, stay below it at the 0.1 to 0.2 m/s of gliders.
 const MOST_OF_SINK: f64 = 0.2;
 
-/// What is to be said of a fit that misses its own samples.
+/// The warnings about a fit that misses its own samples.
 pub(super) fn warnings(score: &Score, dives: &[Dive]) -> Vec<String> {
     let mean_square = |of: fn(&Observation) -> f64| {
         let values = || dives.iter().flat_map(|dive| &dive.observations).map(of).filter(|value| value.is_finite());
@@ -43,7 +43,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_fit_that_misses_a_tenth_of_the_speed_is_told() {
+    fn a_fit_that_misses_a_tenth_of_the_speed_gets_a_warning() {
         let (_, p) = glider();
         let samples: Vec<Observation> = (0..20).map(|i| sample(&p, -27.0, 0.3, 0, 10.0 * f64::from(i))).collect();
         let dives = by_dive(&samples);
@@ -57,7 +57,7 @@ mod tests {
             warnings(&score, &dives)
         };
         assert!(of(0.09, 0.19).is_empty());
-        let told = of(0.11, 0.21);
-        assert!(told.len() == 2 && told[0].contains("33 of 300 mm/s"), "{told:?}");
+        let found = of(0.11, 0.21);
+        assert!(found.len() == 2 && found[0].contains("33 of 300 mm/s"), "{found:?}");
     }
 }
