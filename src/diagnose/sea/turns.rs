@@ -14,7 +14,7 @@ const RUDDER_DRAG_PER_RAD2: f64 = 2.0;
 
 /// Adds what the turn rate and the roll of a log show; returns the stretches before and after the named causes.
 pub(super) fn add(diagnosis: &mut Diagnosis, vehicle: &Vehicle, observations: &[Observation]) -> Vec<ModelledStretch> {
-    let Some(found) = causes(observations) else { return Vec::new() };
+    let Some(found) = causes(observations, roll_per_roll_mass(vehicle)) else { return Vec::new() };
     for cause in &found.causes {
         diagnosis.wrong.push(wrong(cause));
         diagnosis.gains.push(Gain {
@@ -46,6 +46,18 @@ pub(super) fn add(diagnosis: &mut Diagnosis, vehicle: &Vehicle, observations: &[
         });
     }
     found.modelled
+}
+
+/// Roll per small angle of the roll mass: its first moment over that of all that hangs below the centre of buoyancy.
+fn roll_per_roll_mass(vehicle: &Vehicle) -> Option<f64> {
+    let rolling_kg_m = vehicle.get("roll_mass.mass_kg")? * vehicle.get("roll_mass.radius_m")?;
+    Some(rolling_kg_m / below_kg_m(vehicle)).filter(|ratio| ratio.is_finite())
+}
+
+/// First moment of the masses below the centre of buoyancy.
+fn below_kg_m(vehicle: &Vehicle) -> f64 {
+    let p = vehicle.glide_parameters();
+    p.moving_mass_kg * p.moving_mass_height_m + p.offset_mass_kg * p.offset_mass_below_m
 }
 
 fn wrong(cause: &LateralCause) -> Wrong {
@@ -147,10 +159,9 @@ pub(super) fn extend(vehicle: &mut Vehicle, causes: &[Cause]) -> Result<(), crat
     for (cause, name, size) in sizes {
         match (cause.cause.as_str(), name.as_str()) {
             ("static_list", "static_list_rad") if vehicle.get("lateral.m2_kg").is_some() => {
-                let p = vehicle.glide_parameters();
-                let below = p.moving_mass_kg * p.moving_mass_height_m + p.offset_mass_kg * p.offset_mass_below_m;
                 let before = vehicle.get("mass.cg_starboard_m").unwrap_or(0.0);
-                vehicle.set("mass.cg_starboard_m", before + below * size.value.tan() / p.mass_kg())?;
+                let moved = below_kg_m(vehicle) * size.value.tan() / vehicle.glide_parameters().mass_kg();
+                vehicle.set("mass.cg_starboard_m", before + moved)?;
             }
             ("rudder_offset", "rudder_offset_rad") if vehicle.get("rudder.CN_delta_per_rad").is_some() => {
                 vehicle.set("rudder.offset_rad", size.value)?;

@@ -251,9 +251,23 @@ impl Fit {
     /// Probability by chance of a size like this one, corrected for the number of questions; 1 where it does not exceed the
     /// limit of relevance by a standard error.
     pub(super) fn chance(&self, [value, se]: [f64; 2], limit: f64) -> f64 {
-        let is_relevant = value.abs() - se > limit;
-        let chance = 2.0 * student_above(value.abs() / se.max(f64::MIN_POSITIVE), self.freedom());
+        self.chance_considering([value, se], 0.0, limit)
+    }
+
+    /// The same of a size that errs by a considered figure too, whose error has no scatter to be estimated from: the freedom is that of
+    /// the sum of both variances (Welch 1947).
+    pub(super) fn chance_considering(&self, [value, se]: [f64; 2], considered: f64, limit: f64) -> f64 {
+        let of_both = se.hypot(considered);
+        let is_relevant = value.abs() - of_both > limit;
+        let chance =
+            2.0 * student_above(value.abs() / of_both.max(f64::MIN_POSITIVE), self.freedom_considering(se, considered));
         if is_relevant { (QUESTIONS * chance).min(1.0) } else { 1.0 }
+    }
+
+    /// Degrees of freedom of an error of this fit and a considered one together.
+    pub(super) fn freedom_considering(&self, se: f64, considered: f64) -> f64 {
+        let share = (se / se.hypot(considered).max(f64::MIN_POSITIVE)).powi(4);
+        (self.freedom() / share.max(1e-4)).max(self.freedom())
     }
 
     /// Returns the log-likelihood ratio of a size against zero, by Student's density.

@@ -40,9 +40,11 @@ use fit::Fit;
 use model::{Row, Term, dives, rows};
 use questions::Terms;
 
-/// The causes; nothing where [`turning`](super::turning) has too few steady stretches, or the log has no roll.
-pub fn causes(observations: &[Observation]) -> Option<LateralDiagnosis> {
-    let rows: Vec<Row> = rows(observations);
+/// The causes; nothing where [`turning`](super::turning) has too few steady stretches, or the log has no roll. `roll_per_roll_mass` is the
+/// vehicle's, for a log in which the roll mass stands still.
+pub fn causes(observations: &[Observation], roll_per_roll_mass: Option<f64>) -> Option<LateralDiagnosis> {
+    let mut rows: Vec<Row> = rows(observations);
+    rows.iter_mut().for_each(|row| row.roll_per_roll_mass = roll_per_roll_mass.unwrap_or(0.0));
     let dives = dives(&rows);
     if rows.len() < LEAST_STRETCHES || dives.len() < LEAST_DIVES {
         return None;

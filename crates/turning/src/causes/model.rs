@@ -23,6 +23,8 @@ pub(super) struct Row {
     pub(super) speed_m_s: f64,
     /// Drag over slope of the lift where [`Term::Attack`] is not fitted.
     pub(super) drag_per_lift: f64,
+    /// Roll per roll mass where [`Term::Gain`] is not fitted; zero where it is not known either.
+    pub(super) roll_per_roll_mass: f64,
 }
 
 /// The angle of attack of a glide at this pitch: `angle tan(pitch + angle) = drag_per_lift`, by Newton's steps from above. With the
@@ -122,6 +124,7 @@ pub(super) fn rows(observations: &[Observation]) -> Vec<Row> {
         stretch,
         speed_m_s: stretch.speed_m_s.clamp(SLOWEST_M_S, FASTEST_M_S),
         drag_per_lift: ATTACK[0],
+        roll_per_roll_mass: 0.0,
     };
     found.into_iter().filter(is_steady).map(row).collect()
 }
@@ -181,7 +184,7 @@ pub(super) struct Model {
     roll_mass_offset: f64,
     share: f64,
     sin_share: f64,
-    gain: f64,
+    gain: Option<f64>,
     rudder_rolls: f64,
     damped: f64,
     mass_pitches: [f64; 2],
@@ -208,7 +211,7 @@ impl Model {
             roll_mass_offset: of(Term::RollMassOffset),
             share: of(Term::Share),
             sin_share: of(Term::Share).sin(),
-            gain: of(Term::Gain),
+            gain: known(Term::Gain),
             rudder_rolls: of(Term::RudderRolls),
             damped: of(Term::Damped),
             mass_pitches: [false, true].map(|descends| of(Term::MassPitches(descends))),
@@ -235,7 +238,7 @@ impl Model {
         let stretch = &row.stretch;
         let finite = |value: f64| if value.is_finite() { value } else { 0.0 };
         let (rudder, roll_mass) = (finite(stretch.rudder_rad), finite(stretch.roll_mass_rad));
-        let (zero, gain) = (self.zero, self.gain);
+        let (zero, gain) = (self.zero, self.gain.unwrap_or(row.roll_per_roll_mass));
         let leg = usize::from(stretch.descends);
         let sign = if stretch.descends { -1.0 } else { 1.0 };
         let per_roll = self.roll_turns[leg] + sign * self.roll_turns_alike;
@@ -262,7 +265,8 @@ impl Model {
             let (sin, cos) = stretch.pitch_rad.sin_cos();
             let balanced = self.roll_pitches.map_or(0.0, |part| {
                 let turned = stretch.roll_mass_rad + self.roll_mass_offset + self.share;
-                part * roll.cos().ln() - (1.0 + self.gain * (turned.cos() - 1.0)).max(0.1).ln()
+                let gain = self.gain.unwrap_or(row.roll_per_roll_mass);
+                part * roll.cos().ln() - (1.0 + gain * (turned.cos() - 1.0)).max(0.1).ln()
             });
             self.mass_pitches[usize::from(stretch.descends)] * stretch.battery_forward_m
                 + self.askew * roll / (sin * cos)

@@ -16,6 +16,10 @@ use crate::{HELD_RUDDER_RAD, LEAST_STRETCHES, Stretch, VARIES_RAD, sd};
 /// Standard error of the roll sensor's zero where turning does not show it \[rad\]: sensors are mounted within about a degree.
 const SENSOR_ZERO_RAD: f64 = 0.0087;
 
+/// Relative error of a vehicle's roll per roll mass: its height of the moving mass is an estimate. That of the figures of lift without a
+/// stated error.
+const ROLL_PER_ROLL_MASS_ERROR: f64 = 0.15;
+
 /// What the log can be asked.
 pub(super) struct Terms {
     turns: Vec<Term>,
@@ -23,6 +27,8 @@ pub(super) struct Terms {
     /// Whether the roll varied on both legs, so that turning shows the true roll.
     separates_sensor: bool,
     has_roll_mass: bool,
+    /// The roll mass is read but does not vary, and how much it rolls is the vehicle's: the standard deviation of that figure, relative.
+    holds_roll_mass: Option<f64>,
     has_rudder: bool,
     /// The rudder stands at an angle: what it does is not separated from anything constant.
     rudder_is_held: bool,
@@ -61,7 +67,19 @@ impl Terms {
         if has_roll_mass {
             rolls.extend([Term::Gain, Term::Damped]);
         }
-        let terms = Terms { turns, rolls, separates_sensor, has_roll_mass, has_rudder, rudder_is_held, both_legs };
+        let is_read = roll_mass.iter().all(|angle| angle.is_finite());
+        let holds_roll_mass =
+            (!has_roll_mass && is_read && rows[0].roll_per_roll_mass > 0.0).then_some(ROLL_PER_ROLL_MASS_ERROR);
+        let terms = Terms {
+            turns,
+            rolls,
+            separates_sensor,
+            has_roll_mass,
+            holds_roll_mass,
+            has_rudder,
+            rudder_is_held,
+            both_legs,
+        };
         if has_roll_mass { terms.with_pitch(rows) } else { terms }
     }
 
@@ -109,6 +127,9 @@ impl Terms {
             };
             return reject(found, &LEANS.map(name), None, false, remark);
         }
+        if let Some(relative) = self.holds_roll_mass {
+            return self.lean_against_held_mass(rows, full, relative, found);
+        }
         let parts = Parts::new(self, rows, full);
         let is_sure = |size: [f64; 2]| full.chance(size, RELEVANT_ROLL_RAD) <= MOST_CHANCE;
         // Whether it leans at all is asked before what leans it: parts that undo each other lean nothing.
@@ -144,7 +165,7 @@ impl Terms {
             alike.push(Term::Zero);
         }
         for term in &sure {
-            self.name_lean(rows, full, *term, &alike, p_value, found);
+            self.name_lean(rows, full, *term, &alike, (p_value, 0.0), found);
         }
         let excluded: Vec<&'static str> =
             LEANS.into_iter().filter(|term| !sure.contains(term) && !alike.contains(term)).map(name).collect();
@@ -159,20 +180,44 @@ impl Terms {
         }
     }
 
+    /// Roll at rest of a glider whose roll mass stands still, as a heading control leaves it against a list: what the roll mass takes
+    /// back is the vehicle's figure, a considered parameter. List and offset of the roll mass are one then.
+    fn lean_against_held_mass(&self, rows: &[Row], full: &Fit, relative: f64, found: &mut LateralDiagnosis) {
+        let both = [(Term::List, 1.0), (Term::Zero, 1.0)];
+        let sum = full.sum(&both);
+        let moves = |factor: f64| {
+            let scaled = |row: &Row| Row { roll_per_roll_mass: factor * row.roll_per_roll_mass, ..*row };
+            let rows: Vec<Row> = rows.iter().map(scaled).collect();
+            Fit::new(&rows, &self.all(), None).map_or(0.0, |fit| (fit.sum(&both)[0] - sum[0]).abs())
+        };
+        let considered = moves(1.0 - relative).max(moves(1.0 + relative));
+        let p_value = full.chance_considering(sum, considered, RELEVANT_ROLL_RAD);
+        if p_value > MOST_CHANCE {
+            let remark = "the roll at rest does not exceed the limit of relevance for certain";
+            return reject(found, &LEANS.map(name), Some(p_value), false, remark);
+        }
+        let mut alike = vec![Term::RollMassOffset];
+        if self.turns_apart(rows, full.sds) == Some(false) {
+            alike.push(Term::Zero);
+        }
+        self.name_lean(rows, full, Term::List, &alike, (p_value, considered), found);
+    }
+
     /// Whether the legs turn apart as a rolled glider's do, where the roll does not vary: a sensor turns nothing.
     fn turns_apart(&self, rows: &[Row], sds: [f64; 3]) -> Option<bool> {
         let [list, sensor] = [Term::List, Term::Zero].map(|term| Fit::new(rows, &self.with(&[term]), Some(sds)));
         Some(sensor?.is_worse_than(&list?, TURN_RATE))
     }
 
-    /// Names a cause of the roll at rest with its size, where held-out dives are predicted better with it.
+    /// Names a cause of the roll at rest with its size, where held-out dives are predicted better with it; `considered` is what the
+    /// size errs by beside the fit \[rad\].
     fn name_lean(
         &self,
         rows: &[Row],
         full: &Fit,
         term: Term,
         alike: &[Term],
-        p_value: f64,
+        (p_value, considered): (f64, f64),
         found: &mut LateralDiagnosis,
     ) {
         let knows_sensor = self.separates_sensor && !alike.contains(&Term::Zero);
@@ -188,7 +233,8 @@ impl Terms {
         let by_scatter = sized.jackknife(rows, |fit| fit.size(term));
         let of_sensor = if knows_sensor { full.lasting_disturbance(rows) } else { SENSOR_ZERO_RAD };
         let se = size[1].max(by_scatter).hypot(of_sensor / per_rad);
-        if full.chance([size[0], se].map(|figure| per_rad * figure), RELEVANT_ROLL_RAD) > MOST_CHANCE {
+        let [of_roll, se_of_roll, considered] = [size[0], se, considered].map(|figure| per_rad * figure);
+        if full.chance_considering([of_roll, se_of_roll], considered, RELEVANT_ROLL_RAD) > MOST_CHANCE {
             let remark = "by itself it does not exceed the limit of relevance for certain";
             return reject(found, &[name(term)], Some(p_value), false, remark);
         }
@@ -199,7 +245,8 @@ impl Terms {
             let remark = "held-out dives are not predicted better with it by a standard error";
             return reject(found, &[name(term)], Some(p_value), true, remark);
         }
-        let estimate = Estimate::student(size[0], se, sized.freedom(), "rad");
+        let freedom = sized.freedom_considering(se_of_roll, considered);
+        let estimate = Estimate::student(size[0], se.hypot(considered / per_rad), freedom, "rad");
         found.causes.push(LateralCause {
             cause: name(term),
             parameters: BTreeMap::from([(parameter(term).to_owned(), estimate)]),
