@@ -210,7 +210,7 @@ impl Terms {
     }
 
     /// Names a cause of the roll at rest with its size, where held-out dives are predicted better with it; `considered` is what the
-    /// size errs by beside the fit \[rad\].
+    /// roll at rest errs by beside the fit \[rad\].
     fn name_lean(
         &self,
         rows: &[Row],
@@ -230,11 +230,13 @@ impl Terms {
         let Some(sized) = Fit::new(rows, &self.with(&beside), None) else { return };
         let Some(size) = sized.size(term) else { return };
         let per_rad = if term == Term::RollMassOffset { sized.value(Term::Gain).abs().max(0.1) } else { 1.0 };
-        let by_scatter = sized.jackknife(rows, |fit| fit.size(term));
+        let se = size[1].max(sized.jackknife(rows, |fit| fit.size(term)));
+        // What the sensor's zero errs by is no scatter between dives.
         let of_sensor = if knows_sensor { full.lasting_disturbance(rows) } else { SENSOR_ZERO_RAD };
-        let se = size[1].max(by_scatter).hypot(of_sensor / per_rad);
-        let [of_roll, se_of_roll, considered] = [size[0], se, considered].map(|figure| per_rad * figure);
-        if full.chance_considering([of_roll, se_of_roll], considered, RELEVANT_ROLL_RAD) > MOST_CHANCE {
+        let considered = considered.hypot(of_sensor);
+        if full.chance_considering([size[0], se].map(|figure| per_rad * figure), considered, RELEVANT_ROLL_RAD)
+            > MOST_CHANCE
+        {
             let remark = "by itself it does not exceed the limit of relevance for certain";
             return reject(found, &[name(term)], Some(p_value), false, remark);
         }
@@ -245,7 +247,7 @@ impl Terms {
             let remark = "held-out dives are not predicted better with it by a standard error";
             return reject(found, &[name(term)], Some(p_value), true, remark);
         }
-        let freedom = sized.freedom_considering(se_of_roll, considered);
+        let freedom = sized.freedom_considering(per_rad * se, considered);
         let estimate = Estimate::student(size[0], se.hypot(considered / per_rad), freedom, "rad");
         found.causes.push(LateralCause {
             cause: name(term),
