@@ -12,6 +12,7 @@ use glidepolar::diagnose::Diagnosis;
 use glidepolar::diagnose::sea::{Request, diagnose_vehicle};
 use glidepolar::mechanisms::LATERAL;
 use glidepolar::reading;
+use glidepolar::turning::causes::causes;
 use glidepolar::vehicle::Vehicle;
 use glidepolar_tests::Built;
 use glidepolar_virtual_sea::log::Log;
@@ -161,6 +162,47 @@ fn dives_without_density_still_show_turn_rates() {
         let number = |value: &serde_json::Value| value.as_f64().expect("a number");
         let apart = number(&half["value"]) - number(&all["value"]);
         assert!(apart.abs() < 0.5 * number(&all["se"]), "{leg}: {half} beside {all}");
+    }
+}
+
+/// The project's own simulation in space: its heading control is finely graded, so that the roll mass stands off its middle against a
+/// list and the glider does not roll at all. How much the roll mass rolls is the vehicle's figure.
+#[test]
+fn a_list_is_named_where_the_roll_mass_stands_still_against_it() {
+    let Some(program) = Built::Glidepolar.path() else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let mission = include_str!("../../missions/lawn-mower.toml")
+        .replace("duration_h = 48.0", "duration_h = 12.0")
+        .replace("every_h = 4.0", "every_h = 2.0");
+    std::fs::write(folder.path().join("mission.toml"), mission).expect("the mission");
+    let vehicle = Vehicle::load("seaglider").expect("built in");
+    let found = |set: &str| {
+        let mut command = Command::new(&program);
+        command.current_dir(folder.path()).args([
+            "simulate",
+            "seaglider",
+            "--3d",
+            "--mission",
+            "mission.toml",
+            "--force",
+        ]);
+        let output = command.args(["--quiet", "--log", "log.csv", "--set", set]).output().expect("it starts");
+        assert!(output.status.success(), "{set}: {}", String::from_utf8_lossy(&output.stderr));
+        let log = reading::read(&[folder.path().join("log.csv")], &vehicle, &reading::Request::default());
+        causes(&log.expect("a log").observations, Some(0.53)).expect("steady stretches").causes
+    };
+    assert!(found("mass.cg_starboard_m=0").is_empty(), "a straight glider has no cause");
+    // 10 kg of battery 0.05 m below, of 52.5 kg: 5 deg of list. The roll per roll mass is 10 kg 0.0265 m over 10 kg 0.05 m.
+    for (set, roll_rad) in [("mass.cg_starboard_m=0.000833", 0.0873), ("roll_mass.offset_rad=0.16", 0.53 * 0.16)] {
+        let [cause] = &found(set)[..] else { panic!("{set}: one cause is expected") };
+        assert_eq!(cause.cause, "static_list", "{set}");
+        assert!(
+            cause.indistinguishable_from.contains(&"roll_mass_offset"),
+            "{set}: {:?}",
+            cause.indistinguishable_from
+        );
+        let [low, high] = cause.parameters["static_list_rad"].ci95;
+        assert!((low..high).contains(&roll_rad) && high - low < 0.07, "{set}: {low} to {high}");
     }
 }
 
