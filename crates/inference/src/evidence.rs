@@ -277,6 +277,12 @@ pub trait Problem {
         false
     }
 
+    /// Whether the sizes of a mechanism must agree from part to part of the record. Not where the order of the rows is that of a
+    /// covariate, as in a campaign that is run from angle to angle: a part of the record is then a part of the law.
+    fn has_record_over_time(&self) -> bool {
+        false
+    }
+
     /// The candidate of which this one has a part that does not vary over the data: a temperature's mean is an offset.
     fn level_of(&self, candidate: usize) -> Option<usize> {
         let _ = candidate;

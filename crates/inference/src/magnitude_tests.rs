@@ -183,7 +183,9 @@ impl Fitted {
                     }
                     _ => false,
                 }
-                || candidate.version.is_none_or(|version| !version.is_onset) && varies(fitted, place)
+                || problem.has_record_over_time()
+                    && candidate.version.is_none_or(|version| !version.is_onset)
+                    && varies(fitted, place)
         };
         while problem.has_regimes() {
             let Some(place) = (0..self.included.len()).find(|place| differs(self, *place)) else { return };

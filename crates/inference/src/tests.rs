@@ -87,6 +87,10 @@ impl Problem for Toy {
         self.has_regimes
     }
 
+    fn has_record_over_time(&self) -> bool {
+        self.has_regimes
+    }
+
     fn needs_both_legs(&self) -> bool {
         self.has_regimes
     }

@@ -95,6 +95,10 @@ impl Problem for SeaProblem {
         true
     }
 
+    fn has_record_over_time(&self) -> bool {
+        true
+    }
+
     fn level_of(&self, candidate: usize) -> Option<usize> {
         let has_level = candidates::WITH_A_LEVEL.contains(&self.candidates[candidate].name);
         has_level.then(|| self.candidates.iter().position(|other| other.name == "ballast_offset")).flatten()
