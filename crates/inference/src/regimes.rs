@@ -170,14 +170,7 @@ pub fn on_each_leg(evidence: &Evidence, noises: &[Noise], included: &[Included<'
     let trace = included[place].trace();
     let of_leg =
         |sign: f64| DVector::from_fn(n, |row, _| if evidence.leg[row] * sign > 0.0 { trace[row] } else { 0.0 });
-    let legs = [of_leg(-1.0), of_leg(1.0)];
-    let others = included.iter().enumerate().filter(|(other, _)| *other != place);
-    let mut columns: Vec<DVector<f64>> = legs.to_vec();
-    columns.extend(others.flat_map(|(_, one)| one.columns.column_iter().map(|column| column.into_owned())));
-    let all = DMatrix::from_columns(&columns);
-    let mut evidence = evidence.clone();
-    evidence.prior.truncate(evidence.baseline.ncols());
-    let prior = vec![(0.0, f64::INFINITY); all.ncols()];
+    let (evidence, all, prior) = split(evidence, included, place, vec![of_leg(-1.0), of_leg(1.0)]);
     let score = Score::new(&evidence, noises, &evidence.baseline, &all, &prior);
     if !(score.is_identifiable(0) && score.is_identifiable(1)) {
         return None;
@@ -224,13 +217,7 @@ pub fn over_time(
     let trace = included[place].trace();
     let of_part = |wanted: usize| DVector::from_fn(n, |row, _| if part[row] == wanted { trace[row] } else { 0.0 });
     let parts = part.iter().max()? + 1;
-    let mut columns: Vec<DVector<f64>> = (0..parts).map(of_part).collect();
-    let others = included.iter().enumerate().filter(|(other, _)| *other != place);
-    columns.extend(others.flat_map(|(_, one)| one.columns.column_iter().map(|column| column.into_owned())));
-    let all = DMatrix::from_columns(&columns);
-    let mut evidence = evidence.clone();
-    evidence.prior.truncate(evidence.baseline.ncols());
-    let prior = vec![(0.0, f64::INFINITY); all.ncols()];
+    let (evidence, all, prior) = split(evidence, included, place, (0..parts).map(of_part).collect());
     let score = Score::new(&evidence, noises, &evidence.baseline, &all, &prior);
     let shown: Vec<usize> = (0..parts).filter(|part| score.is_identifiable(*part)).collect();
     if shown.len() < 2 {
@@ -249,6 +236,22 @@ pub fn over_time(
         degrees_of_freedom: (k - 1) as f64,
         explained: one * one * weight_of_one,
     })
+}
+
+/// The columns of a mechanism split into `parts`, followed by those of the others, none with a prior; with the evidence for them.
+fn split(
+    evidence: &Evidence,
+    included: &[Included<'_>],
+    place: usize,
+    mut parts: Vec<DVector<f64>>,
+) -> (Evidence, DMatrix<f64>, Vec<(f64, f64)>) {
+    let others = included.iter().enumerate().filter(|(other, _)| *other != place);
+    parts.extend(others.flat_map(|(_, one)| one.columns.column_iter().map(|column| column.into_owned())));
+    let all = DMatrix::from_columns(&parts);
+    let mut evidence = evidence.clone();
+    evidence.prior.truncate(evidence.baseline.ncols());
+    let prior = vec![(0.0, f64::INFINITY); all.ncols()];
+    (evidence, all, prior)
 }
 
 /// What a size may go with: each covariate that runs along a line, the leg, the second quantity.
