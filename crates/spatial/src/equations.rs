@@ -68,40 +68,7 @@ pub struct Outputs<T> {
 /// Rates of change of the state. `time_s` is counted from the start; a leak and changes of drag depend on it. Allocates
 /// nothing, cannot fail: an impossible state gives NaN.
 pub fn derivative<T: Number>(body: &Body<T>, time_s: T, state: &State<T>, inputs: &Inputs<T>) -> State<T> {
-    let (p, l) = (&body.plane, &body.lateral);
-    let [to_ballast, to_mass, to_roll, to_rudder] = ways_to_go(body, state, inputs);
-    let sliding = servo_acceleration(to_mass, state.moving_mass_speed_m_s, p.moving_mass_rate_m_s);
-    let turning = servo_acceleration(to_roll, state.roll_mass_rate_rad_s, l.roll_mass_rate_rad_s);
-    let rudder_rate = servo_speed(to_rudder, l.rudder_rate_rad_s);
-    let pumping = servo_speed(to_ballast, p.ballast_rate_m3_s);
-    let now = Instant::new(body, time_s, state, inputs);
-    let (acceleration, turning_rate) = now.accelerations(sliding, turning);
-    let memory = p.memory_rates(&now.memory, &now.water, -pumping / p.ballast_rate_m3_s);
-    let [roll_rate, pitch_rate, heading_rate] = now.euler_rates();
-    State {
-        north_m: now.over_ground_m_s[0],
-        east_m: now.over_ground_m_s[1],
-        depth_m: now.depth_rate_m_s,
-        roll_rad: roll_rate,
-        pitch_rad: pitch_rate,
-        heading_rad: heading_rate,
-        v1_m_s: acceleration[0],
-        v2_m_s: acceleration[1],
-        v3_m_s: acceleration[2],
-        p_rad_s: turning_rate[0],
-        q_rad_s: turning_rate[1],
-        r_rad_s: turning_rate[2],
-        moving_mass_m: state.moving_mass_speed_m_s,
-        moving_mass_speed_m_s: sliding,
-        roll_mass_rad: state.roll_mass_rate_rad_s,
-        roll_mass_rate_rad_s: turning,
-        rudder_rad: rudder_rate,
-        ballast_mass_kg: -p.reference_density_kg_m3 * pumping,
-        creep_pressure_Pa: memory.creep_pressure_Pa,
-        carried_density_kg_m3: memory.carried_density_kg_m3,
-        leaked_back_m3: memory.leaked_back_m3,
-        energy_J: now.power_W(pumping, sliding, rudder_rate),
-    }
+    Instant::new(body, time_s, state, inputs).rates_of_change()
 }
 
 /// How far ballast, moving mass, roll mass and rudder are from their set-points.
@@ -156,8 +123,8 @@ pub fn accelerations<T: Number>(
 
 /// What follows from a state, its servos included.
 pub fn outputs<T: Number>(body: &Body<T>, time_s: T, state: &State<T>, inputs: &Inputs<T>) -> Outputs<T> {
-    let rates = derivative(body, time_s, state, inputs);
     let now = Instant::new(body, time_s, state, inputs);
+    let rates = now.rates_of_change();
     let h = &now.hydrodynamics;
     let sink = dot(now.attitude.down(), now.v);
     let path = if h.speed_m_s.value() > 0.0 { -functions::asin(sink / h.speed_m_s) } else { T::constant(0.0) };
@@ -262,6 +229,44 @@ impl<'a, T: Number> Instant<'a, T> {
         }
     }
 
+    /// Rates of change of the whole state.
+    fn rates_of_change(&self) -> State<T> {
+        let state = self.state;
+        let (p, l) = (&self.body.plane, &self.body.lateral);
+        let [to_ballast, to_mass, to_roll, to_rudder] = ways_to_go(self.body, state, self.inputs);
+        let sliding = servo_acceleration(to_mass, state.moving_mass_speed_m_s, p.moving_mass_rate_m_s);
+        let turning = servo_acceleration(to_roll, state.roll_mass_rate_rad_s, l.roll_mass_rate_rad_s);
+        let rudder_rate = servo_speed(to_rudder, l.rudder_rate_rad_s);
+        let pumping = servo_speed(to_ballast, p.ballast_rate_m3_s);
+        let (acceleration, turning_rate) = self.accelerations(sliding, turning);
+        let memory = p.memory_rates(&self.memory, &self.water, -pumping / p.ballast_rate_m3_s);
+        let [roll_rate, pitch_rate, heading_rate] = self.euler_rates();
+        State {
+            north_m: self.over_ground_m_s[0],
+            east_m: self.over_ground_m_s[1],
+            depth_m: self.depth_rate_m_s,
+            roll_rad: roll_rate,
+            pitch_rad: pitch_rate,
+            heading_rad: heading_rate,
+            v1_m_s: acceleration[0],
+            v2_m_s: acceleration[1],
+            v3_m_s: acceleration[2],
+            p_rad_s: turning_rate[0],
+            q_rad_s: turning_rate[1],
+            r_rad_s: turning_rate[2],
+            moving_mass_m: state.moving_mass_speed_m_s,
+            moving_mass_speed_m_s: sliding,
+            roll_mass_rad: state.roll_mass_rate_rad_s,
+            roll_mass_rate_rad_s: turning,
+            rudder_rad: rudder_rate,
+            ballast_mass_kg: -p.reference_density_kg_m3 * pumping,
+            creep_pressure_Pa: memory.creep_pressure_Pa,
+            carried_density_kg_m3: memory.carried_density_kg_m3,
+            leaked_back_m3: memory.leaked_back_m3,
+            energy_J: self.power_W(pumping, sliding, rudder_rate),
+        }
+    }
+
     /// Accelerations along and about the axes, for an acceleration of the moving mass along the hull and of its turning.
     fn accelerations(&self, sliding: T, turning: T) -> (Vector<T>, Vector<T>) {
         let (p, l, s) = (&self.body.plane, &self.body.lateral, self.state);
@@ -310,14 +315,14 @@ impl<'a, T: Number> Instant<'a, T> {
         let mut inertia = Inertia::zero();
         let hull = p.hull_mass_kg - p.offset_mass_kg;
         for (axis, added) in [p.added_mass_1_kg, l.added_mass_2_kg, p.added_mass_3_kg].into_iter().enumerate() {
-            inertia.add(axis, axis, hull + added);
+            inertia.add_along(axis, hull + added);
         }
-        inertia.add(3, 3, l.roll_inertia_kg_m2);
+        inertia.add_about(0, 0, l.roll_inertia_kg_m2);
         // The plane's inertia in pitch contains that of the moving mass about its own centre.
-        inertia.add(4, 4, p.pitch_inertia_kg_m2 - l.moving_inertia_2_kg_m2);
-        inertia.add(5, 5, l.yaw_inertia_kg_m2);
-        inertia.add(1, 5, l.added_Y_rdot_kg_m);
-        inertia.add(2, 4, p.added_Z_qdot_kg_m);
+        inertia.add_about(1, 1, p.pitch_inertia_kg_m2 - l.moving_inertia_2_kg_m2);
+        inertia.add_about(2, 2, l.yaw_inertia_kg_m2);
+        inertia.add_coupling(1, 2, l.added_Y_rdot_kg_m);
+        inertia.add_coupling(2, 1, p.added_Z_qdot_kg_m);
         let zero = T::constant(0.0);
         inertia.add_mass(p.offset_mass_kg, [p.offset_mass_forward_m, zero, p.offset_mass_below_m]);
         inertia.add_mass(self.state.ballast_mass_kg, [p.ballast_forward_m, zero, p.ballast_below_m]);
@@ -329,12 +334,12 @@ impl<'a, T: Number> Instant<'a, T> {
     fn add_list(&self, inertia: &mut Inertia<T>) {
         let (p, moment) = (&self.body.plane, self.body.lateral.starboard_moment_kg_m);
         let aside = moment / p.hull_mass_kg;
-        inertia.add(0, 5, -moment);
-        inertia.add(2, 3, moment);
-        inertia.add(3, 3, moment * aside);
-        inertia.add(5, 5, moment * aside);
-        inertia.add(3, 4, -aside * p.offset_mass_kg * p.offset_mass_forward_m);
-        inertia.add(4, 5, -aside * p.offset_mass_kg * p.offset_mass_below_m);
+        inertia.add_coupling(0, 2, -moment);
+        inertia.add_coupling(2, 0, moment);
+        inertia.add_about(0, 0, moment * aside);
+        inertia.add_about(2, 2, moment * aside);
+        inertia.add_about(0, 1, -aside * p.offset_mass_kg * p.offset_mass_forward_m);
+        inertia.add_about(1, 2, -aside * p.offset_mass_kg * p.offset_mass_below_m);
     }
 
     /// The moving mass. The roll mass is the part of it that turns about the hull's axis: at angle zero their common centre
@@ -398,7 +403,7 @@ impl<'a, T: Number> Instant<'a, T> {
 
     /// Rates of change of roll, pitch and heading.
     fn euler_rates(&self) -> Vector<T> {
-        let ((sr, cr), (sp, cp)) = (functions::sin_cos(self.state.roll_rad), functions::sin_cos(self.state.pitch_rad));
+        let ((sr, cr), (sp, cp)) = (self.attitude.roll, self.attitude.pitch);
         let [p, q, r] = self.rates;
         let heading = (q * sr + r * cr) / cp;
         [p + heading * sp, q * cr - r * sr, heading]

@@ -2,82 +2,98 @@
 
 use glidepolar_number::Number;
 
-use super::vector::{Vector, cross};
+use super::vector::{Vector, cross, dot};
 
-/// `(P, Pi) = M (v, Om)` about the centre of buoyancy, rows and columns in the order 1, 2, 3, roll, pitch, yaw.
+/// `(P, Pi) = M (v, Om)` about the centre of buoyancy. Along the axes it is diagonal, masses and added mass alike: what couples
+/// them goes by the rotation.
 #[derive(Debug, Clone, Copy)]
-pub struct Inertia<T>(pub [[T; 6]; 6]);
+pub struct Inertia<T> {
+    /// Momentum along each axis per velocity along it.
+    along: Vector<T>,
+    /// Momentum along each axis, by rows, per rate about each; its transpose is angular momentum per velocity.
+    coupling: [Vector<T>; 3],
+    /// Angular momentum per rate, symmetric.
+    about: [Vector<T>; 3],
+}
 
 impl<T: Number> Inertia<T> {
     /// Of nothing.
     pub fn zero() -> Self {
-        Inertia([[T::constant(0.0); 6]; 6])
+        let zero = T::constant(0.0);
+        Inertia { along: [zero; 3], coupling: [[zero; 3]; 3], about: [[zero; 3]; 3] }
     }
 
-    /// Adds a value at a place and its mirror image.
-    pub fn add(&mut self, row: usize, column: usize, value: T) {
-        self.0[row][column] += value;
+    /// Adds mass, rigid or added, that moves along one axis.
+    pub fn add_along(&mut self, axis: usize, value: T) {
+        self.along[axis] += value;
+    }
+
+    /// Adds momentum along one axis per rate about another.
+    pub fn add_coupling(&mut self, along: usize, about: usize, value: T) {
+        self.coupling[along][about] += value;
+    }
+
+    /// Adds a moment or product of inertia, and its mirror image.
+    pub fn add_about(&mut self, row: usize, column: usize, value: T) {
+        self.about[row][column] += value;
         if row != column {
-            self.0[column][row] += value;
+            self.about[column][row] += value;
         }
     }
 
     /// Adds a point mass at a place in the hull.
     pub fn add_mass(&mut self, mass: T, [x, y, z]: Vector<T>) {
         for axis in 0..3 {
-            self.add(axis, axis, mass);
+            self.add_along(axis, mass);
         }
         // P = m (v + Om x r): the momentum along axis 1 per pitch rate is m z, and so on.
-        self.add(0, 4, mass * z);
-        self.add(0, 5, -mass * y);
-        self.add(1, 3, -mass * z);
-        self.add(1, 5, mass * x);
-        self.add(2, 3, mass * y);
-        self.add(2, 4, -mass * x);
-        self.add(3, 3, mass * (y * y + z * z));
-        self.add(4, 4, mass * (x * x + z * z));
-        self.add(5, 5, mass * (x * x + y * y));
-        self.add(3, 4, -mass * x * y);
-        self.add(3, 5, -mass * x * z);
-        self.add(4, 5, -mass * y * z);
+        self.add_coupling(0, 1, mass * z);
+        self.add_coupling(0, 2, -mass * y);
+        self.add_coupling(1, 0, -mass * z);
+        self.add_coupling(1, 2, mass * x);
+        self.add_coupling(2, 0, mass * y);
+        self.add_coupling(2, 1, -mass * x);
+        self.add_about(0, 0, mass * (y * y + z * z));
+        self.add_about(1, 1, mass * (x * x + z * z));
+        self.add_about(2, 2, mass * (x * x + y * y));
+        self.add_about(0, 1, -mass * x * y);
+        self.add_about(0, 2, -mass * x * z);
+        self.add_about(1, 2, -mass * y * z);
     }
 
     /// Momentum and angular momentum of a motion.
     pub fn times(&self, v: Vector<T>, rates: Vector<T>) -> (Vector<T>, Vector<T>) {
-        let motion = [v[0], v[1], v[2], rates[0], rates[1], rates[2]];
-        let row = |i: usize| {
-            let mut sum = T::constant(0.0);
-            for (m, x) in self.0[i].iter().zip(motion) {
-                sum += *m * x;
-            }
-            sum
-        };
-        (std::array::from_fn(row), std::array::from_fn(|i| row(i + 3)))
+        let momentum = std::array::from_fn(|i| self.along[i] * v[i] + dot(self.coupling[i], rates));
+        let angular = std::array::from_fn(|j| dot(self.coupling.map(|row| row[j]), v) + dot(self.about[j], rates));
+        (momentum, angular)
     }
 
-    /// The accelerations that a force and a moment give, by `L D L'`; every true inertia is positive definite.
+    /// The accelerations that a force and a moment give: those along the axes are eliminated first, those about them follow by
+    /// `L D L'`. Every true inertia is positive definite.
     pub fn solve(&self, force: Vector<T>, moment: Vector<T>) -> (Vector<T>, Vector<T>) {
-        let mut upper = self.0;
-        let mut x = [force[0], force[1], force[2], moment[0], moment[1], moment[2]];
-        for column in 0..6 {
-            let pivot = upper[column];
-            for row in column + 1..6 {
-                let factor = pivot[row] / pivot[column];
-                for (value, above) in upper[row].iter_mut().zip(pivot).skip(row) {
-                    *value -= factor * above;
-                }
-                let above = x[column];
-                x[row] -= factor * above;
-            }
-        }
-        for row in (0..6).rev() {
-            let mut sum = x[row];
-            for k in row + 1..6 {
-                sum -= upper[row][k] * x[k];
-            }
-            x[row] = sum / upper[row][row];
-        }
-        ([x[0], x[1], x[2]], [x[3], x[4], x[5]])
+        let one = T::constant(1.0);
+        let per_mass = self.along.map(|mass| one / mass);
+        // The acceleration along the axes that a rate of turn about another would undo, and that of the force alone.
+        let undone: [Vector<T>; 3] = std::array::from_fn(|i| self.coupling[i].map(|value| value * per_mass[i]));
+        let free: Vector<T> = std::array::from_fn(|i| force[i] * per_mass[i]);
+        let column = |j: usize| self.coupling.map(|row| row[j]);
+        let left = |row: usize, col: usize| self.about[row][col] - dot(column(row), undone.map(|line| line[col]));
+        let [m0, m1, m2] = std::array::from_fn(|j| moment[j] - dot(column(j), free));
+
+        let (d0, a01, a02) = (left(0, 0), left(0, 1), left(0, 2));
+        let (a11, a12, a22) = (left(1, 1), left(1, 2), left(2, 2));
+        let per_d0 = one / d0;
+        let (l1, l2) = (a01 * per_d0, a02 * per_d0);
+        let (d1, b12) = (a11 - l1 * a01, a12 - l1 * a02);
+        let per_d1 = one / d1;
+        let l12 = b12 * per_d1;
+        let d2 = a22 - l2 * a02 - l12 * b12;
+        let (x1, x2) = (m1 - l1 * m0, m2 - l2 * m0);
+        let w2 = (x2 - l12 * x1) / d2;
+        let w1 = x1 * per_d1 - l12 * w2;
+        let w0 = m0 * per_d0 - l1 * w1 - l2 * w2;
+        let turning = [w0, w1, w2];
+        (std::array::from_fn(|i| free[i] - dot(undone[i], turning)), turning)
     }
 }
 
@@ -102,7 +118,7 @@ impl<T: Number> Mover<T> {
         inertia.add_mass(self.mass, self.place);
         for i in 0..3 {
             for j in i..3 {
-                inertia.add(i + 3, j + 3, self.own[i][j]);
+                inertia.add_about(i, j, self.own[i][j]);
             }
         }
     }

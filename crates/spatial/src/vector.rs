@@ -23,13 +23,19 @@ pub fn cross<T: Number>(a: Vector<T>, b: Vector<T>) -> Vector<T> {
 /// Roll, pitch and heading as the rotation from body axes to north, east and down, by its rows.
 pub struct Attitude<T> {
     rows: [Vector<T>; 3],
+    /// Sine and cosine.
+    pub roll: (T, T),
+    /// Sine and cosine.
+    pub pitch: (T, T),
 }
 
 impl<T: Number> Attitude<T> {
     pub fn new(roll: T, pitch: T, heading: T) -> Self {
-        let ((sr, cr), (sp, cp), (sh, ch)) =
-            (functions::sin_cos(roll), functions::sin_cos(pitch), functions::sin_cos(heading));
+        let (roll, pitch) = (functions::sin_cos(roll), functions::sin_cos(pitch));
+        let ((sr, cr), (sp, cp), (sh, ch)) = (roll, pitch, functions::sin_cos(heading));
         Attitude {
+            roll,
+            pitch,
             rows: [
                 [cp * ch, sr * sp * ch - cr * sh, cr * sp * ch + sr * sh],
                 [cp * sh, sr * sp * sh + cr * ch, cr * sp * sh - sr * ch],
