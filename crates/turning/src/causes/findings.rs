@@ -95,3 +95,19 @@ pub struct ModelledStretch {
     /// The same by the model fitted with them.
     pub after: [f64; 2],
 }
+
+/// Adds mechanisms that are not named, with the reason.
+pub(super) fn reject(
+    found: &mut LateralDiagnosis,
+    causes: &[&'static str],
+    p_value: Option<f64>,
+    predicts_no_better: bool,
+    remark: &str,
+) {
+    found.rejected.extend(causes.iter().map(|cause| LateralRejected {
+        cause,
+        p_value,
+        predicts_no_better,
+        remark: remark.to_owned(),
+    }));
+}

@@ -25,9 +25,11 @@
 mod findings;
 mod fit;
 mod held_out;
+mod lean;
 mod model;
 mod modelled;
-mod questions;
+mod terms;
+mod yaw;
 
 use glidepolar_flightlog::Observation;
 
@@ -38,7 +40,7 @@ pub use findings::{
 };
 use fit::Fit;
 use model::{Row, Term, dives, rows};
-use questions::Terms;
+use terms::Terms;
 
 /// The causes; nothing where [`turning`](super::turning) has too few steady stretches, or the log has no roll. `roll_per_roll_mass` is the
 /// vehicle's, for a log in which the roll mass stands still.

@@ -3,7 +3,7 @@
 use super::findings::{LateralCause, ModelledStretch, ROLL, TURN_RATE};
 use super::fit::Fit;
 use super::model::{Row, Term, predicted, term_of};
-use super::questions::Terms;
+use super::terms::Terms;
 
 /// Fits the model without and with the named causes; none where nothing is named.
 pub(super) fn modelled(rows: &[Row], terms: &Terms, causes: &[LateralCause]) -> Vec<ModelledStretch> {
