@@ -6,13 +6,14 @@
 //! 13 cm across (drag area 53 cm2, 0.15 m off the axis), a roll mass off by 15.5 deg. So far from the middle of its range is the
 //! centre that SG171's pilots set (2650 of 300 to 3900 counts, 0.02827 deg each).
 
+use std::path::Path;
 use std::process::Command;
 
 use glidepolar::diagnose::Diagnosis;
-use glidepolar::diagnose::sea::{Request, diagnose_vehicle};
+use glidepolar::diagnose::sea::{Request, diagnose_vehicle, turning_of};
 use glidepolar::mechanisms::LATERAL;
 use glidepolar::reading;
-use glidepolar::turning::causes::causes;
+use glidepolar::turning::causes::{LateralCause, causes};
 use glidepolar::vehicle::Vehicle;
 use glidepolar_tests::Built;
 use glidepolar_virtual_sea::log::Log;
@@ -170,27 +171,7 @@ fn dives_without_density_still_show_turn_rates() {
 #[test]
 fn a_list_is_named_where_the_roll_mass_stands_still_against_it() {
     let Some(program) = Built::Glidepolar.path() else { return };
-    let folder = tempfile::tempdir().expect("a folder");
-    let mission = include_str!("../../missions/lawn-mower.toml")
-        .replace("duration_h = 48.0", "duration_h = 12.0")
-        .replace("every_h = 4.0", "every_h = 2.0");
-    std::fs::write(folder.path().join("mission.toml"), mission).expect("the mission");
-    let vehicle = Vehicle::load("seaglider").expect("built in");
-    let found = |set: &str| {
-        let mut command = Command::new(&program);
-        command.current_dir(folder.path()).args([
-            "simulate",
-            "seaglider",
-            "--3d",
-            "--mission",
-            "mission.toml",
-            "--force",
-        ]);
-        let output = command.args(["--quiet", "--log", "log.csv", "--set", set]).output().expect("it starts");
-        assert!(output.status.success(), "{set}: {}", String::from_utf8_lossy(&output.stderr));
-        let log = reading::read(&[folder.path().join("log.csv")], &vehicle, &reading::Request::default());
-        causes(&log.expect("a log").observations, Some(0.53)).expect("steady stretches").causes
-    };
+    let found = |set: &str| simulated_in_space(&program, "seaglider", set);
     assert!(found("mass.cg_starboard_m=0").is_empty(), "a straight glider has no cause");
     // 10 kg of battery 0.05 m below, of 52.5 kg: 5 deg of list. The roll per roll mass is 10 kg 0.0265 m over 10 kg 0.05 m.
     for (set, roll_rad) in [("mass.cg_starboard_m=0.000833", 0.0873), ("roll_mass.offset_rad=0.16", 0.53 * 0.16)] {
@@ -204,6 +185,37 @@ fn a_list_is_named_where_the_roll_mass_stands_still_against_it() {
         let [low, high] = cause.parameters["static_list_rad"].ci95;
         assert!((low..high).contains(&roll_rad) && high - low < 0.07, "{set}: {low} to {high}");
     }
+}
+
+/// The same simulation of a glider with a rudder: bent by 3 deg, it stands against that on both legs of a straight course. How much
+/// the rudder turns is the vehicle's figure, and on a straight course its error does not matter.
+#[test]
+fn a_bent_rudder_is_named_where_it_stands_still_against_it() {
+    let Some(program) = Built::Glidepolar.path() else { return };
+    let found = |set: &str| simulated_in_space(&program, "slocum-049", set);
+    assert!(found("rudder.offset_rad=0").is_empty(), "a straight glider has no cause");
+    for bent_rad in [0.0524, -0.0349] {
+        let [cause] = &found(&format!("rudder.offset_rad={bent_rad}"))[..] else { panic!("one cause is expected") };
+        assert_eq!((cause.cause, &cause.indistinguishable_from[..]), ("rudder_offset", &["yaw_asymmetry"][..]));
+        let [low, high] = cause.parameters["rudder_offset_rad"].ci95;
+        assert!((low..high).contains(&bent_rad) && high - low < 0.02, "{bent_rad}: {low} to {high}");
+    }
+}
+
+/// The causes of turning in twelve hours of the lawn-mower pattern, flown by the program with something set.
+fn simulated_in_space(program: &Path, name: &str, set: &str) -> Vec<LateralCause> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mission = include_str!("../../missions/lawn-mower.toml")
+        .replace("duration_h = 48.0", "duration_h = 12.0")
+        .replace("every_h = 4.0", "every_h = 2.0");
+    std::fs::write(folder.path().join("mission.toml"), mission).expect("the mission");
+    let vehicle = Vehicle::load(name).expect("built in");
+    let mut command = Command::new(program);
+    command.current_dir(folder.path()).args(["simulate", name, "--3d", "--mission", "mission.toml"]);
+    let output = command.args(["--quiet", "--log", "log.csv", "--set", set]).output().expect("it starts");
+    assert!(output.status.success(), "{set}: {}", String::from_utf8_lossy(&output.stderr));
+    let log = reading::read(&[folder.path().join("log.csv")], &vehicle, &reading::Request::default());
+    causes(&log.expect("a log").observations, turning_of(&vehicle)).expect("steady stretches").causes
 }
 
 #[test]

@@ -5,7 +5,8 @@ use crate::diagnose::findings::{Cause, Diagnosis, Gain, HalfSize, Rejected, Verd
 use crate::dynamics::Parameters;
 use crate::estimate::Estimate;
 use crate::log::Observation;
-use crate::turning::causes::{LateralCause, LateralDiagnosis, ModelledStretch, ROLL, causes};
+use crate::spatial::turn::{Setting, Trim, continued};
+use crate::turning::causes::{LateralCause, LateralDiagnosis, ModelledStretch, OfVehicle, ROLL, causes};
 use crate::vehicle::Vehicle;
 
 /// Relative growth of the drag with the squared rudder angle where the vehicle states none \[1/rad2\]: the middle of what
@@ -14,7 +15,7 @@ const RUDDER_DRAG_PER_RAD2: f64 = 2.0;
 
 /// Adds what the turn rate and the roll of a log show; returns the stretches before and after the named causes.
 pub(super) fn add(diagnosis: &mut Diagnosis, vehicle: &Vehicle, observations: &[Observation]) -> Vec<ModelledStretch> {
-    let Some(found) = causes(observations, roll_per_roll_mass(vehicle)) else { return Vec::new() };
+    let Some(found) = causes(observations, turning_of(vehicle)) else { return Vec::new() };
     for cause in &found.causes {
         diagnosis.wrong.push(wrong(cause));
         diagnosis.gains.push(Gain {
@@ -48,10 +49,45 @@ pub(super) fn add(diagnosis: &mut Diagnosis, vehicle: &Vehicle, observations: &[
     found.modelled
 }
 
+/// What a vehicle's file says of its turning, as far as it says it.
+pub fn turning_of(vehicle: &Vehicle) -> OfVehicle {
+    OfVehicle { roll_per_roll_mass: roll_per_roll_mass(vehicle), curvature_per_rudder: curvature_per_rudder(vehicle) }
+}
+
 /// Roll per small angle of the roll mass: its first moment over that of all that hangs below the centre of buoyancy.
 fn roll_per_roll_mass(vehicle: &Vehicle) -> Option<f64> {
     let rolling_kg_m = vehicle.get("roll_mass.mass_kg")? * vehicle.get("roll_mass.radius_m")?;
     Some(rolling_kg_m / below_kg_m(vehicle)).filter(|ratio| ratio.is_finite())
+}
+
+/// A small rudder angle, by which the vehicle's curvature per rudder is computed \[rad\].
+const SMALL_RUDDER_RAD: f64 = 0.02;
+
+/// Pitch of the glides in which it is computed \[rad\]; it depends on it weakly.
+const COMMON_PITCH_RAD: f64 = 0.45;
+
+/// Curvature per small rudder angle, the mean of a descent and an ascent with half of what the buoyancy engine gives \[1/m\].
+fn curvature_per_rudder(vehicle: &Vehicle) -> Option<f64> {
+    if vehicle.get("rudder.CN_delta_per_rad")? == 0.0 {
+        return None;
+    }
+    let body = vehicle.body().ok()?;
+    let p = &body.plane;
+    let net_mass_kg = 0.25 * (p.ballast_max_m3 - p.ballast_min_m3) * p.reference_density_kg_m3;
+    let at = |leg: f64, rudder_rad: f64| {
+        let setting = Setting {
+            net_mass_kg: leg * net_mass_kg,
+            trim: Trim::Pitch(-leg * COMMON_PITCH_RAD),
+            roll_mass_rad: 0.0,
+            rudder_rad,
+            density_kg_m3: p.reference_density_kg_m3,
+            depth_m: 0.0,
+        };
+        continued(&body, &setting, None).map(|turn| turn.turn_rate_rad_s / turn.speed_m_s)
+    };
+    let of_leg = |leg: f64| Some((at(leg, SMALL_RUDDER_RAD)? - at(leg, -SMALL_RUDDER_RAD)?) / (2.0 * SMALL_RUDDER_RAD));
+    let mean = 0.5 * (of_leg(1.0)? + of_leg(-1.0)?);
+    Some(mean).filter(|curvature| curvature.is_finite())
 }
 
 /// First moment of the masses below the centre of buoyancy.

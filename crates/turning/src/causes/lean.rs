@@ -25,8 +25,8 @@ impl Terms {
     pub(super) fn lean(&self, rows: &[Row], full: &Fit, found: &mut LateralDiagnosis) {
         // Where the roll is not fixed and nothing measured moves it, its mean is the pilot's.
         let moved_unseen = !self.has_roll_mass && sd(&rolls(rows)) > 1.5 * VARIES_RAD[0];
-        if self.rudder_is_held || moved_unseen {
-            let remark = if self.rudder_is_held {
+        if self.rudder_is_fixed_at_angle || moved_unseen {
+            let remark = if self.rudder_is_fixed_at_angle {
                 "the rudder stands at an angle, and its roll cannot be separated from a list"
             } else {
                 "the roll varies, and what moves it is not in the log"

@@ -42,11 +42,22 @@ use fit::Fit;
 use model::{Row, Term, dives, rows};
 use terms::Terms;
 
-/// The causes; nothing where [`turning`](super::turning) has too few steady stretches, or the log has no roll. `roll_per_roll_mass` is the
-/// vehicle's, for a log in which the roll mass stands still.
-pub fn causes(observations: &[Observation], roll_per_roll_mass: Option<f64>) -> Option<LateralDiagnosis> {
+/// What the vehicle's file says, for what stands still in a log.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct OfVehicle {
+    /// Roll per roll mass at small angles.
+    pub roll_per_roll_mass: Option<f64>,
+    /// Curvature per rudder \[1/m\].
+    pub curvature_per_rudder: Option<f64>,
+}
+
+/// The causes; nothing where [`turning`](super::turning) has too few steady stretches, or the log has no roll.
+pub fn causes(observations: &[Observation], of_vehicle: OfVehicle) -> Option<LateralDiagnosis> {
     let mut rows: Vec<Row> = rows(observations);
-    rows.iter_mut().for_each(|row| row.roll_per_roll_mass = roll_per_roll_mass.unwrap_or(0.0));
+    for row in &mut rows {
+        row.roll_per_roll_mass = of_vehicle.roll_per_roll_mass.unwrap_or(0.0);
+        row.curvature_per_rudder = of_vehicle.curvature_per_rudder.unwrap_or(0.0);
+    }
     let dives = dives(&rows);
     if rows.len() < LEAST_STRETCHES || dives.len() < LEAST_DIVES {
         return None;

@@ -25,6 +25,8 @@ pub(super) struct Row {
     pub(super) drag_per_lift: f64,
     /// Roll per roll mass where [`Term::Gain`] is not fitted; zero where it is not known either.
     pub(super) roll_per_roll_mass: f64,
+    /// Curvature per rudder where [`Term::Rudder`] is not fitted \[1/m\]; zero where it is not known either.
+    pub(super) curvature_per_rudder: f64,
 }
 
 /// The angle of attack of a glide at this pitch: `angle tan(pitch + angle) = drag_per_lift`, by Newton's steps from above. With the
@@ -125,6 +127,7 @@ pub(super) fn rows(observations: &[Observation]) -> Vec<Row> {
         speed_m_s: stretch.speed_m_s.clamp(SLOWEST_M_S, FASTEST_M_S),
         drag_per_lift: ATTACK[0],
         roll_per_roll_mass: 0.0,
+        curvature_per_rudder: 0.0,
     };
     found.into_iter().filter(is_steady).map(row).collect()
 }
@@ -178,7 +181,7 @@ pub(super) struct Model {
     roll_bends: [f64; 2],
     pitch_bends: [f64; 2],
     roll_turns_alike: f64,
-    rudder: f64,
+    rudder: Option<f64>,
     zero: f64,
     tan_list: f64,
     roll_mass_offset: f64,
@@ -205,7 +208,7 @@ impl Model {
             roll_bends: [false, true].map(|descends| of(Term::RollBends(descends))),
             pitch_bends: [false, true].map(|descends| of(Term::PitchBends(descends))),
             roll_turns_alike: of(Term::RollTurnsAlike),
-            rudder: of(Term::Rudder),
+            rudder: known(Term::Rudder),
             zero: of(Term::Zero),
             tan_list: of(Term::List).tan(),
             roll_mass_offset: of(Term::RollMassOffset),
@@ -246,7 +249,8 @@ impl Model {
         let sin_roll = (stretch.roll_rad - zero).sin();
         let per_roll = per_roll + self.roll_bends[leg] * sin_roll * sin_roll + self.pitch_bends[leg] * cot;
         let side = per_roll * sin_roll;
-        let rate = speed_m_s * (self.yaw - sign * self.yaw_apart + self.rudder * rudder + side * cot);
+        let per_rudder = self.rudder.unwrap_or(row.curvature_per_rudder);
+        let rate = speed_m_s * (self.yaw - sign * self.yaw_apart + per_rudder * rudder + side * cot);
         let (sin, cos) = (roll_mass + self.roll_mass_offset + self.share).sin_cos();
         // The roll rate of a turn at this pitch is the turn rate times the sine of the pitch; gravity's lever is the cosine of the pitch.
         let damped = self.damped * speed_m_s * stretch.rate_rad_s * tan_pitch;

@@ -9,6 +9,10 @@ use crate::{HELD_RUDDER_RAD, LEAST_STRETCHES, Stretch, VARIES_RAD, sd};
 /// stated error.
 const ROLL_PER_ROLL_MASS_ERROR: f64 = 0.15;
 
+/// Standard error of the logarithm of a vehicle's curvature per rudder: the flap's effectiveness by thin aerofoils, the damping of the
+/// yaw and the static moment that it works against, 0.15 each.
+const CURVATURE_PER_RUDDER_ERROR: f64 = 0.26;
+
 /// What a log can identify.
 pub(super) struct Terms {
     turns: Vec<Term>,
@@ -19,9 +23,22 @@ pub(super) struct Terms {
     /// The roll mass is read but does not vary, and how much it rolls is the vehicle's: the standard deviation of that figure, relative.
     pub(super) fixed_roll_mass_error: Option<f64>,
     pub(super) has_rudder: bool,
-    /// The rudder stands at an angle: what it does is not separated from anything constant.
-    pub(super) rudder_is_held: bool,
+    /// The rudder stands at an angle: how it rolls the glider is not separated from anything constant.
+    pub(super) rudder_is_fixed_at_angle: bool,
+    /// The rudder is read but does not vary, and how much it turns is the vehicle's.
+    pub(super) fixed_rudder: Option<FixedRudder>,
     pub(super) both_legs: bool,
+}
+
+/// A rudder that stands still, of a vehicle that says how much it turns.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FixedRudder {
+    /// Where it stands on average \[rad\].
+    pub(super) angle_rad: f64,
+    /// The vehicle's curvature per rudder \[1/m\].
+    pub(super) curvature_per_rudder: f64,
+    /// Standard error of the logarithm of that.
+    pub(super) relative_error: f64,
 }
 
 impl Terms {
@@ -38,7 +55,13 @@ impl Terms {
         let (rudder, roll_mass) = (values(|s| s.rudder_rad), values(|s| s.roll_mass_rad));
         let has_rudder = varies(&rudder, VARIES_RAD[1]);
         let mean_rudder = rudder.iter().sum::<f64>() / rudder.len() as f64;
-        let rudder_is_held = !has_rudder && mean_rudder.abs() > HELD_RUDDER_RAD;
+        let rudder_is_fixed_at_angle = !has_rudder && mean_rudder.abs() > HELD_RUDDER_RAD;
+        let known = rows[0].curvature_per_rudder;
+        let fixed_rudder = (!has_rudder && mean_rudder.is_finite() && known > 0.0).then_some(FixedRudder {
+            angle_rad: mean_rudder,
+            curvature_per_rudder: known,
+            relative_error: CURVATURE_PER_RUDDER_ERROR,
+        });
         let has_roll_mass = varies(&roll_mass, VARIES_RAD[2]);
         let separates_sensor = rolls_on(true) && rolls_on(false);
         let mut turns = vec![Term::Attack, Term::Yaw];
@@ -67,7 +90,8 @@ impl Terms {
             has_roll_mass,
             fixed_roll_mass_error,
             has_rudder,
-            rudder_is_held,
+            rudder_is_fixed_at_angle,
+            fixed_rudder,
             both_legs,
         };
         if has_roll_mass { terms.with_pitch(rows) } else { terms }

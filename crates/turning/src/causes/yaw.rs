@@ -8,7 +8,7 @@ use super::findings::{LateralCause, LateralDiagnosis, MOST_CHANCE, RELEVANT_YAW_
 use super::fit::Fit;
 use super::held_out::{HeldOut, delta_bic, halves};
 use super::model::{ATTACK, Row, Term};
-use super::terms::Terms;
+use super::terms::{FixedRudder, Terms};
 
 /// So many standard errors two legs may differ by and still have one size, or by half of it: the limit of the vertical plane.
 const LEGS_DIFFER: f64 = 3.5;
@@ -39,8 +39,9 @@ impl Terms {
     /// Both legs turn alike: rudder or drag on one side.
     pub(super) fn yaw(&self, rows: &[Row], full: &Fit, found: &mut LateralDiagnosis) {
         let names = ["rudder_offset", "yaw_asymmetry"];
-        if self.rudder_is_held || !self.both_legs {
-            let remark = if self.rudder_is_held {
+        let is_unknown = self.rudder_is_fixed_at_angle && self.fixed_rudder.is_none();
+        if is_unknown || !self.both_legs {
+            let remark = if is_unknown {
                 "the rudder stands at an angle, and what it does cannot be separated from an offset"
             } else {
                 "one leg alone does not show what turns both alike"
@@ -48,7 +49,12 @@ impl Terms {
             return reject(found, &names, None, false, remark);
         }
         let Some(size) = found.sizes[1] else { return };
-        let p_value = full.chance(size, RELEVANT_YAW_RAD_M);
+        if self.fixed_rudder.is_some_and(|rudder| rudder.is_flown_against(size[0])) {
+            let remark = "the glider turns against its rudder, as with a channel of the other sign";
+            return reject(found, &names, None, false, remark);
+        }
+        let considered = self.fixed_rudder.map_or(0.0, |rudder| rudder.error_of_curvature(size[0]));
+        let p_value = full.chance_considering(size, considered, RELEVANT_YAW_RAD_M);
         if p_value > MOST_CHANCE {
             let remark = "what turns both legs alike does not exceed the limit of relevance for certain";
             return reject(found, &names, Some(p_value), false, remark);
@@ -71,8 +77,12 @@ impl Terms {
             let remark = "held-out dives are not predicted better with it by a standard error";
             return reject(found, &names, Some(p_value), true, remark);
         }
-        let curvature = Estimate::student(size[0], size[1], full.freedom(), "rad/m");
-        let angle = full.ratio(Term::Yaw, Term::Rudder, "rad").filter(|_| self.has_rudder);
+        let freedom = full.freedom_considering(size[1], considered);
+        let curvature = Estimate::student(size[0], size[1].hypot(considered), freedom, "rad/m");
+        let angle = match self.fixed_rudder {
+            Some(rudder) => Some(rudder.offset(size, full)),
+            None => full.ratio(Term::Yaw, Term::Rudder, "rad").filter(|_| self.has_rudder),
+        };
         let cause = if angle.is_some() { "rudder_offset" } else { "yaw_asymmetry" };
         let mut parameters: BTreeMap<String, Estimate> = BTreeMap::new();
         parameters.extend(angle.map(|angle| ("rudder_offset_rad".to_owned(), angle)));
@@ -98,5 +108,40 @@ impl Terms {
                 _ => Vec::new(),
             },
         });
+    }
+}
+
+impl FixedRudder {
+    /// Curvature that the glider flies, for one that is left without the rudder \[rad/m\].
+    fn flown(&self, left: f64) -> f64 {
+        left + self.curvature_per_rudder * self.angle_rad
+    }
+
+    /// Whether the glider turns against its rudder by half of what that would turn it, or more.
+    fn is_flown_against(&self, left: f64) -> bool {
+        let (flown, of_rudder) = (self.flown(left), self.curvature_per_rudder * self.angle_rad);
+        flown * of_rudder < 0.0 && flown.abs() > 0.5 * of_rudder.abs()
+    }
+
+    /// What a curvature that is left errs by \[rad/m\]. With no offset the glider flies what the rudder gives, so the logarithm of
+    /// their ratio errs as that of the curvature per rudder does. Their difference is that times their logarithmic mean: nothing where
+    /// one of them is nothing, since no rudder gives nothing or the opposite.
+    fn error_of_curvature(&self, left: f64) -> f64 {
+        let (flown, of_rudder) = (self.flown(left), self.curvature_per_rudder * self.angle_rad);
+        let mean = match flown / of_rudder {
+            ratio if ratio.is_nan() || ratio <= 0.0 => 0.0,
+            ratio if (ratio - 1.0).abs() < 1e-6 => of_rudder,
+            ratio if ratio.is_infinite() => 0.0,
+            ratio => (flown - of_rudder) / ratio.ln(),
+        };
+        self.relative_error * mean.abs()
+    }
+
+    /// The offset of the rudder: the angle that gives what is flown, less the angle that is read.
+    fn offset(&self, [left, se]: [f64; 2], full: &Fit) -> Estimate {
+        let k = self.curvature_per_rudder;
+        let considered = self.relative_error * self.flown(left).abs();
+        let freedom = full.freedom_considering(se, considered);
+        Estimate::student(left / k, se.hypot(considered) / k, freedom, "rad")
     }
 }
