@@ -131,6 +131,9 @@ impl<T: Number> Parameters<T> {
     /// What the empirical table adds in this water.
     pub fn empirical(&self, water: &Surroundings<T>) -> Added<T> {
         let nothing = Added::nothing();
+        if self.empirical_acts_on.value() == 0.0 {
+            return nothing;
+        }
         let acts_on = self.empirical_acts_on.value().round();
         let Some(acts) = ActsOn::ALL.into_iter().find(|acts| acts.code() == acts_on) else { return nothing };
         let against = self.empirical_against.value().round();

@@ -178,3 +178,49 @@ fn what_is_not_there_is_not_invented() {
     assert!(turning(&log(&SEAGLIDER, 2, true, false, 5)).is_none(), "two dives");
     assert!(turning(&[]).is_none());
 }
+
+/// A curvature per rudder that errs by less than a third explains what a rudder that stands still does, or does not. A straight course with
+/// the rudder at an angle needs no such figure.
+#[test]
+fn a_rudder_that_stands_still_is_judged_by_what_the_vehicle_says_it_turns() {
+    let curvature_per_rudder = 0.3;
+    // Curvature that is flown, angle of the rudder, offset that is named.
+    let cases = [
+        (0.0, -0.05, Some(0.05)),
+        (0.0, 0.08, Some(-0.08)),
+        (0.0, 0.0, None),
+        (1.2 * 0.3 * 0.05, 0.05, None),
+        (0.8 * 0.3 * 0.05, 0.05, None),
+        // Twice as much is 2.7 standard errors of the logarithm, four times as much 5.3.
+        (2.0 * 0.3 * 0.05, 0.05, None),
+        (4.0 * 0.3 * 0.05, 0.05, Some(0.15)),
+        (-0.3 * 0.05, 0.05, None),
+    ];
+    for (curvature, rudder_rad, offset) in cases {
+        // The path is steeper than the pitch of 0.4 rad by the angle of attack, 0.07 rad.
+        let speed_m_s = 0.2 / 0.47f64.sin();
+        let truth = Truth {
+            per_roll: [0.0; 2],
+            per_rudder: curvature * speed_m_s,
+            rudder_offset: 1.0,
+            list: 0.0,
+            per_roll_mass: 0.0,
+        };
+        let mut all = log(&truth, 12, false, false, 9);
+        all.iter_mut().for_each(|row| row.rudder_rad = rudder_rad);
+        let of_vehicle = causes::OfVehicle { curvature_per_rudder: Some(curvature_per_rudder), ..Default::default() };
+        let found = causes::causes(&all, of_vehicle).expect("steady stretches");
+        let named = found.causes.iter().find(|cause| cause.quantity == causes::TURN_RATE);
+        match (offset, named) {
+            (None, None) => {}
+            (Some(offset), Some(cause)) => {
+                assert_eq!(cause.cause, "rudder_offset");
+                let found = &cause.parameters["rudder_offset_rad"];
+                assert!((found.value - offset).abs() < 4.0 * found.se, "{found:?} against {offset}");
+                let errs_by = 0.26 * curvature / curvature_per_rudder;
+                assert!(found.se < 1.1 * errs_by + 0.005, "{found:?}: the vehicle's figure errs by {errs_by}");
+            }
+            (expected, named) => panic!("{curvature} at {rudder_rad}: {expected:?}, named {named:?}"),
+        }
+    }
+}

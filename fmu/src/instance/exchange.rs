@@ -8,7 +8,7 @@ use super::access::not_finite;
 use super::refusal::{Outcome, Refusal, Status};
 use crate::model::glider::DiscreteState;
 use crate::model::values::{MOST_STATES, head};
-use crate::model::{Glider, Model, Slot, Table};
+use crate::model::{Glider, Model, Slot};
 
 /// What an event brought.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,7 +55,7 @@ impl Instance {
     pub fn derivatives(&self, derivatives: &mut [f64]) -> Outcome {
         let glider = self.now();
         let rates = &glider.derivative()[..glider.model.n_states()];
-        check_finite(self.table(), rates, Slot::Derivative)?;
+        check_finite(self, rates, Slot::Derivative)?;
         fill(derivatives, rates, "derivatives")
     }
 
@@ -68,7 +68,7 @@ impl Instance {
     pub fn indicators(&self, indicators: &mut [f64]) -> Outcome {
         let glider = self.now();
         let z = &glider.indicators()[..glider.model.n_events()];
-        check_finite(self.table(), z, Slot::Indicator)?;
+        check_finite(self, z, Slot::Indicator)?;
         fill(indicators, z, "event indicators")
     }
 
@@ -167,9 +167,9 @@ fn fill(target: &mut [f64], source: &[f64], what: &str) -> Outcome {
 }
 
 /// Refuses what is not finite, by the name of its place.
-fn check_finite(table: Table, values: &[f64], slot: fn(usize) -> Slot) -> Outcome {
+fn check_finite(instance: &Instance, values: &[f64], slot: fn(usize) -> Slot) -> Outcome {
     match values.iter().enumerate().find(|(_, value)| !value.is_finite()) {
-        Some((i, value)) => Err(not_finite(table.variable_of(slot(i)), *value)),
+        Some((i, value)) => Err(not_finite(instance.table().variable_of(slot(i)), *value)),
         None => Ok(()),
     }
 }

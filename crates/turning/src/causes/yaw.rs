@@ -77,11 +77,12 @@ impl Terms {
             let remark = "held-out dives are not predicted better with it by a standard error";
             return reject(found, &names, Some(p_value), true, remark);
         }
-        let freedom = full.freedom_considering(size[1], considered);
-        let curvature = Estimate::student(size[0], size[1].hypot(considered), freedom, "rad/m");
-        let angle = match self.fixed_rudder {
-            Some(rudder) => Some(rudder.offset(size, full)),
-            None => full.ratio(Term::Yaw, Term::Rudder, "rad").filter(|_| self.has_rudder),
+        let (curvature, angle) = match self.fixed_rudder {
+            Some(rudder) => (rudder.asymmetry(size, full), Some(rudder.offset(size, full))),
+            None => {
+                let angle = full.ratio(Term::Yaw, Term::Rudder, "rad").filter(|_| self.has_rudder);
+                (Estimate::student(size[0], size[1], full.freedom(), "rad/m"), angle)
+            }
         };
         let cause = if angle.is_some() { "rudder_offset" } else { "yaw_asymmetry" };
         let mut parameters: BTreeMap<String, Estimate> = BTreeMap::new();
@@ -112,27 +113,31 @@ impl Terms {
 }
 
 impl FixedRudder {
+    /// Curvature that its angle gives by the vehicle's figure \[rad/m\].
+    fn given(&self) -> f64 {
+        self.curvature_per_rudder * self.angle_rad
+    }
+
     /// Curvature that the glider flies, for one that is left without the rudder \[rad/m\].
     fn flown(&self, left: f64) -> f64 {
-        left + self.curvature_per_rudder * self.angle_rad
+        left + self.given()
     }
 
     /// Whether the glider turns against its rudder by half of what that would turn it, or more.
     fn is_flown_against(&self, left: f64) -> bool {
-        let (flown, of_rudder) = (self.flown(left), self.curvature_per_rudder * self.angle_rad);
-        flown * of_rudder < 0.0 && flown.abs() > 0.5 * of_rudder.abs()
+        let (flown, given) = (self.flown(left), self.given());
+        flown * given < 0.0 && flown.abs() > 0.5 * given.abs()
     }
 
-    /// What a curvature that is left errs by \[rad/m\]. With no offset the glider flies what the rudder gives, so the logarithm of
-    /// their ratio errs as that of the curvature per rudder does. Their difference is that times their logarithmic mean: nothing where
-    /// one of them is nothing, since no rudder gives nothing or the opposite.
+    /// What a curvature that is left errs by where there is no offset \[rad/m\]. The glider flies what the rudder gives then, so the
+    /// logarithm of their ratio errs as that of the curvature per rudder does. Their difference is that times their logarithmic mean:
+    /// nothing where one of them is nothing, since no rudder gives nothing or the opposite.
     fn error_of_curvature(&self, left: f64) -> f64 {
-        let (flown, of_rudder) = (self.flown(left), self.curvature_per_rudder * self.angle_rad);
-        let mean = match flown / of_rudder {
-            ratio if ratio.is_nan() || ratio <= 0.0 => 0.0,
-            ratio if (ratio - 1.0).abs() < 1e-6 => of_rudder,
-            ratio if ratio.is_infinite() => 0.0,
-            ratio => (flown - of_rudder) / ratio.ln(),
+        let (flown, given) = (self.flown(left), self.given());
+        let mean = match flown / given {
+            ratio if ratio.is_nan() || ratio <= 0.0 || ratio.is_infinite() => 0.0,
+            ratio if (ratio - 1.0).abs() < 1e-6 => given,
+            ratio => (flown - given) / ratio.ln(),
         };
         self.relative_error * mean.abs()
     }
@@ -140,8 +145,16 @@ impl FixedRudder {
     /// The offset of the rudder: the angle that gives what is flown, less the angle that is read.
     fn offset(&self, [left, se]: [f64; 2], full: &Fit) -> Estimate {
         let k = self.curvature_per_rudder;
-        let considered = self.relative_error * self.flown(left).abs();
-        let freedom = full.freedom_considering(se, considered);
-        Estimate::student(left / k, se.hypot(considered) / k, freedom, "rad")
+        considering(full, [left / k, se / k], self.relative_error * self.flown(left).abs() / k, "rad")
     }
+
+    /// What turns the glider in place of an offset: what is flown, less what the rudder gives.
+    fn asymmetry(&self, size: [f64; 2], full: &Fit) -> Estimate {
+        considering(full, size, self.relative_error * self.given().abs(), "rad/m")
+    }
+}
+
+/// A size that errs by a considered figure too.
+fn considering(full: &Fit, [value, se]: [f64; 2], considered: f64, unit: &str) -> Estimate {
+    Estimate::student(value, se.hypot(considered), full.freedom_considering(se, considered), unit)
 }
