@@ -35,6 +35,9 @@ pub(super) struct Steady {
     /// Steepness of the path \[rad\], and the angle of attack in it.
     steep_rad: f64,
     attack_rad: f64,
+    /// Sine and cosine of the steepness, and of the pitch, nose the way it is driven.
+    steep: (f64, f64),
+    pitch: (f64, f64),
     /// Share of the drag that goes with the square of the angle of attack.
     induced: f64,
     /// Net mass \[kg\].
@@ -64,6 +67,8 @@ pub(super) fn steady(parameters: &Parameters<f64>, observations: &[&Observation]
             speed_m_s: found.speed_m_s,
             steep_rad,
             attack_rad,
+            steep: steep_rad.sin_cos(),
+            pitch: pitch_rad.abs().sin_cos(),
             induced: induced(parameters, observed, &water, &found),
             net_kg,
             free_s,
@@ -115,6 +120,9 @@ const LARGEST_ATTACK_RAD: f64 = 0.35;
 /// back of its drag curve has no rate at all, and a pilot, or a controller, holds it.
 const LEAST_RATE: f64 = 0.1;
 
+/// Steps in which a speed is looked for, of the steady one.
+const SEARCH_STEP: f64 = 0.05;
+
 /// A difference of speed too small for a quotient \[1\].
 const SMALL: f64 = 1e-3;
 
@@ -133,20 +141,23 @@ impl Steady {
 
     /// The glide at `u` times the steady speed and the same pitch, the steady speed growing by this share of itself a second.
     fn at(&self, u: f64, growth_per_s: f64) -> Unsteady {
-        let pitch_rad = self.steep_rad - self.attack_rad;
-        let of_lift = self.attack_rad / (self.steep_rad.cos() * u * u);
+        let (sin_steep, cos_steep) = self.steep;
+        let of_lift = self.attack_rad / (cos_steep * u * u);
         let most_rad = LARGEST_ATTACK_RAD.max(self.attack_rad.abs());
         let mut found = Unsteady { attack_rad: self.attack_rad / (u * u), along: 0.0, across: 0.0, growth_per_s: 0.0 };
+        let (_, mut of_path) = self.sines(found.attack_rad);
         for _ in 0..4 {
-            let (sin, cos) = (pitch_rad + found.attack_rad).sin_cos();
+            let (sin, cos) = of_path;
             let step_rad = (found.attack_rad - of_lift * (cos - found.across)) / (1.0 + of_lift * sin);
             found.attack_rad = (found.attack_rad - step_rad).clamp(-most_rad, most_rad);
-            let (sin, cos) = (pitch_rad + found.attack_rad).sin_cos();
+            let of_attack;
+            (of_attack, of_path) = self.sines(found.attack_rad);
+            let (sin, cos) = of_path;
             let of_angle = if self.attack_rad == 0.0 { 1.0 } else { (found.attack_rad / self.attack_rad).powi(2) };
-            found.along = sin - self.steep_rad.sin() * u * u * (1.0 + self.induced * (of_angle - 1.0));
+            found.along = sin - sin_steep * u * u * (1.0 + self.induced * (of_angle - 1.0));
             // The angle of attack goes with the speed over the steady one; the path turns by as much.
             let turn = -2.0 * found.attack_rad / (u * (1.0 + found.attack_rad * sin / cos));
-            let (sin, cos) = found.attack_rad.sin_cos();
+            let (sin, cos) = of_attack;
             let mixed = (self.across - 1.0) * sin * cos;
             let forced = found.along + self.free_s * mixed * u * turn * u * growth_per_s;
             let share = forced / (cos * cos + self.across * sin * sin + mixed * u * turn);
@@ -157,31 +168,66 @@ impl Steady {
         found
     }
 
+    /// Sine and cosine of an angle of attack, and of the steepness of the path with it at this pitch.
+    fn sines(&self, attack_rad: f64) -> ((f64, f64), (f64, f64)) {
+        let ((sin_pitch, cos_pitch), (sin, cos)) = (self.pitch, attack_rad.sin_cos());
+        ((sin, cos), (sin_pitch * cos + cos_pitch * sin, cos_pitch * cos - sin_pitch * sin))
+    }
+
     /// The time in which the difference from `u` times the steady speed dies away \[s\].
     pub(super) fn slow_s(&self, u: f64) -> f64 {
         let u = if (1.0 - u).abs() < SMALL { 1.0 - SMALL } else { u };
-        let at_constant_coefficients = (1.0 + u) * self.steep_rad.sin() / self.free_s;
+        let at_constant_coefficients = (1.0 + u) * self.steep.0 / self.free_s;
         1.0 / (self.at(u, 0.0).growth_per_s / (1.0 - u)).max(LEAST_RATE * at_constant_coefficients)
     }
 
     /// Vertical velocity over that of the steady glide, at `u` times its speed.
     pub(super) fn sink_at(&self, u: f64) -> f64 {
-        u * (self.steep_rad - self.attack_rad + self.at(u, 0.0).attack_rad).sin() / self.steep_rad.sin()
+        let (_, (sin, _)) = self.sines(self.at(u, 0.0).attack_rad);
+        u * sin / self.steep.0
     }
 
     /// Speed of a glider at this pitch and weight that has this vertical velocity \[m/s\], within what is looked for. Below the speed
     /// from which a slower glider sinks faster, its path being steeper, none is looked for. None without a vertical velocity.
     pub(super) fn speed_at(&self, sink_m_s: f64) -> Option<f64> {
         let wanted = sink_m_s / self.sink_m_s;
-        let (mut low, mut high) = (1.0, 2.0 - SLOWEST_BEGINNING);
-        while low > SLOWEST_BEGINNING && self.sink_at(low - 0.05) < self.sink_at(low) {
-            low -= 0.05;
+        if !wanted.is_finite() {
+            return None;
         }
-        for _ in 0..20 {
-            let middle = 0.5 * (low + high);
-            if self.sink_at(middle) < wanted { low = middle } else { high = middle }
+        let step = if wanted > 1.0 { SEARCH_STEP } else { -SEARCH_STEP };
+        let (mut near, mut at_near) = (1.0_f64, 1.0);
+        let found = loop {
+            let far = (near + step).clamp(SLOWEST_BEGINNING, 2.0 - SLOWEST_BEGINNING);
+            if far == near {
+                break near;
+            }
+            let at_far = self.sink_at(far);
+            if step < 0.0 && at_far >= at_near {
+                break near;
+            }
+            if (at_far - wanted) * step >= 0.0 {
+                break self.share_between([near, far], [at_near, at_far], wanted);
+            }
+            (near, at_near) = (far, at_far);
+        };
+        Some(found * self.speed_m_s)
+    }
+
+    /// The share of the steady speed, between two, at which the vertical velocity is as wanted: by false position, which is as good
+    /// as its last step where the two are so near that it is nearly straight between them.
+    fn share_between(&self, mut u: [f64; 2], mut sink: [f64; 2], wanted: f64) -> f64 {
+        let mut found = u[0];
+        for _ in 0..4 {
+            let slope = (sink[1] - sink[0]) / (u[1] - u[0]);
+            found = u[0] + (wanted - sink[0]) / slope;
+            let here = self.sink_at(found);
+            if (here - wanted).abs() < 1e-12 {
+                break;
+            }
+            let side = usize::from((here - wanted) * (sink[1] - wanted) > 0.0);
+            (u[side], sink[side]) = (found, here);
         }
-        wanted.is_finite().then_some(0.5 * (low + high) * self.speed_m_s)
+        found
     }
 
     /// The speed over the steady one of a glider that is so much behind it, within what a glide may be.
@@ -204,9 +250,10 @@ impl Steady {
         let u = self.share(late_m_s);
         let found = self.at(u, growth_per_s);
         let steep_rad = self.steep_rad - self.attack_rad + found.attack_rad;
-        let most = MOST_OF_DRAG * self.steep_rad.sin();
-        let along = steep_rad.sin() - found.along.clamp(-most, most);
-        let across = steep_rad.cos() - found.across.clamp(-MOST_OF_LIFT, MOST_OF_LIFT);
+        let (_, (sin, cos)) = self.sines(found.attack_rad);
+        let most = MOST_OF_DRAG * self.steep.0;
+        let along = sin - found.along.clamp(-most, most);
+        let across = cos - found.across.clamp(-MOST_OF_LIFT, MOST_OF_LIFT);
         Inertia {
             net_mass_kg: self.net_kg * (across.hypot(along) - 1.0),
             pitch_rad: (along.atan2(across) - steep_rad) * pitch_rad.signum(),

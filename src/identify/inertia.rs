@@ -158,6 +158,7 @@ fn rates_read(lag_s: f64, time_s: &[f64], sink_m_s: &[f64], goes_on: impl Fn(usi
 /// By how much a glider is behind at the first of these samples, so that it flies as fast as was measured on them: least squares over
 /// the speeds that follow, from the given guess on.
 fn begun_as_measured(guess_m_s: f64, samples: &[(&Steady, &Observation)]) -> f64 {
+    let measured: Vec<Option<f64>> = samples.iter().map(|(steady, o)| steady.speed_at(o.sink_m_s)).collect();
     let mut begin_m_s = guess_m_s;
     // What follows depends on the beginning nearly in proportion.
     for _ in 0..2 {
@@ -170,7 +171,7 @@ fn begun_as_measured(guess_m_s: f64, samples: &[(&Steady, &Observation)]) -> f64
                 late_m_s = steady.follow(late_m_s, rate, step_s);
                 left *= (-step_s / steady.slow_s(1.0)).exp();
             }
-            let Some(speed_m_s) = steady.speed_at(observed.sink_m_s) else { continue };
+            let Some(speed_m_s) = measured[place] else { continue };
             moment += left * (steady.speed_m_s - late_m_s - speed_m_s);
             squares += left * left;
         }

@@ -17,98 +17,20 @@ use glidepolar_dynamics::Surroundings;
 use glidepolar_dynamics::buoyancy::Memory;
 use glidepolar_dynamics::contact::{Contact, Place};
 use glidepolar_dynamics::energy::{Usage, moves_1_s, under_water};
-use glidepolar_dynamics::servo::{servo_acceleration, servo_bend_s, servo_corner, servo_speed, slow_servo_bend_s};
+use glidepolar_dynamics::servo::{servo_acceleration, servo_speed};
 use glidepolar_number::{Number, functions};
 
 use super::forces::{Hydrodynamics, Motion};
 use super::inertia::{Inertia, Mover};
 use super::lateral::Body;
+use super::servos::ways_to_go;
 use super::state::{Inputs, State};
-use super::vector::{Attitude, Vector, add, cross, dot, scale};
-
-/// What follows from a state.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Outputs<T> {
-    /// Speed through the water \[m/s\].
-    pub speed_m_s: T,
-    /// Angle of attack \[rad\].
-    pub angle_of_attack_rad: T,
-    /// Sideslip, flow from starboard positive \[rad\].
-    pub sideslip_rad: T,
-    /// Angle of the path through the water above the horizontal \[rad\].
-    pub glide_angle_rad: T,
-    /// Rate of change of the heading \[rad/s\].
-    pub turn_rate_rad_s: T,
-    /// Rate of change of depth, current included \[m/s\].
-    pub vertical_velocity_m_s: T,
-    /// Net mass, positive when heavy \[kg\].
-    pub net_mass_kg: T,
-    /// Ballast volume that an instrument reads \[m3\].
-    pub ballast_m3: T,
-    /// Lift \[N\].
-    pub lift_N: T,
-    /// Drag \[N\].
-    pub drag_N: T,
-    /// Side force, to starboard positive \[N\].
-    pub side_force_N: T,
-    /// Pitch as the glider's own instrument reads it \[rad\].
-    pub pitch_read_rad: T,
-    /// Gauge pressure as the glider's own instrument reads it, its lag left out \[dbar\].
-    pub pressure_read_dbar: T,
-    /// Share of its displacement that the hull has lost above the water.
-    pub emerged_fraction: T,
-    /// Upward force of the seabed \[N\].
-    pub seabed_N: T,
-    /// Power drawn \[W\].
-    pub power_W: T,
-    /// What an accelerometer at the centre of buoyancy reads, along each axis \[m/s2\]: acceleration less gravity.
-    pub imu_m_s2: [T; 3],
-}
+use super::vector::{Attitude, Vector, add, cross, scale};
 
 /// Rates of change of the state. `time_s` is counted from the start; a leak and changes of drag depend on it. Allocates
 /// nothing, cannot fail: an impossible state gives NaN.
 pub fn derivative<T: Number>(body: &Body<T>, time_s: T, state: &State<T>, inputs: &Inputs<T>) -> State<T> {
     Instant::new(body, time_s, state, inputs).rates_of_change()
-}
-
-/// How far ballast, moving mass, roll mass and rudder are from their set-points.
-fn ways_to_go<T: Number>(body: &Body<T>, state: &State<T>, inputs: &Inputs<T>) -> [T; 4] {
-    let (p, l) = (&body.plane, &body.lateral);
-    let to = |target: T, low: T, high: T, at: T| target.held_within(low, high) - at;
-    let volume = p.ballast_m3(state.ballast_mass_kg);
-    [
-        to(inputs.ballast_command_m3, p.ballast_min_m3, p.ballast_max_m3, volume),
-        to(inputs.moving_mass_command_m, p.moving_mass_min_m, p.moving_mass_max_m, state.moving_mass_m),
-        to(inputs.roll_mass_command_rad, l.roll_mass_min_rad, l.roll_mass_max_rad, state.roll_mass_rad),
-        to(inputs.rudder_command_rad, l.rudder_min_rad, l.rudder_max_rad, state.rudder_rad),
-    ]
-}
-
-/// Largest rates of the servos, in the order of [`ways_to_go`].
-fn largest_rates<T: Number>(body: &Body<T>) -> [T; 4] {
-    let (p, l) = (&body.plane, &body.lateral);
-    [p.ballast_rate_m3_s, p.moving_mass_rate_m_s, l.roll_mass_rate_rad_s, l.rudder_rate_rad_s]
-}
-
-/// When the next of the servos comes so near to its set-point that it leaves its largest rate, if one runs at it \[s\]: there
-/// the rates of change bend. Foreseen as if the set-points stood still.
-pub fn next_bend_s(body: &Body<f64>, time_s: f64, state: &State<f64>, inputs: &Inputs<f64>) -> Option<f64> {
-    let ([ballast, mass, roll, rudder], limits) = (ways_to_go(body, state, inputs), largest_rates(body));
-    let bends = [
-        servo_bend_s(ballast, limits[0]),
-        slow_servo_bend_s(mass, state.moving_mass_speed_m_s, limits[1]),
-        slow_servo_bend_s(roll, state.roll_mass_rate_rad_s, limits[2]),
-        servo_bend_s(rudder, limits[3]),
-    ];
-    bends.into_iter().filter(|in_s| *in_s > 0.0).min_by(f64::total_cmp).map(|in_s| time_s + in_s)
-}
-
-/// Functions that are zero where a servo reaches or leaves its largest rate, in either direction: of ballast, moving mass,
-/// roll mass and rudder. There the rates of change have a kink.
-pub fn servo_corners<T: Number>(body: &Body<T>, state: &State<T>, inputs: &Inputs<T>) -> [T; 8] {
-    let (ways, limits) = (ways_to_go(body, state, inputs), largest_rates(body));
-    let [[a, b], [c, d], [e, f], [g, h]] = std::array::from_fn(|i| servo_corner(ways[i], limits[i]));
-    [a, b, c, d, e, f, g, h]
 }
 
 /// The accelerations of a glider whose moving mass and rudder stand still in the hull: along the axes and about them.
@@ -121,60 +43,29 @@ pub fn accelerations<T: Number>(
     Instant::new(body, time_s, state, inputs).accelerations(T::constant(0.0), T::constant(0.0))
 }
 
-/// What follows from a state, its servos included.
-pub fn outputs<T: Number>(body: &Body<T>, time_s: T, state: &State<T>, inputs: &Inputs<T>) -> Outputs<T> {
-    let now = Instant::new(body, time_s, state, inputs);
-    let rates = now.rates_of_change();
-    let h = &now.hydrodynamics;
-    let sink = dot(now.attitude.down(), now.v);
-    let path = if h.speed_m_s.value() > 0.0 { -functions::asin(sink / h.speed_m_s) } else { T::constant(0.0) };
-    let own = [rates.v1_m_s, rates.v2_m_s, rates.v3_m_s];
-    let carried = add(cross(now.rates, now.v), now.attitude.to_body(now.water_along_the_way()));
-    let gravity = scale(body.plane.gravity_m_s2, now.attitude.down());
-    Outputs {
-        speed_m_s: h.speed_m_s,
-        angle_of_attack_rad: h.angle_of_attack_rad,
-        sideslip_rad: h.sideslip_rad,
-        glide_angle_rad: path,
-        turn_rate_rad_s: rates.heading_rad,
-        vertical_velocity_m_s: now.depth_rate_m_s,
-        net_mass_kg: now.net_mass_kg,
-        ballast_m3: body.plane.ballast_m3(state.ballast_mass_kg),
-        lift_N: h.lift_N,
-        drag_N: h.drag_N,
-        side_force_N: h.side_force_N,
-        pitch_read_rad: (state.pitch_rad - body.plane.pitch_offset_rad) / body.plane.pitch_scale,
-        pressure_read_dbar: now.water.pressure_Pa / body.plane.pressure_scale * 1e-4,
-        emerged_fraction: now.contact.emerged_fraction,
-        seabed_N: now.contact.seabed_N,
-        power_W: rates.energy_J,
-        imu_m_s2: std::array::from_fn(|i| own[i] + carried[i] - gravity[i]),
-    }
-}
-
 /// Everything that follows from one state, computed once.
-struct Instant<'a, T> {
-    body: &'a Body<T>,
+pub(super) struct Instant<'a, T> {
+    pub(super) body: &'a Body<T>,
     state: &'a State<T>,
     inputs: &'a Inputs<T>,
-    v: Vector<T>,
-    rates: Vector<T>,
-    attitude: Attitude<T>,
+    pub(super) v: Vector<T>,
+    pub(super) rates: Vector<T>,
+    pub(super) attitude: Attitude<T>,
     sink_m_s: T,
-    depth_rate_m_s: T,
+    pub(super) depth_rate_m_s: T,
     /// North and east.
     over_ground_m_s: [T; 2],
     /// Of the current, that the hull feels.
     share: T,
-    water: Surroundings<T>,
+    pub(super) water: Surroundings<T>,
     memory: Memory<T>,
-    net_mass_kg: T,
-    contact: Contact<T>,
-    hydrodynamics: Hydrodynamics<T>,
+    pub(super) net_mass_kg: T,
+    pub(super) contact: Contact<T>,
+    pub(super) hydrodynamics: Hydrodynamics<T>,
 }
 
 impl<'a, T: Number> Instant<'a, T> {
-    fn new(body: &'a Body<T>, time_s: T, state: &'a State<T>, inputs: &'a Inputs<T>) -> Self {
+    pub(super) fn new(body: &'a Body<T>, time_s: T, state: &'a State<T>, inputs: &'a Inputs<T>) -> Self {
         let p = &body.plane;
         let v = [state.v1_m_s, state.v2_m_s, state.v3_m_s];
         let rates = [state.p_rad_s, state.q_rad_s, state.r_rad_s];
@@ -230,7 +121,7 @@ impl<'a, T: Number> Instant<'a, T> {
     }
 
     /// Rates of change of the whole state.
-    fn rates_of_change(&self) -> State<T> {
+    pub(super) fn rates_of_change(&self) -> State<T> {
         let state = self.state;
         let (p, l) = (&self.body.plane, &self.body.lateral);
         let [to_ballast, to_mass, to_roll, to_rudder] = ways_to_go(self.body, state, self.inputs);
@@ -383,7 +274,7 @@ impl<'a, T: Number> Instant<'a, T> {
     }
 
     /// How the water's velocity changes along the glider's way, north, east, down.
-    fn water_along_the_way(&self) -> Vector<T> {
+    pub(super) fn water_along_the_way(&self) -> Vector<T> {
         self.water_changes(self.depth_rate_m_s)
     }
 

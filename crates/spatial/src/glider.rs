@@ -3,8 +3,10 @@
 use glidepolar_number::Number;
 use glidepolar_ode::{Advance, IntegrationError, Integrator, Jet, Slopes, System};
 
-use super::equations::{Outputs, derivative, next_bend_s, outputs};
+use super::equations::derivative;
 use super::lateral::Body;
+use super::outputs::{Outputs, outputs};
+use super::servos::next_bend_s;
 use super::state::{Inputs, N_STATES, State};
 use super::steering::Steering;
 

@@ -30,8 +30,14 @@ const PRIOR_PITCH: f64 = 0.01;
 /// an episode, which has one such stretch among several.
 const LASTING: f64 = 0.1;
 
-/// Steps of Gauss and Newton: the model is nearly linear.
+/// Steps of Gauss and Newton at most: the model is nearly linear.
 const STEPS: usize = 12;
+
+/// So many of them at least where nothing is known of the values: the roll per roll mass and what follows from it take three.
+const FIRST_STEPS: usize = 5;
+
+/// Values that change by less than this \[rad, 1/m\], with weights that change by less than it in proportion, are found.
+const FOUND: f64 = 1e-8;
 
 fn prior(term: Term) -> Option<[f64; 2]> {
     match term {
@@ -58,11 +64,16 @@ pub(super) struct Fit {
 impl Fit {
     /// None where the terms depend on each other. The weights follow from the scatter where they are not given.
     pub(super) fn new(rows: &[Row], terms: &[Term], sds: Option<[f64; 3]>) -> Option<Fit> {
+        Fit::beginning_at(rows, terms, sds, None)
+    }
+
+    /// The same from another fit of these terms, to most of the stretches or to all.
+    fn beginning_at(rows: &[Row], terms: &[Term], sds: Option<[f64; 3]>, near: Option<&Fit>) -> Option<Fit> {
         let n = rows.len();
         let has_pitch = terms.contains(&Term::Askew);
         let readings = if has_pitch { 3 } else { 2 };
         let steeper = if has_pitch { read_steeper(rows) } else { Vec::new() };
-        let mut values = start(terms);
+        let mut values = near.map_or_else(|| start(terms), |fit| fit.values.clone());
         let scatter = |values: &DVector<f64>| {
             let mut squares = [0.0; 3];
             let model = Model::new(terms, values);
@@ -80,6 +91,7 @@ impl Fit {
         };
         let spread = |of: fn(&Stretch) -> f64| sd(&rows.iter().map(|row| of(&row.stretch)).collect::<Vec<_>>());
         let mut weights = sds
+            .or(near.map(|fit| fit.sds))
             .unwrap_or_else(|| [spread(|s| s.rate_rad_s), spread(|s| s.roll_rad), sd(&steeper)].map(|sd| sd.max(1e-9)));
         // Each reading has the dive: those of one stretch err apart, those of one dive together.
         let mut clusters: Vec<u32> = rows.iter().flat_map(|row| [row.stretch.dive; 2]).collect();
@@ -131,8 +143,8 @@ impl Fit {
             // mass's part in the roll at rest known before the roll per roll mass is, which takes two.
             let leans = terms.contains(&Term::List) || terms.contains(&Term::RollMassOffset);
             let is_known = |at: &usize| match terms[*at] {
-                Term::Zero => step > 0 || !leans,
-                Term::Share => step > 2,
+                Term::Zero => step > 0 || !leans || near.is_some(),
+                Term::Share => step > 2 || near.is_some(),
                 _ => true,
             };
             let known: Vec<usize> = (0..terms.len()).filter(is_known).collect();
@@ -143,14 +155,18 @@ impl Fit {
             if !values.iter().all(|value| value.is_finite()) {
                 return None;
             }
+            let mut is_found = fit.parameters.amax() < FOUND && (near.is_some() || step >= FIRST_STEPS);
             if sds.is_none() && step < STEPS / 2 {
+                let before = weights;
                 weights = scatter(&values);
+                is_found &= weights.iter().zip(before).all(|(after, before)| (after / before - 1.0).abs() < FOUND);
             }
-            if known.len() == terms.len() && step + 1 == STEPS {
+            if known.len() == terms.len() && (is_found || step + 1 == STEPS) {
                 // A prior errs by its standard deviation, whatever it is off by here.
                 fit.residuals.rows_mut(readings * n, priors.len()).fill(0.0);
                 let of_priors = fit.gain.columns(readings * n, priors.len());
                 last = Some(fit.cluster_covariance(&clusters) + of_priors * of_priors.transpose());
+                break;
             }
         }
         let covariance = last?;
@@ -213,7 +229,7 @@ impl Fit {
     pub(super) fn jackknife(&self, rows: &[Row], of: impl Fn(&Fit) -> Option<[f64; 2]> + Sync) -> f64 {
         let without = |dive: u32| {
             let kept: Vec<Row> = rows.iter().filter(|row| row.stretch.dive != dive).copied().collect();
-            Fit::new(&kept, &self.terms, None).as_ref().and_then(&of).map(|[value, _]| value)
+            Fit::beginning_at(&kept, &self.terms, None, Some(self)).as_ref().and_then(&of).map(|[value, _]| value)
         };
         let parts: Vec<f64> = dives(rows).into_par_iter().filter_map(without).collect();
         let n = parts.len() as f64;
