@@ -8,6 +8,7 @@ use std::process::Command;
 use anyhow::{Context as _, Result, bail, ensure};
 use glidepolar::dynamics::{Actuation, Modes, PARAMETERS, Parameters, derivative};
 use glidepolar::glide::start;
+use glidepolar::vehicle::Vehicle;
 use serde_json::json;
 
 use super::{Context, floor};
@@ -314,9 +315,9 @@ fn beside_python(context: &Context<'_>, part: &mut Part) -> Result<()> {
     Ok(())
 }
 
-/// What the slave starts from: the library's own parameters and start.
+/// What the slave starts from: the vehicle that the FMU has, and its start.
 fn write_parameters(folder: &Path) -> Result<()> {
-    let parameters = Parameters::<f64>::default();
+    let parameters = Vehicle::load("slocum-graver")?.glide_parameters();
     let begin = start(&parameters);
     let rows = PARAMETERS.iter().zip(parameters.as_array()).map(|(row, value)| (row.name.to_owned(), json!(value)));
     let s = &begin.state;
