@@ -346,4 +346,24 @@ pub(super) mod tests {
         }
         assert!(before > 2e-3 && after < 0.25 * before, "{before} {after}");
     }
+
+    /// Rows at which a motor moves are in no bin, and the glider gathers speed in them all the same.
+    #[test]
+    fn rows_left_out_inside_a_bin_are_flown_through() {
+        let (_, p) = glider();
+        let leg = leg(&p, 5.0, 1.0, |t| 0.75 - 0.25 * ((t - 380.0) / 4.0).tanh());
+        let log: Vec<Observation> = leg.into_iter().map(|(o, _)| o).collect();
+        let is_moving = |o: &&Observation| (370.0..=395.0).contains(&o.time_s);
+        let steady: Vec<Observation> = log.iter().filter(|o| !is_moving(o)).copied().collect();
+        let bins = super::super::bins(&steady, usize::MAX, 1);
+        let error_m_s = |log: &[Observation]| {
+            let inside = super::super::Parts::new(&bins, &steady, log).inside(&p, &bins);
+            let errors = bins.iter().zip(&inside).map(|(bin, inside)| {
+                (inside.predict(&SteadyGlider::new(p), bin, None).unwrap().sink_m_s - bin.mean.sink_m_s).abs()
+            });
+            errors.fold(0.0, f64::max)
+        };
+        let (left_out, flown) = (error_m_s(&steady), error_m_s(&log));
+        assert!(left_out > 1e-3 && flown < 0.25 * left_out, "{left_out} {flown}");
+    }
 }

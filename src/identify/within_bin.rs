@@ -88,10 +88,11 @@ const RUN_IN_S: f64 = 600.0;
 /// Bins in shorter parts.
 #[derive(Debug, Clone, Default)]
 pub struct Parts {
-    /// In the order of time, between those of the bins the samples in which no bin is, as far as the speed remembers them.
+    /// In the order of time, between those of the bins the samples that are in no bin, as far as the speed remembers them.
     means: Vec<Observation>,
-    /// Of each, whether it is in no bin.
-    run_in: Vec<bool>,
+    /// How many samples of its bin each is the mean of; zero of those that are in no bin.
+    samples: Vec<f64>,
+    /// First and last part of each bin. Samples that are in no bin may lie between, as where a motor moved.
     of_bin: Vec<Range<usize>>,
     /// A step between parts that is longer is a gap \[s\].
     gap_s: f64,
@@ -120,7 +121,6 @@ impl Parts {
         for bin in bins {
             let of_bin = &samples[bin.first..bin.first + bin.samples];
             parts.run_in(log, binned_s, &of_bin[0]);
-            binned_s = of_bin[of_bin.len() - 1].time_s;
             let begun = parts.means.len();
             let is_even = range(of_bin.iter().map(felt_density_kg_m3)) < EVEN_KG_M3
                 && range(of_bin.iter().map(|o| o.ballast_m3)) < EVEN_M3;
@@ -130,9 +130,15 @@ impl Parts {
                 true if turns_by_rad(of_bin) < EVEN_RAD => f64::INFINITY,
                 true => TURNING_PART_S.max(lasts_s(of_bin) / MOST_PARTS),
             };
-            for part in even_parts(of_bin, part_s) {
-                parts.means.push(mean(part));
-                parts.run_in.push(false);
+            for piece in of_bin.chunk_by(|a, b| follows(log, a, b)) {
+                if parts.means.len() > begun {
+                    parts.run_in(log, binned_s, &piece[0]);
+                }
+                for part in even_parts(piece, part_s) {
+                    parts.means.push(mean(part));
+                    parts.samples.push(part.len() as f64);
+                }
+                binned_s = piece[piece.len() - 1].time_s;
             }
             parts.of_bin.push(begun..parts.means.len());
             let with_speed = parts.at_speeds.len();
@@ -144,21 +150,18 @@ impl Parts {
         parts
     }
 
-    /// Takes the samples of the leg since the last bin, whose speed the next one begins with.
+    /// Takes the samples of the leg since the last that is in a bin, whose speed the next one begins with.
     fn run_in(&mut self, log: &[Observation], since_s: f64, next: &Observation) {
         let since_s = since_s.max(next.time_s - RUN_IN_S);
         let begin = log.partition_point(|o| o.time_s <= since_s);
         let end = log.partition_point(|o| o.time_s < next.time_s);
-        let is_usable = |o: &&Observation| {
-            o.leg == next.leg
-                && [o.pitch_rad, o.ballast_m3, o.density_kg_m3, o.pressure_dbar].iter().all(|value| value.is_finite())
-        };
-        let before: Vec<Observation> = log[begin.min(end)..end].iter().filter(is_usable).copied().collect();
+        let before: Vec<Observation> =
+            log[begin.min(end)..end].iter().filter(|o| o.leg == next.leg && is_complete(o)).copied().collect();
         let mut start = 0;
         for end in 1..=before.len() {
             if end == before.len() || before[end].time_s - before[start].time_s >= PART_S {
                 self.means.push(mean(&before[start..end]));
-                self.run_in.push(true);
+                self.samples.push(0.0);
                 start = end;
             }
         }
@@ -196,13 +199,13 @@ impl Parts {
 
     /// What happens inside each bin at these parameters; `bins` are those of [`new`](Self::new).
     pub fn inside(&self, parameters: &Parameters<f64>, bins: &[Bin]) -> Vec<Inside> {
-        let courses = courses(parameters, self.gap_s, &self.means, |part| self.run_in[part]);
+        let courses = courses(parameters, self.gap_s, &self.means, |part| self.samples[part] == 0.0);
         if self.quasi_steady { self.steady(&courses, parameters, bins) } else { self.late(&courses, parameters, bins) }
     }
 
     /// What happens inside each bin with inertia, and with forces that balance at every moment.
     pub fn inside_and_at_rest(&self, parameters: &Parameters<f64>, bins: &[Bin]) -> (Vec<Inside>, Vec<Inside>) {
-        let courses = courses(parameters, self.gap_s, &self.means, |part| self.run_in[part]);
+        let courses = courses(parameters, self.gap_s, &self.means, |part| self.samples[part] == 0.0);
         (self.late(&courses, parameters, bins), self.steady(&courses, parameters, bins))
     }
 
@@ -235,8 +238,11 @@ impl Parts {
                 *guess = Some(found.guess);
                 Some([found.sink_m_s, found.speed_m_s])
             };
-            let n = parts.len() as f64;
-            let of = |value: fn(Inertia) -> f64| parts.clone().map(|part| value(inertia(part))).sum::<f64>() / n;
+            let samples = bin.samples as f64;
+            let in_bin =
+                || parts.clone().map(|part| (part, self.samples[part] / samples)).filter(|(_, share)| *share > 0.0);
+            let of =
+                |value: fn(Inertia) -> f64| in_bin().map(|(part, share)| share * value(inertia(part))).sum::<f64>();
             let of_mean = Inertia {
                 net_mass_kg: of(|i| i.net_mass_kg),
                 pitch_rad: of(|i| i.pitch_rad),
@@ -245,9 +251,9 @@ impl Parts {
             let at_mean = fly(guess, &bin.mean, &of_mean)?;
             let guess_at_mean = *guess;
             let mut beside = [0.0; 2];
-            for part in parts.clone() {
+            for (part, share) in in_bin() {
                 let flown = velocities(part, guess)?;
-                (0..2).for_each(|i| beside[i] += (flown[i] - at_mean[i]) / n);
+                (0..2).for_each(|i| beside[i] += share * (flown[i] - at_mean[i]));
             }
             let at_speeds = &self.at_speeds[at_speeds.clone()];
             if !at_speeds.is_empty() {
@@ -269,6 +275,17 @@ impl Parts {
         let firsts: Vec<usize> = (0..bins.len()).step_by(ABREAST).collect();
         firsts.into_par_iter().flat_map_iter(of_group).collect()
     }
+}
+
+/// Whether a glide can be computed at a row of the log.
+fn is_complete(o: &Observation) -> bool {
+    [o.pitch_rad, o.ballast_m3, o.density_kg_m3, o.pressure_dbar].iter().all(|value| value.is_finite())
+}
+
+/// Whether no row of the log at which a glide can be computed lies between two samples.
+fn follows(log: &[Observation], a: &Observation, b: &Observation) -> bool {
+    let after = log.partition_point(|o| o.time_s <= a.time_s);
+    !log[after..].iter().take_while(|o| o.time_s < b.time_s).any(is_complete)
 }
 
 /// The samples within [`AROUND_S`] of one.
@@ -295,8 +312,7 @@ pub(crate) fn turns_by_rad(samples: &[Observation]) -> f64 {
     range(samples.chunks(quarter).map(|part| part.iter().map(|o| o.pitch_rad).sum::<f64>() / part.len() as f64))
 }
 
-/// The samples in parts of this length or somewhat more, with as many in each: a mean over the parts is then one over the samples. Each
-/// sample stands for a step.
+/// The samples in parts of this length or somewhat more, with nearly as many in each. Each sample stands for a step.
 fn even_parts(samples: &[Observation], part_s: f64) -> impl Iterator<Item = &[Observation]> {
     let stand_for_s = lasts_s(samples) * samples.len() as f64 / (samples.len() as f64 - 1.0).max(1.0);
     // Steps that are a part long are not to be one rounding short of it.
