@@ -1,6 +1,7 @@
 //! The words of a diagnosis, the same in the table and on the page.
 
-use crate::diagnose::{Check, Checked, Diagnosis, Empirical, Left, Verdict};
+use crate::diagnose::score::CLEARLY_WRONG;
+use crate::diagnose::{Check, Checked, Diagnosis, Empirical, Judged, Left, Verdict};
 use crate::estimate::Estimate;
 
 /// The table that the extension carries for what is unexplained.
@@ -23,19 +24,24 @@ const ORDINARY_CHANCE: f64 = 0.05;
 
 /// What is left of a quantity, relevant or not.
 pub(super) fn left_over(left: &Left) -> String {
-    let Left { size, relevant_above, p_value, .. } = left;
-    let limit = relevant_above * 1e3;
-    let judged = match size > relevant_above {
-        true if *p_value > ORDINARY_CHANCE => "which chance explains".to_owned(),
-        true => format!("relevant with a limit of {limit:.2} mm/s"),
-        false => format!("not relevant with a limit of {limit:.2} mm/s"),
+    let limit = format!("with a limit of {:.2} mm/s", left.relevant_above * 1e3);
+    let judged = match left.judged {
+        Judged::NotRelevant => format!("not relevant {limit}"),
+        Judged::ByChance if left.p_value > ORDINARY_CHANCE => "which chance explains".to_owned(),
+        Judged::ByChance => {
+            let clear = crate::report::probability(CLEARLY_WRONG);
+            format!("less clear than what counts, {clear}: logs with nothing wrong show as much now and then")
+        }
+        Judged::SizeUncertain => format!("relevant {limit} or not: the interval of its size holds the limit"),
+        Judged::PredictsNoBetter => "which predicts held-out data no better".to_owned(),
+        Judged::Relevant => format!("relevant {limit}"),
     };
     format!(
         "{} depends on {} by {:.2} mm/s rms at most ({}), {judged}",
         words(&left.quantity),
         left.depends_on,
-        size * 1e3,
-        crate::report::probability(*p_value)
+        left.size * 1e3,
+        crate::report::probability(left.p_value)
     )
 }
 

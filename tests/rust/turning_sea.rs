@@ -10,7 +10,7 @@ use std::path::Path;
 use std::process::Command;
 
 use glidepolar::diagnose::Diagnosis;
-use glidepolar::diagnose::sea::{Request, diagnose_vehicle, turning_of};
+use glidepolar::diagnose::sea::{Request, diagnose_vehicle, known_turning};
 use glidepolar::mechanisms::LATERAL;
 use glidepolar::reading;
 use glidepolar::turning::causes::{LateralCause, causes};
@@ -215,7 +215,7 @@ fn simulated_in_space(program: &Path, name: &str, set: &str) -> Vec<LateralCause
     let output = command.args(["--quiet", "--log", "log.csv", "--set", set]).output().expect("it starts");
     assert!(output.status.success(), "{set}: {}", String::from_utf8_lossy(&output.stderr));
     let log = reading::read(&[folder.path().join("log.csv")], &vehicle, &reading::Request::default());
-    causes(&log.expect("a log").observations, turning_of(&vehicle)).expect("steady stretches").causes
+    causes(&log.expect("a log").observations, known_turning(&vehicle)).expect("steady stretches").causes
 }
 
 #[test]

@@ -84,6 +84,24 @@ pub struct Left {
     pub relevant_above: f64,
     /// Probability of such a dependence by chance, corrected for the number of tests.
     pub p_value: f64,
+    /// Whether it counts as unexplained, and if not why.
+    pub judged: Judged,
+}
+
+/// Whether a dependence that remains counts as unexplained.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Judged {
+    /// It is clear, large enough to act on and predicts held-out data: it is unexplained.
+    Relevant,
+    /// It is not worth acting on.
+    NotRelevant,
+    /// It is as large as what logs with nothing wrong show now and then, which no model of the noise excludes.
+    ByChance,
+    /// It is clear, and the interval of its size reaches below what is worth acting on.
+    SizeUncertain,
+    /// A curve along it predicts held-out data no better.
+    PredictsNoBetter,
 }
 
 /// A named mechanism with its evidence.

@@ -46,8 +46,8 @@ mod unnamed;
 pub use engine::{diagnose, diagnose_in_full};
 pub use evidence::{Candidate, Covariate, Evidence, Headline, Point, Problem, Quantity, Version};
 pub use findings::{
-    Alternative, Cause, Check, Checked, Diagnosis, Empirical, Gain, HalfSize, Left, Rejected, Unexplained, Verdict,
-    Why, Wrong,
+    Alternative, Cause, Check, Checked, Diagnosis, Empirical, Gain, HalfSize, Judged, Left, Rejected, Unexplained,
+    Verdict, Why, Wrong,
 };
 pub use outcome::{Outcome, Stage, gains};
 pub use relevance::Relevance;

@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use super::alternatives::alternatives;
 use super::change_point;
 use super::evidence::{Headline, Problem, Quantity, names};
-use super::findings::{Cause, Diagnosis, Left, Rejected, Unexplained, Verdict, Why, Wrong};
+use super::findings::{Cause, Diagnosis, Judged, Left, Rejected, Unexplained, Verdict, Why, Wrong};
 use super::fitted::Fitted;
 use super::holdout;
 use super::iteration::Iteration;
@@ -55,6 +55,11 @@ pub(super) fn report(
             depends_on.push(misfit.regime.clone());
         }
     }
+    let left = left(problem, extended, &iteration);
+    if depends_on.is_empty() {
+        let relevant = left.iter().filter(|left| left.judged == Judged::Relevant);
+        depends_on.extend(relevant.take(1).map(|left| left.depends_on.clone()));
+    }
     let unexplained = (!depends_on.is_empty()).then(|| left_over(extended, depends_on));
     let verdict = match (causes.is_empty(), unexplained.is_some()) {
         (true, false) => Verdict::None,
@@ -71,7 +76,7 @@ pub(super) fn report(
         alternatives: alternatives(problem, extended, &iteration, &causes),
         trim: None,
         empirical: None,
-        left: left(problem, extended, &iteration),
+        left,
         rejected: rejected(problem, extended, &iteration, &search, &causes, dropped),
         causes,
         unexplained,
@@ -339,12 +344,28 @@ fn left(problem: &impl Problem, extended: &Fitted, iteration: &Iteration<'_>) ->
         let (p_value, curve) = curves
             .map(|curve| (iteration.chance(&extended.included, &[curve.regressor]), curve))
             .min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let size = iteration.sizes(&extended.included, &[curve.regressor])[index];
+        let p_value = (tests * p_value).min(1.0);
+        let least = || iteration.least_sizes(&extended.included, &[curve.regressor])[index];
+        let with = || extended.included.iter().copied().chain([curve.regressor]).collect::<Vec<usize>>();
+        let judged = if size <= limits[index] {
+            Judged::NotRelevant
+        } else if p_value > CLEARLY_WRONG {
+            Judged::ByChance
+        } else if least() <= limits[index] {
+            Judged::SizeUncertain
+        } else if !iteration.predicts_better(&with(), &extended.included) {
+            Judged::PredictsNoBetter
+        } else {
+            Judged::Relevant
+        };
         Some(Left {
             quantity: quantity.name.to_owned(),
             depends_on: curve.covariate.to_owned(),
-            size: iteration.sizes(&extended.included, &[curve.regressor])[index],
+            size,
             relevant_above: limits[index],
-            p_value: (tests * p_value).min(1.0),
+            p_value,
+            judged,
         })
     };
     extended.evidence.quantities.iter().enumerate().filter_map(of).collect()

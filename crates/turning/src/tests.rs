@@ -208,8 +208,8 @@ fn a_rudder_that_stands_still_is_judged_by_what_the_vehicle_says_it_turns() {
         };
         let mut all = log(&truth, 12, false, false, 9);
         all.iter_mut().for_each(|row| row.rudder_rad = rudder_rad);
-        let of_vehicle = causes::OfVehicle { curvature_per_rudder: Some(curvature_per_rudder), ..Default::default() };
-        let found = causes::causes(&all, of_vehicle).expect("steady stretches");
+        let known = causes::KnownTurning { curvature_per_rudder: Some(curvature_per_rudder), ..Default::default() };
+        let found = causes::causes(&all, known).expect("steady stretches");
         let named = found.causes.iter().find(|cause| cause.quantity == causes::TURN_RATE);
         match (offset, named) {
             (None, None) => {}

@@ -9,7 +9,7 @@ mod hidden;
 mod logs;
 
 use glidepolar_flightlog::Observation;
-use glidepolar_turning::causes::{OfVehicle, causes};
+use glidepolar_turning::causes::{KnownTurning, causes};
 use glidepolar_virtual_sea::truth::Truth;
 use glidepolar_virtual_sea::vehicle::Hull;
 use rayon::prelude::*;
@@ -49,7 +49,7 @@ fn mean_curvature(observations: &[Observation], truth: &Truth) -> Option<f64> {
 fn answer(case: usize, seed: u64) -> Answer {
     let (effect, hull, parameter, _) = CASES[case];
     let (observations, truth) = hidden::log(effect, hull, seed);
-    let found = causes(&observations, OfVehicle::default()).expect("steady stretches");
+    let found = causes(&observations, KnownTurning::default()).expect("steady stretches");
     let size = found.causes.iter().find_map(|cause| cause.parameters.get(parameter));
     let size = size.zip(match parameter {
         "yaw_asymmetry_rad_per_m" => mean_curvature(&observations, &truth),

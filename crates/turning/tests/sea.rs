@@ -3,12 +3,12 @@
 mod hidden;
 mod logs;
 
-use glidepolar_turning::causes::{OfVehicle, causes};
+use glidepolar_turning::causes::{KnownTurning, causes};
 use glidepolar_virtual_sea::vehicle::Hull;
 
 /// What is named first, and the group that it stands in.
 fn first(effect: &str, hull: Hull, seed: u64) -> (String, Vec<&'static str>) {
-    let found = causes(&hidden::log(effect, hull, seed).0, OfVehicle::default()).expect("enough steady stretches");
+    let found = causes(&hidden::log(effect, hull, seed).0, KnownTurning::default()).expect("enough steady stretches");
     let cause = found.causes.first();
     cause.map_or((String::new(), Vec::new()), |cause| (cause.cause.to_owned(), cause.indistinguishable_from.clone()))
 }
@@ -53,7 +53,7 @@ fn a_straight_glider_has_no_cause_of_turning() {
 /// The size lies in its interval and is that of the question.
 #[test]
 fn a_bent_rudder_has_its_angle() {
-    let found = causes(&hidden::log("rudder_offset=0.0524", Hull::Slocum200, 7001).0, OfVehicle::default())
+    let found = causes(&hidden::log("rudder_offset=0.0524", Hull::Slocum200, 7001).0, KnownTurning::default())
         .expect("enough stretches");
     let angle = &found.causes[0].parameters["rudder_offset_rad"];
     assert!((angle.value - 0.0524).abs() < 0.010 && angle.se < 0.005, "{angle:?}");
@@ -64,5 +64,5 @@ fn a_bent_rudder_has_its_angle() {
 fn a_log_without_heading_says_nothing() {
     let (mut log, _) = hidden::log("rudder_offset=0.0524", Hull::Slocum200, 7001);
     log.iter_mut().for_each(|o| o.heading_rad = f64::NAN);
-    assert!(causes(&log, OfVehicle::default()).is_none());
+    assert!(causes(&log, KnownTurning::default()).is_none());
 }

@@ -53,7 +53,7 @@ use model::Directions;
 use nalgebra::DVector;
 pub use settings::{DiagnosisSettings, Lift, SeaError};
 use shear::UnknownShear;
-pub use turns::turning_of;
+pub use turns::known_turning;
 pub use vehicle_log::{LiftSlope, Request, VehicleLogError, diagnose_vehicle, extended};
 
 /// The share of its inertia with which the glider follows its forces, and its unit: 1 by the vehicle's masses, 0 in a log that

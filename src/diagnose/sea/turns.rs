@@ -6,7 +6,7 @@ use crate::dynamics::Parameters;
 use crate::estimate::Estimate;
 use crate::log::Observation;
 use crate::spatial::turn::{Setting, Trim, continued};
-use crate::turning::causes::{LateralCause, LateralDiagnosis, ModelledStretch, OfVehicle, ROLL, causes};
+use crate::turning::causes::{KnownTurning, LateralCause, LateralDiagnosis, ModelledStretch, ROLL, causes};
 use crate::vehicle::Vehicle;
 
 /// Relative growth of the drag with the squared rudder angle where the vehicle states none \[1/rad2\]: the middle of what
@@ -15,7 +15,7 @@ const RUDDER_DRAG_PER_RAD2: f64 = 2.0;
 
 /// Adds what the turn rate and the roll of a log show; returns the stretches before and after the named causes.
 pub(super) fn add(diagnosis: &mut Diagnosis, vehicle: &Vehicle, observations: &[Observation]) -> Vec<ModelledStretch> {
-    let Some(found) = causes(observations, turning_of(vehicle)) else { return Vec::new() };
+    let Some(found) = causes(observations, known_turning(vehicle)) else { return Vec::new() };
     for cause in &found.causes {
         diagnosis.wrong.push(wrong(cause));
         diagnosis.gains.push(Gain {
@@ -50,8 +50,11 @@ pub(super) fn add(diagnosis: &mut Diagnosis, vehicle: &Vehicle, observations: &[
 }
 
 /// What a vehicle's file says of its turning, as far as it says it.
-pub fn turning_of(vehicle: &Vehicle) -> OfVehicle {
-    OfVehicle { roll_per_roll_mass: roll_per_roll_mass(vehicle), curvature_per_rudder: curvature_per_rudder(vehicle) }
+pub fn known_turning(vehicle: &Vehicle) -> KnownTurning {
+    KnownTurning {
+        roll_per_roll_mass: roll_per_roll_mass(vehicle),
+        curvature_per_rudder: curvature_per_rudder(vehicle),
+    }
 }
 
 /// Roll per small angle of the roll mass: its first moment over that of all that hangs below the centre of buoyancy.

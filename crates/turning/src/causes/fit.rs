@@ -43,8 +43,8 @@ fn prior(term: Term) -> Option<[f64; 2]> {
     match term {
         Term::Attack => Some(ATTACK),
         Term::RollTurnsAlike => Some([0.0, PRIOR_PER_ROLL]),
-        Term::RollBends(_) => Some([0.0, PRIOR_BEND]),
-        Term::PitchBends(_) => Some([0.0, PRIOR_PITCH]),
+        Term::RollTurnsByRoll(_) => Some([0.0, PRIOR_BEND]),
+        Term::RollTurnsByPitch(_) => Some([0.0, PRIOR_PITCH]),
         Term::RollPitches => Some(SLIDING),
         _ => None,
     }

@@ -17,6 +17,10 @@ const SENSOR_ZERO_RAD: f64 = 0.0087;
 /// Likelihood ratio from which on one cause excludes another: the margin of the diagnosis in the vertical plane.
 const LEAST_RATIO: f64 = 20.0;
 
+/// Likelihood ratio from which on an offset of the roll mass stands before a list, which is the commoner of the two: substantial
+/// evidence on the scale of Jeffreys (1961), the square root of ten.
+const SUBSTANTIAL_RATIO: f64 = 3.162;
+
 /// Causes of the roll at rest.
 const LEANS: [Term; 3] = [Term::List, Term::RollMassOffset, Term::Zero];
 
@@ -51,16 +55,17 @@ impl Terms {
         // The lean is established. List alone and roll mass alone are compared by their likelihoods.
         let ratio = |wanted: Term| size_of(wanted).map_or(0.0, |size| full.log_likelihood_ratio(size));
         let mass_over_list = ratio(Term::RollMassOffset) - ratio(Term::List);
-        let by_mass = mass_over_list > LEAST_RATIO.ln();
+        let by_mass = mass_over_list > SUBSTANTIAL_RATIO.ln();
         // A large offset of the roll mass, fitted as a list, leaves some of itself to the sensor.
         let askew = reads_askew && size_of(Term::Zero).is_some_and(is_sure);
         let mut sure: Vec<Term> = Vec::new();
         let mut alike: Vec<Term> = Vec::new();
         if leans || !askew {
-            // A list stands for what is not known apart from it.
-            sure.push(if by_mass { Term::RollMassOffset } else { Term::List });
-            let is_apart = by_mass || mass_over_list < -LEAST_RATIO.ln();
-            alike.extend((self.has_roll_mass && !is_apart).then_some(Term::RollMassOffset));
+            // A list stands for what is not known apart from it; what is not excluded stands beside.
+            let [first, other] =
+                if by_mass { [Term::RollMassOffset, Term::List] } else { [Term::List, Term::RollMassOffset] };
+            sure.push(first);
+            alike.extend((self.has_roll_mass && mass_over_list.abs() <= LEAST_RATIO.ln()).then_some(other));
         }
         if askew {
             sure.push(Term::Zero);

@@ -44,7 +44,7 @@ use terms::Terms;
 
 /// What the vehicle's file says, for what stands still in a log.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct OfVehicle {
+pub struct KnownTurning {
     /// Roll per roll mass at small angles.
     pub roll_per_roll_mass: Option<f64>,
     /// Curvature per rudder \[1/m\].
@@ -52,11 +52,11 @@ pub struct OfVehicle {
 }
 
 /// The causes; nothing where [`turning`](super::turning) has too few steady stretches, or the log has no roll.
-pub fn causes(observations: &[Observation], of_vehicle: OfVehicle) -> Option<LateralDiagnosis> {
+pub fn causes(observations: &[Observation], known: KnownTurning) -> Option<LateralDiagnosis> {
     let mut rows: Vec<Row> = rows(observations);
     for row in &mut rows {
-        row.roll_per_roll_mass = of_vehicle.roll_per_roll_mass.unwrap_or(0.0);
-        row.curvature_per_rudder = of_vehicle.curvature_per_rudder.unwrap_or(0.0);
+        row.roll_per_roll_mass = known.roll_per_roll_mass.unwrap_or(0.0);
+        row.curvature_per_rudder = known.curvature_per_rudder.unwrap_or(0.0);
     }
     let dives = dives(&rows);
     if rows.len() < LEAST_STRETCHES || dives.len() < LEAST_DIVES {

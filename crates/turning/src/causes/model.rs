@@ -55,9 +55,9 @@ pub(super) enum Term {
     /// The same for both legs, with the sign of the leg.
     RollTurnsAlike,
     /// How the curvature per roll changes with the squared sine of the roll, on descents, on ascents \[1/m\].
-    RollBends(bool),
+    RollTurnsByRoll(bool),
     /// How it changes with the cotangent of the pitch, on descents, on ascents \[1/m\].
-    PitchBends(bool),
+    RollTurnsByPitch(bool),
     /// Curvature per rudder \[1/m\].
     Rudder,
     /// Zero of the roll sensor.
@@ -178,8 +178,8 @@ pub(super) struct Model {
     yaw_apart: f64,
     /// On ascents, on descents; so are the two behind it.
     roll_turns: [f64; 2],
-    roll_bends: [f64; 2],
-    pitch_bends: [f64; 2],
+    roll_turns_by_roll: [f64; 2],
+    roll_turns_by_pitch: [f64; 2],
     roll_turns_alike: f64,
     rudder: Option<f64>,
     zero: f64,
@@ -205,8 +205,8 @@ impl Model {
             yaw: of(Term::Yaw),
             yaw_apart: of(Term::YawApart),
             roll_turns: [false, true].map(|descends| of(Term::RollTurns(descends))),
-            roll_bends: [false, true].map(|descends| of(Term::RollBends(descends))),
-            pitch_bends: [false, true].map(|descends| of(Term::PitchBends(descends))),
+            roll_turns_by_roll: [false, true].map(|descends| of(Term::RollTurnsByRoll(descends))),
+            roll_turns_by_pitch: [false, true].map(|descends| of(Term::RollTurnsByPitch(descends))),
             roll_turns_alike: of(Term::RollTurnsAlike),
             rudder: known(Term::Rudder),
             zero: of(Term::Zero),
@@ -247,7 +247,8 @@ impl Model {
         let per_roll = self.roll_turns[leg] + sign * self.roll_turns_alike;
         // Turned over, the glider turns the other way: an odd law of the true roll.
         let sin_roll = (stretch.roll_rad - zero).sin();
-        let per_roll = per_roll + self.roll_bends[leg] * sin_roll * sin_roll + self.pitch_bends[leg] * cot;
+        let per_roll =
+            per_roll + self.roll_turns_by_roll[leg] * sin_roll * sin_roll + self.roll_turns_by_pitch[leg] * cot;
         let side = per_roll * sin_roll;
         let per_rudder = self.rudder.unwrap_or(row.curvature_per_rudder);
         let rate = speed_m_s * (self.yaw - sign * self.yaw_apart + per_rudder * rudder + side * cot);

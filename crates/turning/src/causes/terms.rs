@@ -67,7 +67,7 @@ impl Terms {
         let mut turns = vec![Term::Attack, Term::Yaw];
         if separates_sensor {
             for down in [true, false] {
-                turns.extend([Term::RollTurns(down), Term::RollBends(down), Term::PitchBends(down)]);
+                turns.extend([Term::RollTurns(down), Term::RollTurnsByRoll(down), Term::RollTurnsByPitch(down)]);
             }
         } else if both_legs {
             turns.push(Term::RollTurnsAlike);
