@@ -8,6 +8,7 @@ use super::evaluate::evaluate;
 use super::joint::{IdentifyError, JointFit, Question, fit};
 use glidepolar_inference::estimate::student_975;
 use glidepolar_inference::gram::Gram;
+use glidepolar_inference::relevance::SHARE_OF_SCATTER;
 
 /// Dives without which no comparison is made: of fewer the scatter is hardly known.
 const LEAST_DIVES: usize = 4;
@@ -29,7 +30,8 @@ pub(super) fn fit_with_inertia_or_without(
     Ok(found)
 }
 
-/// The dives without inertia and their fit, where the fall of the squares is certain: 97.5 % by what single dives gain.
+/// The dives without inertia and their fit, where the squares fall for certain, 97.5 % by what single dives gain, by what is worth
+/// acting on: a tenth of the scatter in quadrature.
 fn without_inertia_if_better(question: &Question, fitted: &JointFit, dives: &[Dive]) -> Option<(Vec<Dive>, JointFit)> {
     if dives.len() < LEAST_DIVES || dives.iter().any(Dive::is_quasi_steady) {
         return None;
@@ -48,7 +50,9 @@ fn without_inertia_if_better(question: &Question, fitted: &JointFit, dives: &[Di
     let n = gains.len() as f64;
     let mean = gains.iter().sum::<f64>() / n;
     let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    (mean > student_975(n - 1.0) * (variance / n).sqrt()).then_some((steady, found))
+    let certain = n * (mean - student_975(n - 1.0) * (variance / n).sqrt());
+    let all: f64 = fitted.grams.iter().map(Gram::sum_of_squares).sum();
+    (certain > SHARE_OF_SCATTER * SHARE_OF_SCATTER * all).then_some((steady, found))
 }
 
 #[cfg(test)]

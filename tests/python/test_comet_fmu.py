@@ -39,6 +39,7 @@ def test_held_out_dives_turn_as_recorded_and_better_than_means_of_leg_and_layer(
     found, wanted = flown.legs(others, comet.SHEAR_1_S), comet.measured(others)
     known = comet.means(fitted, comet.measured(fitted))
     of_means = comet.rms(np.array([known[leg.descends] for leg in others]) - wanted)
+    print(f"held-out dives in the FMU: {comet.rms(found - wanted):.5f} rad/s; means of leg and layer {of_means:.5f}")
     # 0.0028 against 0.0038 rad/s.
     assert comet.rms(found - wanted) < 0.85 * of_means
     for descends in (True, False):

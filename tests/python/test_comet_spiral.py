@@ -48,6 +48,7 @@ def test_a_list_explains_half_the_difference_of_the_legs(layer, rates, half):
     assert [len(side) for side in sides.values()] == [21, 21]
     np.testing.assert_allclose([down[0], up[0]], rates, atol=1e-4)
     explained, se = (down[1] - up[1]) / 2, np.hypot(down_se[1], up_se[1]) / 2
+    print(f"{layer} dbar: {down[0]:.4f} down, {up[0]:.4f} up, rad/s; a list explains {explained:.4f} +- {1.96 * se:.4f} rad/m (95 %)")
     assert explained == pytest.approx(half, abs=1e-4)
     assert 0.001 < se < 0.0025
 
@@ -124,6 +125,7 @@ def test_one_vehicle_in_sheared_water_predicts_held_out_dives_better_than_means_
         # The same with a sign that does not change with the leg, as a magnetic field by depth would have.
         "by depth, both legs alike": held_out(data, vehicle + by_depth(depth, speed, heading)),
     }
+    print(f"held out: means of leg and layer {means:.5f} rad/s;", ", ".join(f"{name} {error:.5f}" for name, error in found.items()))
     assert means == pytest.approx(0.00293, abs=5e-5)
     assert found["shear"] == pytest.approx(0.00234, abs=5e-5) and found["shear"] < means
     assert min(error for name, error in found.items() if name != "shear") > 1.3 * means

@@ -43,7 +43,7 @@ use super::engine;
 use super::evidence::{Candidate, Evidence, Point, Problem as _};
 use super::holdout;
 use super::outcome::Outcome;
-use super::relevance::Relevance;
+use super::relevance::{Relevance, SHARE_OF_SCATTER};
 use attitude::Smoother;
 use candidates::Tried;
 use jumps::Jump;
@@ -75,6 +75,10 @@ pub const LEAST_RELEVANT: [(&str, f64); 2] = [(VERTICAL_VELOCITY, 1e-3), (SPEED,
 
 const VERTICAL_VELOCITY: &str = "vertical_velocity";
 const SPEED: &str = "speed_through_water";
+
+/// Fall of the error of held-out glides \[%\] below which a log is not said to follow a glide without inertia: what a tenth of the scatter
+/// adds in quadrature, as of any misfit that is not worth acting on.
+const NO_INERTIA_PERCENT: f64 = 50.0 * SHARE_OF_SCATTER * SHARE_OF_SCATTER;
 
 /// Samples that a bin must hold at least.
 const MIN_SAMPLES: usize = 3;
@@ -252,8 +256,8 @@ impl SeaProblem {
     /// The same problem without inertia, diagnosed, where that is the better account of held-out glides.
     ///
     /// A real glider has inertia. A log that was simulated from steady glides has none, and a baseline that had it would miss
-    /// every sharp thermocline, or take a lag for a cause. It is tried where it predicts better for certain (97.5 % by
-    /// resampled legs), alone or beside the causes that were found, and taken where it then does so with causes of its own, or
+    /// every sharp thermocline, or take a lag for a cause. It is tried where it predicts better by what is relevant for certain (97.5 %
+    /// by resampled legs), alone or beside the causes that were found, and taken where it then does so with causes of its own, or
     /// predicts no worse with fewer.
     pub(super) fn without_inertia_if_better(&self, found: &Outcome) -> Option<(SeaProblem, Outcome)> {
         let mut steady = SeaProblem { parts: self.parts.without_inertia(), ..self.clone() };
@@ -266,14 +270,14 @@ impl SeaProblem {
         };
         let alone = engine::held_out(&steady, &steady.start(), &[]);
         let beside = || engine::held_out(&steady, &point, &found.fitted);
-        let is_promising =
-            gain(&found.before.held_out, &alone)[0] > 0.0 || gain(&found.after.held_out, &beside())[0] > 0.0;
+        let is_promising = gain(&found.before.held_out, &alone)[0] > NO_INERTIA_PERCENT
+            || gain(&found.after.held_out, &beside())[0] > NO_INERTIA_PERCENT;
         if !is_promising {
             return None;
         }
         let again = engine::diagnose_in_full(&steady);
         let [least, most] = gain(&found.after.held_out, &again.after.held_out);
-        let is_better = least > 0.0 || (most > 0.0 && again.fitted.len() < found.fitted.len());
+        let is_better = least > NO_INERTIA_PERCENT || (most > 0.0 && again.fitted.len() < found.fitted.len());
         is_better.then_some((steady, again))
     }
 

@@ -19,8 +19,9 @@
 //! mass, and at `g` = 1/2 not even there; in the pitch they differ in the first.
 //!
 //! A size must be more than chance explains ([`MOST_CHANCE`]) with all other sizes fitted beside it, exceed a limit of relevance by
-//! a standard error, and predict held-out dives better by one. What turns both legs alike must be alike on both. Where no part of the
-//! roll at rest is sure by itself, a list is named, and its group are those that the others together do not exclude.
+//! a standard error, and predict held-out dives better by one. What turns both legs alike must be alike on both. Of list
+//! and offset of the roll mass the list is named, unless the other is more probable by a factor of the square root of ten; what a factor
+//! of twenty does not exclude is its group.
 
 mod findings;
 mod fit;
