@@ -54,6 +54,7 @@ mod seaglider;
 mod segment;
 mod settings;
 mod slocum;
+mod slocum_readings;
 mod source;
 mod time_again;
 mod times;

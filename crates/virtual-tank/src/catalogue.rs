@@ -5,10 +5,21 @@
 use std::fmt::Write as _;
 
 use super::effects::{
-    Bubble, CHANNELS, Gyre, Hidden, RectifiedVibration, Seiche, TornStrip, Touching, Transition, Wall, WarmUp, Weed,
+    Bubble, CHANNELS, Gyre, RectifiedVibration, Seiche, TornStrip, Touching, Transition, Wall, WarmUp, Weed,
     WrongTemperature,
 };
-use super::random::Stream;
+use super::entry::{Draw, Entry};
+
+/// The catalogue as text for a terminal: one effect per paragraph.
+pub fn catalogue_text() -> String {
+    let mut text = String::from("Effects (none hides nothing):\n");
+    for entry in CATALOGUE {
+        let unit = if entry.unit.is_empty() { String::new() } else { format!(" [{}]", entry.unit) };
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "  {}: {}{unit}\n      {}", entry.name, entry.parameter, entry.meaning);
+    }
+    text
+}
 
 /// Every effect by name. `none` is accepted too and hides nothing.
 pub const CATALOGUE: &[Entry] = &[
@@ -19,10 +30,7 @@ pub const CATALOGUE: &[Entry] = &[
         meaning: "viscous crossflow drag of the hull's strips; size is the normal-force coefficient per sin(alpha)|sin(alpha)| on frontal area",
         bounds: (0.0, 20.0),
         draw: Draw::Between(2.5, 6.0),
-        act: |hidden, size, _| {
-            hidden.crossflow_per_rad2 = size;
-            String::new()
-        },
+        act: |hidden, size, _| put(&mut hidden.crossflow_per_rad2, size),
     },
     Entry {
         name: "yaw_misalignment",
@@ -31,10 +39,7 @@ pub const CATALOGUE: &[Entry] = &[
         meaning: "true yaw angle = recorded yaw angle + this, every run",
         bounds: (-10.0, 10.0),
         draw: Draw::EitherSign(0.3, 1.0),
-        act: |hidden, size, _| {
-            hidden.yaw_misalignment_deg = size;
-            String::new()
-        },
+        act: |hidden, size, _| put(&mut hidden.yaw_misalignment_deg, size),
     },
     Entry {
         name: "side_force_zero",
@@ -43,10 +48,7 @@ pub const CATALOGUE: &[Entry] = &[
         meaning: "the SF reading shifts by this as soon as a model is under way, after its zero was taken at rest",
         bounds: (-50.0, 50.0),
         draw: Draw::EitherSign(0.4, 1.5),
-        act: |hidden, size, _| {
-            hidden.shift_under_way[1] = size;
-            String::new()
-        },
+        act: |hidden, size, _| put(&mut hidden.shift_under_way[1], size),
     },
     Entry {
         name: "axial_force_zero",
@@ -55,10 +57,7 @@ pub const CATALOGUE: &[Entry] = &[
         meaning: "the AF reading shifts by this as soon as a model is under way, after its zero was taken at rest",
         bounds: (-50.0, 50.0),
         draw: Draw::EitherSign(0.2, 0.6),
-        act: |hidden, size, _| {
-            hidden.shift_under_way[0] = size;
-            String::new()
-        },
+        act: |hidden, size, _| put(&mut hidden.shift_under_way[0], size),
     },
     Entry {
         name: "yaw_moment_zero",
@@ -67,10 +66,7 @@ pub const CATALOGUE: &[Entry] = &[
         meaning: "the YM reading shifts by this as soon as a model is under way, after its zero was taken at rest",
         bounds: (-50.0, 50.0),
         draw: Draw::EitherSign(0.3, 1.0),
-        act: |hidden, size, _| {
-            hidden.shift_under_way[2] = size;
-            String::new()
-        },
+        act: |hidden, size, _| put(&mut hidden.shift_under_way[2], size),
     },
     Entry {
         name: "interaction",
@@ -79,10 +75,7 @@ pub const CATALOGUE: &[Entry] = &[
         meaning: "AF shows this fraction of SF beyond what the stated interaction matrix removes",
         bounds: (-0.5, 0.5),
         draw: Draw::EitherSign(0.01, 0.04),
-        act: |hidden, size, _| {
-            hidden.af_from_sf = size;
-            String::new()
-        },
+        act: |hidden, size, _| put(&mut hidden.af_from_sf, size),
     },
     Entry {
         name: "moment_centre_error",
@@ -91,10 +84,7 @@ pub const CATALOGUE: &[Entry] = &[
         meaning: "the balance's moment centre lies this far aft of where the manifest says",
         bounds: (-0.5, 0.5),
         draw: Draw::EitherSign(0.01, 0.05),
-        act: |hidden, size, _| {
-            hidden.moment_centre_error_m = size;
-            String::new()
-        },
+        act: |hidden, size, _| put(&mut hidden.moment_centre_error_m, size),
     },
     Entry {
         name: "speed_scale",
@@ -103,10 +93,7 @@ pub const CATALOGUE: &[Entry] = &[
         meaning: "true speed = recorded speed x this, every run",
         bounds: (0.5, 2.0),
         draw: Draw::AboutOne(0.01, 0.04),
-        act: |hidden, size, _| {
-            hidden.speed_scale = size;
-            String::new()
-        },
+        act: |hidden, size, _| put(&mut hidden.speed_scale, size),
     },
     Entry {
         name: "zero_drift",
@@ -129,10 +116,7 @@ pub const CATALOGUE: &[Entry] = &[
         meaning: "no tare runs are made; size is the strut's axial force at 2 m/s and zero yaw",
         bounds: (0.0, 20.0),
         draw: Draw::Between(1.0, 2.5),
-        act: |hidden, size, _| {
-            hidden.untared_strut_n = Some(size);
-            String::new()
-        },
+        act: |hidden, size, _| put(&mut hidden.untared_strut_n, Some(size)),
     },
     Entry {
         name: "reynolds_drag",
@@ -141,10 +125,7 @@ pub const CATALOGUE: &[Entry] = &[
         meaning: "b follows a friction line; size is its local exponent of dynamic pressure at 2 m/s (b is stated for 2 m/s)",
         bounds: (-0.5, 0.5),
         draw: Draw::Between(-0.22, -0.08),
-        act: |hidden, size, _| {
-            hidden.drag_exponent = size;
-            String::new()
-        },
+        act: |hidden, size, _| put(&mut hidden.drag_exponent, size),
     },
     Entry {
         name: "water_temperature",
@@ -165,10 +146,7 @@ pub const CATALOGUE: &[Entry] = &[
         meaning: "lift and moment at positive angles over those at the same negative angles; a and d are stated for the mean of both sides",
         bounds: (0.3, 3.0),
         draw: Draw::AboutOne(0.05, 0.15),
-        act: |hidden, size, _| {
-            hidden.asymmetry_ratio = size;
-            String::new()
-        },
+        act: |hidden, size, _| put(&mut hidden.asymmetry_ratio, size),
     },
     Entry {
         name: "free_surface",
@@ -177,10 +155,7 @@ pub const CATALOGUE: &[Entry] = &[
         meaning: "wave-making drag of a hull too close to the surface, humps at Froude numbers 0.34 and 0.50; size is the greater hump in CD",
         bounds: (0.0, 0.2),
         draw: Draw::Between(0.01, 0.03),
-        act: |hidden, size, _| {
-            hidden.wave_hump_cd = size;
-            String::new()
-        },
+        act: |hidden, size, _| put(&mut hidden.wave_hump_cd, size),
     },
     Entry {
         name: "uncatalogued-gyre",
@@ -221,10 +196,7 @@ pub const CATALOGUE: &[Entry] = &[
         meaning: "the water still follows the run before: current after it as a fraction of its speed, dying out over six minutes of waiting",
         bounds: (0.0, 0.3),
         draw: Draw::Between(0.04, 0.10),
-        act: |hidden, size, _| {
-            hidden.residual_current = size;
-            String::new()
-        },
+        act: |hidden, size, _| put(&mut hidden.residual_current, size),
     },
     Entry {
         name: "uncatalogued-weed",
@@ -266,10 +238,7 @@ pub const CATALOGUE: &[Entry] = &[
         meaning: "the water must pass the model within the tank's section: size is the frontal area over that section; across the tank the model takes up more",
         bounds: (0.0, 0.05),
         draw: Draw::Between(0.005, 0.015),
-        act: |hidden, size, _| {
-            hidden.blockage_section_ratio = size;
-            String::new()
-        },
+        act: |hidden, size, _| put(&mut hidden.blockage_section_ratio, size),
     },
     Entry {
         name: "uncatalogued-transition",
@@ -341,10 +310,7 @@ pub const CATALOGUE: &[Entry] = &[
         meaning: "the strut's wake pushes the hull where it is held: normal-force coefficient per sin(alpha)|sin(alpha)| on frontal area, at the moment centre",
         bounds: (-20.0, 20.0),
         draw: Draw::EitherSign(0.5, 1.5),
-        act: |hidden, size, _| {
-            hidden.strut_interference_per_rad2 = size;
-            String::new()
-        },
+        act: |hidden, size, _| put(&mut hidden.strut_interference_per_rad2, size),
     },
     Entry {
         name: "balance_hysteresis",
@@ -353,10 +319,7 @@ pub const CATALOGUE: &[Entry] = &[
         meaning: "share of the last run's steady load that the balance still shows, until the next load or the next day",
         bounds: (-0.2, 0.2),
         draw: Draw::Between(0.01, 0.03),
-        act: |hidden, size, _| {
-            hidden.hysteresis_share = size;
-            String::new()
-        },
+        act: |hidden, size, _| put(&mut hidden.hysteresis_share, size),
     },
     Entry {
         name: "uncatalogued-soft-balance",
@@ -365,10 +328,7 @@ pub const CATALOGUE: &[Entry] = &[
         meaning: "SF reads less than in proportion: reading = force / (1 + this |force|)",
         bounds: (0.0, 0.05),
         draw: Draw::Between(0.002, 0.006),
-        act: |hidden, size, _| {
-            hidden.softening_per_n = size;
-            String::new()
-        },
+        act: |hidden, size, _| put(&mut hidden.softening_per_n, size),
     },
     Entry {
         name: "uncatalogued-strut-lock-in",
@@ -403,10 +363,7 @@ pub const CATALOGUE: &[Entry] = &[
         meaning: "the carriage's measuring wheel slips: relative error of the recorded speed, a standard deviation from run to run",
         bounds: (0.0, 0.1),
         draw: Draw::Between(0.01, 0.03),
-        act: |hidden, size, _| {
-            hidden.rig.speed_slip = size;
-            String::new()
-        },
+        act: |hidden, size, _| put(&mut hidden.rig.speed_slip, size),
     },
     Entry {
         name: "uncatalogued-sting-resonance",
@@ -446,10 +403,7 @@ pub const CATALOGUE: &[Entry] = &[
         meaning: "the water settles in layers during the day: CD gained about 1 m/s, in proportion to the hours",
         bounds: (0.0, 0.2),
         draw: Draw::Between(0.02, 0.05),
-        act: |hidden, size, _| {
-            hidden.rig.dead_water_cd = size;
-            String::new()
-        },
+        act: |hidden, size, _| put(&mut hidden.rig.dead_water_cd, size),
     },
     Entry {
         name: "uncatalogued-flipped-block",
@@ -522,10 +476,7 @@ pub const CATALOGUE: &[Entry] = &[
         meaning: "the yaw table has play: the true angle is smaller than the recorded one by half of this, on either side",
         bounds: (0.0, 3.0),
         draw: Draw::Between(0.3, 0.9),
-        act: |hidden, size, _| {
-            hidden.rig.backlash_deg = size;
-            String::new()
-        },
+        act: |hidden, size, _| put(&mut hidden.rig.backlash_deg, size),
     },
     Entry {
         name: "uncatalogued-elastic-strut",
@@ -553,53 +504,8 @@ pub const CATALOGUE: &[Entry] = &[
     },
 ];
 
-/// One line of the catalogue.
-#[derive(Debug, Clone, Copy)]
-pub struct Entry {
-    /// Name on the command line.
-    pub name: &'static str,
-    /// Name of the size.
-    pub parameter: &'static str,
-    /// Unit of the size; empty for ratios.
-    pub unit: &'static str,
-    /// What the size means, with its sign.
-    pub meaning: &'static str,
-    /// Sizes outside are refused.
-    pub bounds: (f64, f64),
-    pub(super) draw: Draw,
-    pub(super) act: fn(&mut Hidden, f64, &mut Stream) -> String,
-}
-
-/// How a size is drawn when none is given.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Draw {
-    /// Uniform between the two.
-    Between(f64, f64),
-    /// Uniform between the two, of either sign.
-    EitherSign(f64, f64),
-    /// One plus a number between the two, of either sign.
-    AboutOne(f64, f64),
-}
-
-/// The catalogue as text for a terminal: one effect per paragraph.
-pub fn catalogue_text() -> String {
-    let mut text = String::from("Effects (none hides nothing):\n");
-    for entry in CATALOGUE {
-        let unit = if entry.unit.is_empty() { String::new() } else { format!(" [{}]", entry.unit) };
-        // Writing to a String cannot fail.
-        let _ = writeln!(text, "  {}: {}{unit}\n      {}", entry.name, entry.parameter, entry.meaning);
-    }
-    text
-}
-
-impl Draw {
-    pub(super) fn size(self, stream: &mut Stream) -> f64 {
-        let drawn = match self {
-            Self::Between(low, high) => stream.between(low, high),
-            Self::EitherSign(low, high) => stream.sign() * stream.between(low, high),
-            Self::AboutOne(low, high) => 1.0 + stream.sign() * stream.between(low, high),
-        };
-        // Six significant digits: what the truth prints is what was used.
-        format!("{drawn:.5e}").parse().unwrap_or(drawn)
-    }
+/// Sets what is hidden to its size; nothing more is to be said of it.
+fn put<T>(hidden: &mut T, size: T) -> String {
+    *hidden = size;
+    String::new()
 }

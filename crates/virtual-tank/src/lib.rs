@@ -13,6 +13,7 @@ mod catalogue;
 mod decimal;
 mod digest;
 mod effects;
+mod entry;
 mod faults;
 mod folder;
 mod hull;
@@ -34,8 +35,9 @@ use std::path::{Path, PathBuf};
 
 pub use balance::{DayZero, Strut};
 pub use campaign::{write_campaign, write_campaign_watched};
-pub use catalogue::{CATALOGUE, Entry, catalogue_text};
+pub use catalogue::{CATALOGUE, catalogue_text};
 pub use effects::{EffectRequest, HiddenEffect};
+pub use entry::Entry;
 pub use hull::{DynamicDerivatives, LiveMass, StaticCoefficients};
 pub use motion::Kind;
 pub use noise::NoiseLevels;
