@@ -257,6 +257,13 @@ impl Fit {
         Some(Estimate::student(value, variance.max(0.0).sqrt(), self.freedom(), unit))
     }
 
+    /// The same with the scatter between dives, where that is more.
+    pub(super) fn ratio_by_dives(&self, rows: &[Row], above: Term, below: Term, unit: &str) -> Option<Estimate> {
+        let of = |fit: &Fit| fit.ratio(above, below, unit).map(|ratio| [ratio.value, ratio.se]);
+        let [value, se] = of(self)?;
+        Some(Estimate::student(value, se.max(self.jackknife(rows, of)), self.freedom(), unit))
+    }
+
     pub(super) fn rudder_per_roll(&self) -> Option<f64> {
         let rudder = self.ratio(Term::Yaw, Term::Rudder, "")?;
         let per_roll =

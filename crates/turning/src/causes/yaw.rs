@@ -80,7 +80,8 @@ impl Terms {
         let (curvature, angle) = match self.fixed_rudder {
             Some(rudder) => (rudder.asymmetry(size, full), Some(rudder.offset(size, full))),
             None => {
-                let angle = full.ratio(Term::Yaw, Term::Rudder, "rad").filter(|_| self.has_rudder);
+                let angle =
+                    self.has_rudder.then(|| full.ratio_by_dives(rows, Term::Yaw, Term::Rudder, "rad")).flatten();
                 (Estimate::student(size[0], size[1], full.freedom(), "rad/m"), angle)
             }
         };
