@@ -39,13 +39,8 @@ impl Fitted {
             if self.probability_by_prior() >= SIGNIFICANT && other.probability_by_prior() < CLEARLY_WRONG {
                 return (f64::INFINITY, other);
             }
-            let quantities = self.evidence.quantities.iter().zip(limits);
-            let of_quantity = |(quantity, limit): (&Quantity, &f64)| {
-                let rows = iteration.rows_of(self.included[place], quantity);
-                let square = |held_out: &DVector<f64>| holdout::rms(held_out, rows.iter().copied()).powi(2);
-                (square(&there) - square(&here)) / limit.powi(2)
-            };
-            (quantities.map(of_quantity).fold(0.0, f64::max), other)
+            let missed = self.missed(&iteration, self.included[place], [&here, &there]);
+            (missed.iter().zip(limits).map(|(size, limit)| size / limit).fold(0.0, f64::max), other)
         };
         let missed = (0..self.included.len()).map(missed);
         missed.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(share, _)| *share <= 1.0).map(|(_, other)| other)
@@ -94,5 +89,16 @@ impl Fitted {
             let square = |left: &DVector<f64>| holdout::rms(left, quantity.rows.clone()).powi(2);
             square(&there) - square(&here) > limit.powi(2)
         })
+    }
+
+    /// By how much held-out readings of each quantity are missed more in the second of two fits, as read, over the rows in which a member
+    /// acts: in quadrature, zero where they are missed less.
+    pub(super) fn missed(&self, iteration: &Iteration<'_>, member: usize, held_out: [&DVector<f64>; 2]) -> Vec<f64> {
+        let of_quantity = |quantity: &Quantity| {
+            let rows = iteration.rows_of(member, quantity);
+            let [here, there] = held_out.map(|held_out| holdout::rms(held_out, rows.iter().copied()).powi(2));
+            (there - here).max(0.0).sqrt()
+        };
+        self.evidence.quantities.iter().map(of_quantity).collect()
     }
 }

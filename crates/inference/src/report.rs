@@ -46,7 +46,10 @@ pub(super) fn report(
     let mut wrong = wrong(problem, baseline);
     if wrong.is_empty() {
         let first = named.iter().find(|named| Some(named.candidate) != nuisance);
-        wrong.extend(first.map(|named| wrong_by_cause(problem, baseline, named)));
+        let missed = |named: &Named| {
+            extended.missed(&iteration, named.candidate, [&extended.evidence.column_as_read(&after), &named.without])
+        };
+        wrong.extend(first.map(|named| wrong_by_cause(problem, baseline, named, &missed(named))));
     }
     let mut depends_on: Vec<String> = curve.into_iter().collect();
     if depends_on.is_empty() && causes.is_empty() {
@@ -308,12 +311,16 @@ pub(super) fn wrong(problem: &impl Problem, baseline: &Fitted) -> Vec<Wrong> {
     found
 }
 
-/// Where the baseline misses the data as a named mechanism says: its effect finds what a curve along one covariate does not.
-fn wrong_by_cause(problem: &impl Problem, baseline: &Fitted, named: &Named) -> Wrong {
-    let iteration = Iteration::new(problem.candidates(), baseline);
+/// Where the baseline misses the data as a named mechanism says: its effect finds what a curve along one covariate does not. Its size is
+/// the one by which it was kept: what it changes by the slopes, or what held-out readings are missed by without it.
+fn wrong_by_cause(problem: &impl Problem, baseline: &Fitted, named: &Named, missed: &[f64]) -> Wrong {
     let evidence = &baseline.evidence;
     let (misfits, expected) = misfits_and_noise(baseline);
-    let sizes = iteration.size_where_it_acts(&[], named.candidate);
+    let sizes = if problem.judges_largest() {
+        Iteration::new(problem.candidates(), baseline).size_where_it_acts(&[], named.candidate)
+    } else {
+        missed.to_vec()
+    };
     let limits = baseline.limits(problem);
     let worth = |quantity: &usize| sizes[*quantity] / limits[*quantity];
     let most = (0..limits.len()).max_by(|a, b| worth(a).total_cmp(&worth(b))).unwrap_or(0);

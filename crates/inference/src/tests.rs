@@ -18,6 +18,7 @@ pub(crate) struct Toy {
     block: Vec<usize>,
     has_regimes: bool,
     least_known: f64,
+    relevant: Option<f64>,
 }
 
 const ROWS: usize = 560;
@@ -59,9 +60,20 @@ impl Toy {
             Covariate { name: "heading", kind: smooth::Kind::Angle, values: heading },
         ];
         let (y, stated_sd) = (DVector::zeros(ROWS), vec![0.5; ROWS]);
-        let (has_regimes, least_known) = (false, 0.0);
-        let mut toy =
-            Toy { y, stated_sd, candidates, columns, covariates, time_s, leg, block, has_regimes, least_known };
+        let (has_regimes, least_known, relevant) = (false, 0.0, None);
+        let mut toy = Toy {
+            y,
+            stated_sd,
+            candidates,
+            columns,
+            covariates,
+            time_s,
+            leg,
+            block,
+            has_regimes,
+            least_known,
+            relevant,
+        };
         let mut slow = 0.0;
         let noise: Vec<f64> = (0..ROWS)
             .map(|_| {
@@ -97,6 +109,10 @@ impl Problem for Toy {
 
     fn least_known(&self, _candidate: usize) -> f64 {
         self.least_known
+    }
+
+    fn relevance(&self, _quantity: &Quantity, scatter: f64) -> f64 {
+        self.relevant.unwrap_or(relevance::SHARE_OF_SCATTER * scatter)
     }
 
     fn start(&self) -> Point {
@@ -166,6 +182,23 @@ fn one_cause_is_named_sized_and_gains_on_held_out_data() {
     }
     assert!(right >= 28, "{right} of 30");
     assert!(covered as f64 >= 0.85 * right as f64, "{covered} of {right}");
+}
+
+/// Sizes about the limit of relevance: what is called wrong exceeds it, and what is left and counts is called unexplained.
+#[test]
+fn what_is_wrong_and_what_is_left_go_by_one_limit() {
+    let mut named = 0;
+    for seed in 200..240 {
+        let hidden = 0.4 + 0.02 * (seed - 200) as f64;
+        let mut toy = Toy::new(seed, |i, toy| hidden * toy.columns[2][i]);
+        toy.relevant = Some(0.3);
+        let (found, _) = diagnose(&toy);
+        named += usize::from(!found.causes.is_empty());
+        assert!(found.wrong.iter().all(|wrong| wrong.size > wrong.relevant_above), "{seed}: {:?}", found.wrong);
+        let counts = found.left.iter().any(|left| left.judged == Judged::Relevant);
+        assert!(!counts || found.unexplained.is_some(), "{seed}: {:?}", found.left);
+    }
+    assert!((5..38).contains(&named), "{named} of 40");
 }
 
 /// A level that the prior excludes, and a cause that the level nearly imitates.
