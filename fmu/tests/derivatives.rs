@@ -163,8 +163,7 @@ fn while_time_is_continuous() {
         glider.begin(None);
         // SAFETY: a live instance.
         unsafe {
-            let (mut a, mut b, mut c, mut d, mut e, mut t) = (0, 0, 0, 0, 0, 0.0);
-            glider.ok(fmi3UpdateDiscreteStates(glider.instance, &mut a, &mut b, &mut c, &mut d, &mut e, &mut t));
+            glider.update_discrete_states();
             glider.ok(fmi3EnterContinuousTimeMode(glider.instance));
             glider.ok(fmi3SetTime(glider.instance, 4000.0));
         }

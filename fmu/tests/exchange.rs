@@ -26,23 +26,13 @@ impl Importer {
     }
 
     fn update(&mut self) {
-        let (mut need, mut terminate, mut nominals, mut values, mut defined, mut next) = (1, 1, 1, 1, 1, 0.0);
-        // SAFETY: a live instance and places of its own.
-        unsafe {
-            while need != 0 {
-                self.glider.ok(fmi3UpdateDiscreteStates(
-                    self.glider.instance,
-                    &mut need,
-                    &mut terminate,
-                    &mut nominals,
-                    &mut values,
-                    &mut defined,
-                    &mut next,
-                ));
-            }
-            self.next_time_event = (defined != 0).then_some(next);
-            self.glider.ok(fmi3EnterContinuousTimeMode(self.glider.instance));
+        let mut found = self.glider.update_discrete_states();
+        while found.flags[0] != 0 {
+            found = self.glider.update_discrete_states();
         }
+        self.next_time_event = found.next_s;
+        // SAFETY: a live instance.
+        self.glider.ok(unsafe { fmi3EnterContinuousTimeMode(self.glider.instance) });
     }
 
     fn event(&mut self) {

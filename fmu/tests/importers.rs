@@ -108,8 +108,7 @@ fn derivatives_that_are_not_finite_are_discarded() {
     component.begin();
     // SAFETY: live instances, places of their own.
     unsafe {
-        let (mut a, mut b, mut c, mut d, mut e, mut t) = (0, 0, 0, 0, 0, 0.0);
-        glider.ok(fmi3UpdateDiscreteStates(glider.instance, &mut a, &mut b, &mut c, &mut d, &mut e, &mut t));
+        glider.update_discrete_states();
         glider.ok(fmi3EnterContinuousTimeMode(glider.instance));
         let mut event = std::mem::zeroed();
         component.ok(fmi2NewDiscreteStates(component.component, &mut event));
@@ -157,10 +156,7 @@ fn after_an_event_no_indicator_is_near_zero_whatever_side_it_was_found_from() {
         let (n_states, n_events) = (states.len(), z.len());
         // SAFETY: a live instance, places of its own and room for all.
         unsafe {
-            let (mut a, mut b, mut c, mut d, mut e, mut t) = (0, 0, 0, 0, 0, 0.0);
-            let mut handle =
-                || fmi3UpdateDiscreteStates(glider.instance, &mut a, &mut b, &mut c, &mut d, &mut e, &mut t);
-            glider.ok(handle());
+            glider.update_discrete_states();
             glider.ok(fmi3EnterContinuousTimeMode(glider.instance));
             glider.ok(fmi3GetContinuousStates(glider.instance, states.as_mut_ptr(), n_states));
             for (i, place, there) in [(1, 60.0 + 1e-9, true), (1, 60.0 - 1e-9, false), (0, -1e-9, true)] {
@@ -168,7 +164,7 @@ fn after_an_event_no_indicator_is_near_zero_whatever_side_it_was_found_from() {
                     states[model.depth()] = place + side;
                     glider.ok(fmi3SetContinuousStates(glider.instance, states.as_ptr(), n_states));
                     glider.ok(fmi3EnterEventMode(glider.instance));
-                    glider.ok(handle());
+                    glider.update_discrete_states();
                     glider.ok(fmi3EnterContinuousTimeMode(glider.instance));
                     glider.ok(fmi3GetEventIndicators(glider.instance, z.as_mut_ptr(), n_events));
                     assert!(z[i].abs() > 5e-10, "{model:?}: indicator {i} is {} at {place} m", z[i]);
@@ -181,7 +177,7 @@ fn after_an_event_no_indicator_is_near_zero_whatever_side_it_was_found_from() {
             for side in [-1e-15, 0.0, 1e-15] {
                 glider.set(&[("ballast_command_m3", ballast + corner * (1.0 + 1e-9 + side))]);
                 glider.ok(fmi3EnterEventMode(glider.instance));
-                glider.ok(handle());
+                glider.update_discrete_states();
                 glider.ok(fmi3EnterContinuousTimeMode(glider.instance));
                 glider.ok(fmi3GetEventIndicators(glider.instance, z.as_mut_ptr(), n_events));
                 let nearest = z[2..].iter().fold(f64::INFINITY, |least, z| least.min(z.abs()));

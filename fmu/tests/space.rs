@@ -222,8 +222,7 @@ fn somewhere(odd: &mut Odd, steering: i32) -> Glider3 {
     glider.begin(None);
     // SAFETY: a live instance.
     unsafe {
-        let (mut a, mut b, mut c, mut d, mut e, mut t) = (0, 0, 0, 0, 0, 0.0);
-        glider.ok(fmi3UpdateDiscreteStates(glider.instance, &mut a, &mut b, &mut c, &mut d, &mut e, &mut t));
+        glider.update_discrete_states();
         glider.ok(fmi3EnterContinuousTimeMode(glider.instance));
     }
     glider

@@ -504,7 +504,7 @@ pub const CATALOGUE: &[Entry] = &[
     },
 ];
 
-/// Sets what is hidden to its size; nothing more is to be said of it.
+/// Sets a parameter of the virtual tank to the size of its effect; the effect draws no further figures to be stated.
 fn put<T>(hidden: &mut T, size: T) -> String {
     *hidden = size;
     String::new()

@@ -112,22 +112,11 @@ fn the_seabed_is_met_inside_a_step() {
 }
 
 fn update(glider: &Glider3) -> (bool, Option<f64>) {
-    let (mut need, mut terminate, mut nominals, mut values, mut defined, mut next) = (9, 9, 9, 9, 9, f64::NAN);
-    // SAFETY: a live instance and places of its own.
-    unsafe {
-        glider.ok(fmi3UpdateDiscreteStates(
-            glider.instance,
-            &mut need,
-            &mut terminate,
-            &mut nominals,
-            &mut values,
-            &mut defined,
-            &mut next,
-        ));
-        glider.ok(fmi3EnterStepMode(glider.instance));
-    }
-    assert_eq!((need, terminate, nominals), (0, 0, 0));
-    (values == 1, (defined == 1).then_some(next))
+    let found = glider.update_discrete_states();
+    // SAFETY: a live instance.
+    glider.ok(unsafe { fmi3EnterStepMode(glider.instance) });
+    assert_eq!(found.flags, [0, 0, 0]);
+    (found.values == 1, found.next_s)
 }
 
 /// Nothing else draws: afloat at the start is no surfacing, bobbing is none, and each coming up is one.

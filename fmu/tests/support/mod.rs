@@ -119,6 +119,16 @@ unsafe extern "C" fn look_in(
     }
 }
 
+/// What an event has brought, with the flags as they were written.
+pub struct Discrete {
+    /// Whether another update is needed, the simulation ends, nominal values have changed.
+    pub flags: [u8; 3],
+    /// Whether continuous states have changed.
+    pub values: u8,
+    /// Time of the next event, where one is known.
+    pub next_s: Option<f64>,
+}
+
 impl Glider3 {
     pub fn co_simulation(options: Options) -> Self {
         Self::with_resources(options, null(), token()).expect("an instance without resources")
@@ -181,6 +191,24 @@ impl Glider3 {
         glider.set(starts);
         glider.begin(None);
         glider
+    }
+
+    /// Asks what an event has brought.
+    pub fn update_discrete_states(&self) -> Discrete {
+        let (mut needed, mut terminate, mut nominals, mut values, mut defined, mut next) = (9, 9, 9, 9, 9, f64::NAN);
+        // SAFETY: a live instance and places of its own.
+        self.ok(unsafe {
+            fmi3UpdateDiscreteStates(
+                self.instance,
+                &mut needed,
+                &mut terminate,
+                &mut nominals,
+                &mut values,
+                &mut defined,
+                &mut next,
+            )
+        });
+        Discrete { flags: [needed, terminate, nominals], values, next_s: (defined == 1).then_some(next) }
     }
 
     pub fn begin(&self, tolerance: Option<f64>) {
