@@ -146,6 +146,7 @@ fn starts(parameters: &Parameters<f64>, water: Option<Water<'_>>) -> Vec<(&'stat
         ("energy_J", state.energy_J),
         ("creep_pressure_Pa", state.creep_pressure_Pa),
         ("carried_density_kg_m3", state.carried_density_kg_m3),
+        ("late_temperature_K", state.late_temperature_K),
         ("leaked_back_m3", state.leaked_back_m3),
     ]);
     starts

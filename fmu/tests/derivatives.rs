@@ -10,7 +10,7 @@ use glidepolar_fmu::model::{Causality, Kind, Model, Slot, variable};
 use support::*;
 
 /// Somewhere away from every special value, in free water, the servos within their rates, every mechanism at work.
-const SOMEWHERE: [(&str, f64); 49] = [
+const SOMEWHERE: [(&str, f64); 52] = [
     ("ballast_command_m3", -4.0e-5),
     ("moving_mass_command_m", 0.021),
     // Pumping out, which costs energy: at rest the power has a corner.
@@ -51,6 +51,9 @@ const SOMEWHERE: [(&str, f64); 49] = [
     ("carried_water_m3", 0.012),
     ("exchange_time_s", 900.0),
     ("carried_density_kg_m3", -0.7),
+    ("late_expansion_per_K", 4e-5),
+    ("expansion_time_s", 700.0),
+    ("late_temperature_K", 3.0),
     ("pump_leakback_cc_per_hour", 25.0),
     ("leaked_back_m3", 3e-6),
     // Drag against pressure.
@@ -174,10 +177,10 @@ fn while_time_is_continuous() {
                 match row.slot {
                     Slot::Time => glider.ok(fmi3SetTime(glider.instance, value)),
                     Slot::State(i) => {
-                        let mut x = [0.0; 15];
-                        glider.ok(fmi3GetContinuousStates(glider.instance, x.as_mut_ptr(), 15));
+                        let mut x = [0.0; STATES.len()];
+                        glider.ok(fmi3GetContinuousStates(glider.instance, x.as_mut_ptr(), STATES.len()));
                         x[i] = value;
-                        glider.ok(fmi3SetContinuousStates(glider.instance, x.as_ptr(), 15));
+                        glider.ok(fmi3SetContinuousStates(glider.instance, x.as_ptr(), STATES.len()));
                     }
                     _ => glider.set(&[(row.name, value)]),
                 }

@@ -5,7 +5,7 @@ mod support;
 use glidepolar_fmu::fmi3::*;
 use support::*;
 
-const N: usize = 15;
+const N: usize = STATES.len();
 
 struct Importer {
     glider: Glider3,

@@ -113,11 +113,11 @@ fn derivatives_that_are_not_finite_are_discarded() {
         let mut event = std::mem::zeroed();
         component.ok(fmi2NewDiscreteStates(component.component, &mut event));
         component.ok(fmi2EnterContinuousTimeMode(component.component));
-        let mut states = [0.0; 15];
-        glider.ok(fmi3GetContinuousStates(glider.instance, states.as_mut_ptr(), 15));
+        let mut states = [0.0; STATES.len()];
+        glider.ok(fmi3GetContinuousStates(glider.instance, states.as_mut_ptr(), STATES.len()));
         states[4] = 1e155;
-        glider.ok(fmi3SetContinuousStates(glider.instance, states.as_ptr(), 15));
-        component.ok(fmi2SetContinuousStates(component.component, states.as_ptr(), 15));
+        glider.ok(fmi3SetContinuousStates(glider.instance, states.as_ptr(), STATES.len()));
+        component.ok(fmi2SetContinuousStates(component.component, states.as_ptr(), STATES.len()));
 
         let (unknown, known) = (vr("drag_N"), vr("v1_m_s"));
         let ask = |seed: f64| -> [(c_int, f64); 3] {

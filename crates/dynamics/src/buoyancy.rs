@@ -2,12 +2,13 @@
 //!
 //! ```text
 //! m0 = m + offset + leak t - rho ( V0 (1 - eps P - eps_c Q + tau (T - T_ref)) + s V_b - V_l + V_air P0 / (P0 + P) )
-//!      + V_c (r - rho / (1 + kappa P))
+//!      + V_c (r - rho / (1 + kappa P)) - rho V0 tau_l (T_l - T)
 //! ```
 //! What stands for the past follows by rates of its own: `Q' = (P - Q) / tau_c` the late part of the pressure on a viscoelastic
-//! hull (standard linear solid), `r' = (rho / (1 + kappa P) - r) / tau_e` the density of carried water, brought to p = 0, and
-//! `V_l' = k` the ballast volume that leaks back, anew from zero whenever the engine moves. The inertia of carried water
-//! belongs to the added masses.
+//! hull (standard linear solid), `r' = (rho / (1 + kappa P) - r) / tau_e` the density of carried water, brought to p = 0,
+//! `T_l' = (T - T_l) / tau_t` the temperature of what is slow in the hull, and `V_l' = k` the ballast volume that leaks back, anew from
+//! zero whenever the engine moves. Of the expansion `tau` the part `tau_l` comes late, so that it has no effect where the
+//! temperature stays. The inertia of carried water belongs to the added masses.
 //!
 //! `m` mass in air with the ballast volume at zero, `V_b` the ballast volume that is read, `P` gauge pressure. With
 //! every mechanism at its default and water of the reference density this is Leonard and Graver's excess mass
@@ -38,6 +39,8 @@ pub struct Memory<T> {
     pub creep_pressure_Pa: T,
     /// Density of the carried water brought to p = 0, less the reference density \[kg/m3\].
     pub carried_density_kg_m3: T,
+    /// Temperature of the part of the hull that follows late, less the reference temperature \[K\].
+    pub late_temperature_K: T,
     /// Ballast volume that has leaked back \[m3\].
     pub leaked_back_m3: T,
 }
@@ -69,7 +72,7 @@ impl<T: Number> Parameters<T> {
     /// Volume that the hull displaces, ballast and trapped air apart \[m3\].
     pub fn hull_volume_m3(&self, water: &Surroundings<T>) -> T {
         let strain = -self.hull_compressibility_per_Pa * water.pressure_Pa
-            + self.hull_thermal_expansion_per_K * (water.temperature_C - self.reference_temperature_C);
+            + self.hull_thermal_expansion_per_K * self.warmer_than_reference_K(water);
         self.displaced_mass_kg / self.reference_density_kg_m3 * (strain + 1.0)
     }
 
@@ -93,11 +96,18 @@ impl<T: Number> Parameters<T> {
         self.true_density_kg_m3(water.density_kg_m3) / compressed - self.reference_density_kg_m3
     }
 
+    /// Temperature of the water less the reference temperature \[K\]: what the late part of the hull comes to.
+    pub fn warmer_than_reference_K(&self, water: &Surroundings<T>) -> T {
+        water.temperature_C - self.reference_temperature_C
+    }
+
     /// What the past adds to the net mass \[kg\].
     pub fn kept_mass_kg(&self, memory: &Memory<T>, water: &Surroundings<T>) -> T {
         let density = self.true_density_kg_m3(water.density_kg_m3);
         let volume = self.displaced_mass_kg / self.reference_density_kg_m3;
-        density * (self.hull_creep_per_Pa * memory.creep_pressure_Pa * volume + memory.leaked_back_m3)
+        let late_strain = self.hull_creep_per_Pa * memory.creep_pressure_Pa
+            - self.late_expansion_per_K * (memory.late_temperature_K - self.warmer_than_reference_K(water));
+        density * (late_strain * volume + memory.leaked_back_m3)
             + self.carried_water_m3 * (memory.carried_density_kg_m3 - self.carried_from_kg_m3(water))
     }
 
@@ -120,6 +130,12 @@ impl<T: Number> Parameters<T> {
                 memory.carried_density_kg_m3,
                 self.carried_from_kg_m3(water),
                 self.exchange_time_s,
+            ),
+            late_temperature_K: follow(
+                self.late_expansion_per_K,
+                memory.late_temperature_K,
+                self.warmer_than_reference_K(water),
+                self.expansion_time_s,
             ),
             leaked_back_m3: if leakback_m3_s.value() == 0.0 {
                 rest
@@ -160,10 +176,16 @@ mod tests {
 
     #[test]
     fn what_is_kept_of_the_past_weighs_what_a_hand_computation_says() {
-        let nothing = Memory { creep_pressure_Pa: 3e6, carried_density_kg_m3: -2.0, leaked_back_m3: 0.0 };
+        let nothing = Memory {
+            creep_pressure_Pa: 3e6,
+            carried_density_kg_m3: -2.0,
+            late_temperature_K: 4.0,
+            leaked_back_m3: 0.0,
+        };
         let p = Parameters::<f64>::default();
         assert_eq!(p.kept_mass_kg(&nothing, &at(5e6)), 0.0);
-        let resting = Memory { creep_pressure_Pa: 0.0, carried_density_kg_m3: 0.0, leaked_back_m3: 0.0 };
+        let resting =
+            Memory { creep_pressure_Pa: 0.0, carried_density_kg_m3: 0.0, late_temperature_K: 0.0, leaked_back_m3: 0.0 };
         assert_eq!(p.memory_rates(&nothing, &at(5e6), 1.0), resting);
 
         let creeping = Parameters { hull_creep_per_Pa: 2e-10, creep_time_s: 7200.0, ..p };
@@ -176,6 +198,13 @@ mod tests {
         assert!((carrying.kept_mass_kg(&nothing, &at(5e6)) - 0.01 * (-2.0 - around)).abs() < 1e-12);
         let rate = carrying.memory_rates(&nothing, &at(5e6), 0.0).carried_density_kg_m3;
         assert!((rate - (around + 2.0) / 600.0).abs() < 1e-12, "{rate}");
+
+        // Water of 15 degC around a hull that is still 4 K above the reference: too large by 5e-5/K times the difference.
+        let slow = Parameters { late_expansion_per_K: 5e-5, expansion_time_s: 800.0, ..p };
+        let behind = p.reference_temperature_C + 4.0 - 15.0;
+        assert!((slow.kept_mass_kg(&nothing, &at(5e6)) + 50.0 * 5e-5 * behind).abs() < 1e-12);
+        let rate = slow.memory_rates(&nothing, &at(5e6), 0.0).late_temperature_K;
+        assert!((rate + behind / 800.0).abs() < 1e-12, "{rate}");
 
         let leaking = Parameters { pump_leakback_cc_per_hour: 36.0, ..p };
         let leaked = Memory { leaked_back_m3: 2e-5, ..resting };

@@ -247,6 +247,7 @@ impl<'a, T: Number> Motion<'a, T> {
         let memory = Memory {
             creep_pressure_Pa: state.creep_pressure_Pa,
             carried_density_kg_m3: state.carried_density_kg_m3,
+            late_temperature_K: state.late_temperature_K,
             leaked_back_m3: state.leaked_back_m3,
         };
         let ballast_m3 = parameters.ballast_m3(state.ballast_mass_kg);
@@ -334,6 +335,7 @@ impl<'a, T: Number> Motion<'a, T> {
             ballast_mass_kg: ballast_rate,
             creep_pressure_Pa: memory.creep_pressure_Pa,
             carried_density_kg_m3: memory.carried_density_kg_m3,
+            late_temperature_K: memory.late_temperature_K,
             leaked_back_m3: memory.leaked_back_m3,
             energy_J: self.power_W(ballast_rate, held_1.filter(|_| actuation == Actuation::Servo), r1_rate),
         }

@@ -75,6 +75,8 @@ quantities! {
         climb_dive_lift_ratio: "1" = 1.0 in 0.01 .. 100.0, "Lift slope on ascents over lift slope on descents";
         hull_creep_per_Pa: "1/Pa" = 0.0 in -1e-8 .. 1e-7, "Relative loss of displaced volume per gauge pressure that comes late, a viscoelastic hull";
         creep_time_s: "s" = 0.0 in 0.0 .. 1e8, "Time constant with which the late loss of volume follows the pressure";
+        late_expansion_per_K: "1/K" = 0.0 in 0.0 .. 1e-2, "Part of the relative gain of displaced volume per temperature that comes late, a hull whose inside follows the water slowly";
+        expansion_time_s: "s" = 0.0 in 0.0 .. 1e8, "Time constant with which the late part of the hull takes the water's temperature";
         carried_water_m3: "m3" = 0.0 in 0.0 .. 10.0, "Flooded volume whose water exchanges slowly with the water around";
         exchange_time_s: "s" = 0.0 in 0.0 .. 1e8, "Time constant with which the carried water becomes the water around";
         pump_leakback_cc_per_hour: "cm3/h" = 0.0 in 0.0 .. 1e6, "Ballast volume lost per hour since the pump last ran, without being read";

@@ -141,6 +141,7 @@ fn tumbling(p: &Parameters<f64>) -> State<f64> {
         ballast_mass_kg: 1.2,
         creep_pressure_Pa: 0.0,
         carried_density_kg_m3: 0.0,
+        late_temperature_K: 0.0,
         leaked_back_m3: 0.0,
         energy_J: 0.0,
     }
@@ -195,6 +196,7 @@ fn gliding(p: &Parameters<f64>, angle_deg: f64, speed: f64) -> (State<f64>, Inpu
         ballast_mass_kg: g.ballast_mass_kg,
         creep_pressure_Pa: 0.0,
         carried_density_kg_m3: 0.0,
+        late_temperature_K: 0.0,
         leaked_back_m3: 0.0,
         energy_J: 0.0,
     };
@@ -364,6 +366,7 @@ fn left_at_the_surface_or_dropped_on_the_seabed_it_comes_to_rest() {
             x_m: 0.0,
             creep_pressure_Pa: 0.0,
             carried_density_kg_m3: 0.0,
+            late_temperature_K: 0.0,
             leaked_back_m3: 0.0,
             energy_J: 0.0,
         };

@@ -20,6 +20,8 @@ pub struct Outcome {
     pub fitted: Vec<usize>,
     /// The candidates that were named, strongest first, by their place in [`Problem::candidates`](super::evidence::Problem::candidates).
     pub named: Vec<usize>,
+    /// For each of them the candidates that these data do not tell from it, each mechanism in its best version.
+    pub groups: Vec<Vec<usize>>,
     /// The candidates that were found and refused again, in the order in which they went.
     pub refused: Vec<usize>,
     /// Measured less modelled by a model without it, fitted without the row's block.

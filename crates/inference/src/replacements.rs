@@ -31,8 +31,8 @@ const EQUAL_ON_A_HALF: f64 = 0.1;
 /// Standard errors by which a rival may predict worse and still count as equal.
 const EQUAL: f64 = 1.0;
 
-/// The names of the mechanisms that could stand in the place of a member, the best by the slopes first. `without` is what is
-/// left of held-out rows without the member, `gain` what it explains in units of the noise.
+/// The candidates that could stand in the place of a member, each mechanism in its best version, the best by the slopes first.
+/// `without` is what is left of held-out rows without the member, `gain` what it explains in units of the noise.
 pub(super) fn replacements(
     problem: &impl Problem,
     extended: &Fitted,
@@ -40,10 +40,10 @@ pub(super) fn replacements(
     place: usize,
     without: &DVector<f64>,
     gain: f64,
-) -> Vec<String> {
+) -> Vec<usize> {
     let is_equal = equal_to(problem, extended, without);
     let refitted = refitted(problem, extended, iteration, place, gain).into_iter();
-    refitted.filter(|(_, rival)| is_equal(rival)).map(|(name, _)| name.to_owned()).collect()
+    refitted.filter(|(_, rival)| is_equal(rival)).map(|(candidate, _)| candidate).collect()
 }
 
 /// The sets with a refused member exchanged that predict held-out data as well as the set with it, the best first.
@@ -79,14 +79,14 @@ fn equal_to<'a, P: Problem>(
 }
 
 /// The set with one member exchanged for each mechanism that comes near by the slopes, fitted in full where nature has such a
-/// size, with the name of the mechanism. `gain` is what the member explains in units of the noise.
+/// size, with that candidate. `gain` is what the member explains in units of the noise.
 fn refitted(
     problem: &impl Problem,
     extended: &Fitted,
     iteration: &Iteration<'_>,
     place: usize,
     gain: f64,
-) -> Vec<(&'static str, Fitted)> {
+) -> Vec<(usize, Fitted)> {
     let candidates = problem.candidates();
     let refitted_within = REFITTED_WITHIN.max(REFITTED_SHARE * gain);
     let mut tried: Vec<&str> = vec![candidates[extended.included[place]].name];
@@ -108,7 +108,7 @@ fn refitted(
         rival.converge(problem);
         let exists = |member: &usize| !candidates[*member].cannot_be(rival.point.candidates[*member][0]);
         if rival.is_possible(candidates) && rival.included.iter().all(exists) {
-            found.push((name, rival));
+            found.push((other, rival));
         }
     }
     found

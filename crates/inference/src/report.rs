@@ -93,6 +93,7 @@ pub(super) fn report(
         after: after_stage,
         fitted: extended.included.clone(),
         named: named.iter().map(|named| named.candidate).collect(),
+        groups: named.iter().map(|named| named.group.clone()).collect(),
         gains: named.iter().map(|named| named.gain).collect(),
         refused: dropped.iter().map(|(member, _)| *member).collect(),
         without: named.into_iter().map(|named| named.without).collect(),
@@ -132,6 +133,7 @@ pub(super) fn headline(problem: &impl Problem, fitted: &Fitted, before: &DVector
 pub(super) struct Named {
     pub(super) cause: Cause,
     pub(super) candidate: usize,
+    pub(super) group: Vec<usize>,
     pub(super) gain: f64,
     pub(super) without: DVector<f64>,
 }
@@ -164,6 +166,7 @@ pub(super) fn cause(
     let (before, after) = (extended.without(problem, baseline, place).held_out(), extended.held_out());
     let quantity = &extended.evidence.quantities[headline(problem, extended, &before, &after)];
     let as_read = |left: &DVector<f64>| extended.evidence.column_as_read(left);
+    let group = replacements(problem, extended, iteration, place, &before, gain);
     let cause = Cause {
         cause: candidate.name.to_owned(),
         parameters,
@@ -173,9 +176,9 @@ pub(super) fn cause(
         holdout_rms_before: holdout::rms(&as_read(&before), quantity.rows.clone()),
         holdout_rms_after: holdout::rms(&as_read(&after), quantity.rows.clone()),
         stability: extended.halves(problem, place),
-        indistinguishable_from: replacements(problem, extended, iteration, place, &before, gain),
+        indistinguishable_from: group.iter().map(|rival| candidates[*rival].name.to_owned()).collect(),
     };
-    Named { cause, candidate: member, gain, without: as_read(&before) }
+    Named { cause, candidate: member, group, gain, without: as_read(&before) }
 }
 
 pub(super) fn rejected(

@@ -96,6 +96,7 @@ impl<'a, T: Number> Instant<'a, T> {
         let memory = Memory {
             creep_pressure_Pa: state.creep_pressure_Pa,
             carried_density_kg_m3: state.carried_density_kg_m3,
+            late_temperature_K: state.late_temperature_K,
             leaked_back_m3: state.leaked_back_m3,
         };
         let ballast_m3 = p.ballast_m3(state.ballast_mass_kg);
@@ -153,6 +154,7 @@ impl<'a, T: Number> Instant<'a, T> {
             ballast_mass_kg: -p.reference_density_kg_m3 * pumping,
             creep_pressure_Pa: memory.creep_pressure_Pa,
             carried_density_kg_m3: memory.carried_density_kg_m3,
+            late_temperature_K: memory.late_temperature_K,
             leaked_back_m3: memory.leaked_back_m3,
             energy_J: self.power_W(pumping, sliding, rudder_rate),
         }

@@ -23,7 +23,7 @@ pub const N_FELT: usize = 16;
 pub const FIRST_FELT: usize = 2;
 
 /// States of the memory of mechanisms, at rest where no mechanism needs it.
-pub const N_MEMORY: usize = 3;
+pub const N_MEMORY: usize = 4;
 
 /// Nominal sizes of the states, in their order.
 pub const NOMINAL_VALUES: [f64; N_STATES] = State::NOMINALS;

@@ -25,6 +25,7 @@ quantities! {
         ballast_mass_kg: "kg" = 0.0 in -1e6 .. 1e6 ~ 0.1, "Ballast mass at the reference density";
         creep_pressure_Pa: "Pa" = 0.0 in -1e9 .. 1e9 ~ 1e5, "Gauge pressure that the late part of the hull has followed so far; rests without hull_creep_per_Pa";
         carried_density_kg_m3: "kg/m3" = 0.0 in -1000.0 .. 1000.0 ~ 0.1, "Density of the carried water brought to p = 0, less the reference density; rests without carried_water_m3";
+        late_temperature_K: "K" = 0.0 in -1000.0 .. 1000.0 ~ 1.0, "Temperature of the part of the hull that follows late, less the reference temperature; rests without late_expansion_per_K";
         leaked_back_m3: "m3" = 0.0 in -10.0 .. 10.0 ~ 1e-5, "Ballast volume that has leaked back; rests without pump_leakback_cc_per_hour";
         energy_J: "J" = 0.0 in -1e18 .. 1e18 ~ 1000.0, "Energy drawn from the battery, by rudder and roll mass, too";
     }
@@ -66,6 +67,7 @@ impl State<f64> {
             ballast_mass_kg: plane.ballast_mass_kg,
             creep_pressure_Pa: plane.creep_pressure_Pa,
             carried_density_kg_m3: plane.carried_density_kg_m3,
+            late_temperature_K: plane.late_temperature_K,
             leaked_back_m3: plane.leaked_back_m3,
             energy_J: plane.energy_J,
             ..State::default()

@@ -141,6 +141,7 @@ fn in_the_vertical_plane_the_accelerations_are_those_of_the_plane() {
             ballast_mass_kg: s.ballast_mass_kg,
             creep_pressure_Pa: 0.0,
             carried_density_kg_m3: 0.0,
+            late_temperature_K: 0.0,
             leaked_back_m3: 0.0,
             energy_J: 0.0,
         };

@@ -147,6 +147,8 @@ pub const TABLE: &[Effect] = &[
         "CL x this while the glider rises through the water; descents keep theirs"),
     effect!("hull_creep", "hull_creep_per_Pa", Zero, Up, 2.0e-10..4.0e-10,
         "V = V0 (1 - eps P - this x Q + ...), dQ/dt = (P - Q)/creep_time_s, Q = 0 at the start"),
+    effect!("late_expansion", "late_expansion_per_K", Zero, Up, 3.0e-5..7.0e-5,
+        "V = V0 (1 + ... + this x (T' - T)), dT'/dt = (T - T')/expansion_time_s, T' = T at the start"),
     effect!("carried_water", "carried_water_m3", Zero, Up, 0.010..0.025,
         "volume of water within the hull; its temperature and salinity follow those around as dT'/dt = (T - T')/exchange_time_s"),
     effect!("pump_leakback", "pump_leakback_cc_per_hour", Zero, Up, 15.0..35.0,
@@ -174,8 +176,6 @@ pub const TABLE: &[Effect] = &[
         "true ballast volume = volume read - this x (pressure at the last move outwards) / 100 dbar, until the next one inwards"),
     effect!("uncatalogued-foam-crush", "foam_cc", Zero, Up, 8.0..24.0,
         "volume - this x (1 - exp(-P / 0.5 MPa)): foam that is soft at first"),
-    effect!("uncatalogued-hull-lag", "hull_lag_s", Zero, Up, 400.0..1200.0,
-        "hull at the temperature T' of the hull, dT'/dt = (T - T')/this"),
     effect!("uncatalogued-bottom-mud", "mud_kg", Zero, Up, 0.02..0.06,
         "mass + this where a descent ends, washed off with a time constant of 600 s"),
     effect!("uncatalogued-wing-loss", "lift_lost", Zero, Up, 0.15..0.45,
@@ -330,6 +330,7 @@ fn neutral_value(neutral: Neutral, vehicle: &Vehicle) -> f64 {
 fn companions(name: &str, random: &mut Stream, duration_s: f64) -> Vec<(&'static str, f64)> {
     match name {
         "hull_creep" => vec![("creep_time_s", 3600.0 * between(random, 1.0, 8.0))],
+        "late_expansion" => vec![("expansion_time_s", 60.0 * between(random, 5.0, 40.0))],
         "carried_water" => vec![("exchange_time_s", 60.0 * between(random, 10.0, 90.0))],
         "drag_step" => vec![("step_time_s", (duration_s * between(random, 0.3, 0.7)).round())],
         "uncatalogued-sloughing" => vec![("regrowth_s", duration_s * between(random, 0.20, 0.35))],

@@ -15,6 +15,8 @@ const DRAG_REFERENCE_SPEED_M_S: f64 = 0.3;
 pub struct Memory {
     /// The pressure that the late part of the hull has followed so far, Pa.
     pub creep_pa: f64,
+    /// Temperature of what is slow in the hull, degrees Celsius.
+    pub inside_c: f64,
     /// Temperature of the water carried within, degrees Celsius.
     pub carried_c: f64,
     /// Its salinity.
@@ -30,18 +32,20 @@ impl Memory {
     pub fn afloat(water: &Water) -> Self {
         Self {
             creep_pa: 0.0,
+            inside_c: water.temperature_c,
             carried_c: water.temperature_c,
             carried_psu: water.salinity_psu,
             leaked_cc: 0.0,
-            outside: crate::outside::Kept::afloat(water),
+            outside: crate::outside::Kept::afloat(),
         }
     }
 
     /// A step on: `pumped_cc` is by how much the engine moved in it.
     pub fn step(&mut self, hidden: &Hidden, water: &Water, pressure_pa: f64, pumped_cc: f64, step_s: f64) {
-        self.outside.step(hidden, water, pressure_pa, pumped_cc, step_s);
+        self.outside.step(hidden, pressure_pa, pumped_cc, step_s);
         let share = |time_s: f64| if time_s > 0.0 { 1.0 - (-step_s / time_s).exp() } else { 1.0 };
         self.creep_pa += (pressure_pa - self.creep_pa) * share(hidden.creep_time_s);
+        self.inside_c += (water.temperature_c - self.inside_c) * share(hidden.expansion_time_s);
         self.carried_c += (water.temperature_c - self.carried_c) * share(hidden.exchange_time_s);
         self.carried_psu += (water.salinity_psu - self.carried_psu) * share(hidden.exchange_time_s);
         self.leaked_cc =
@@ -77,8 +81,9 @@ impl Hidden {
         };
         let air_cc = self.trapped_air_cc * ATMOSPHERE_PA / (ATMOSPHERE_PA + pressure_pa);
         let crept_m3 = self.hull_creep_per_pa * memory.creep_pa * vehicle.displaced_volume_m3;
-        let hull_c = if self.hull_lag_s > 0.0 { memory.outside.hull_c } else { temperature_c };
-        hull.hull_volume_m3(pressure_pa, hull_c) - crept_m3
+        let late_m3 = self.late_expansion_per_k * (memory.inside_c - temperature_c) * vehicle.displaced_volume_m3;
+        hull.hull_volume_m3(pressure_pa, temperature_c) - crept_m3
+            + late_m3
             + self.carried_water_m3
             + 1e-6 * (self.ballast_scale * engine_cc - memory.leaked_cc + air_cc)
             + 1e-6 * self.outside_cc(&memory.outside, pressure_pa)

@@ -60,6 +60,8 @@ hidden! {
     climb_dive_lift_ratio = "climb_dive_lift_ratio", |_| 1.0;
     hull_creep_per_pa = "hull_creep_per_Pa", |_| 0.0;
     creep_time_s = "creep_time_s", |_| 0.0;
+    late_expansion_per_k = "late_expansion_per_K", |_| 0.0;
+    expansion_time_s = "expansion_time_s", |_| 0.0;
     carried_water_m3 = "carried_water_m3", |_| 0.0;
     exchange_time_s = "exchange_time_s", |_| 0.0;
     leakback_cc_per_hour = "pump_leakback_cc_per_hour", |_| 0.0;
@@ -85,7 +87,6 @@ hidden! {
     engine_backlash_cc = "engine_backlash_cc", |_| 0.0;
     missing_cc_per_100dbar = "missing_cc_per_100dbar", |_| 0.0;
     foam_cc = "foam_cc", |_| 0.0;
-    hull_lag_s = "hull_lag_s", |_| 0.0;
     mud_kg = "mud_kg", |_| 0.0;
     lift_lost = "lift_lost", |_| 0.0;
     lift_lost_from_s = "lift_lost_from_s", |_| f64::INFINITY;

@@ -24,20 +24,18 @@ pub struct Kept {
     pub moved: f64,
     /// Pressure at its last move outwards, 0 after one inwards, Pa.
     pub pumped_at_pa: f64,
-    /// Temperature of the hull, degrees Celsius.
-    pub hull_c: f64,
     /// Mud on the hull, kg.
     pub mud_kg: f64,
 }
 
 impl Kept {
-    /// At the surface, in equilibrium with the water there.
-    pub fn afloat(water: &Water) -> Self {
-        Self { moved: 1.0, pumped_at_pa: 0.0, hull_c: water.temperature_c, mud_kg: 0.0 }
+    /// At the surface.
+    pub fn afloat() -> Self {
+        Self { moved: 1.0, pumped_at_pa: 0.0, mud_kg: 0.0 }
     }
 
     /// A step on; `pumped_cc` is by how much the engine moved in it.
-    pub fn step(&mut self, hidden: &Hidden, water: &Water, pressure_pa: f64, pumped_cc: f64, step_s: f64) {
+    pub fn step(&mut self, hidden: &Hidden, pressure_pa: f64, pumped_cc: f64, step_s: f64) {
         self.mud_kg *= (-step_s / WASHED_S).exp();
         if pumped_cc > 0.0 {
             // The first stroke outwards after a descent is the one at the bottom.
@@ -49,7 +47,6 @@ impl Kept {
         } else if pumped_cc < 0.0 {
             (self.moved, self.pumped_at_pa) = (-1.0, 0.0);
         }
-        self.hull_c += (water.temperature_c - self.hull_c) * share(step_s, hidden.hull_lag_s);
     }
 }
 

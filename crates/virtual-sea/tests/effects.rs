@@ -249,6 +249,14 @@ fn what_goes_by_the_past_is_as_defined() {
         ..hand
     });
 
+    let (sea, flight) = still("late_expansion=6e-5");
+    let tau_s = sea.truth.parameter("expansion_time_s").expect("a time");
+    let inside = following(&flight, flight[0].water.temperature_c, tau_s, |now| now.water.temperature_c);
+    near("late_expansion=6e-5", &|now, hand| ByHand {
+        volume_m3: hand.volume_m3 + volume_m3 * 6e-5 * (inside[place(now)] - now.water.temperature_c),
+        ..hand
+    });
+
     let (sea, flight) = still("carried_water=0.02");
     let tau_s = sea.truth.parameter("exchange_time_s").expect("a time");
     let warm = following(&flight, flight[0].water.temperature_c, tau_s, |now| now.water.temperature_c);

@@ -207,6 +207,7 @@ fn point(odd: &mut OddNumbers, model: Model, depth: f64, choice: i32, stop: Stop
     // Shorter ones than a second are one.
     set(&mut glider, "creep_time_s", 100.0 * odd.next());
     set(&mut glider, "exchange_time_s", 100.0 * odd.next());
+    set(&mut glider, "expansion_time_s", 100.0 * odd.next());
     let values = &mut glider.values;
     values.time_s = 3.7;
     values.state[..model.n_states()].iter_mut().for_each(|value| *value += 0.01 * odd.next());

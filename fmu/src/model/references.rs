@@ -70,6 +70,8 @@ const PARAMETER_REFERENCES: &[(&str, u32, u32)] = &[
     ("carried_water_m3", 139, 153),
     ("exchange_time_s", 140, 154),
     ("pump_leakback_cc_per_hour", 141, 155),
+    ("late_expansion_per_K", 159, 213),
+    ("expansion_time_s", 160, 214),
     ("empirical_acts_on", 142, 0),
     ("empirical_against", 143, 0),
     ("empirical_at_1", 144, 0),

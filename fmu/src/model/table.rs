@@ -74,6 +74,7 @@ const STATE_ROWS: [(u32, Causality, Initial); N_STATES] = [
     (24, Causality::Output, Initial::Exact),
     (130, Causality::Local, Initial::Exact),
     (131, Causality::Local, Initial::Exact),
+    (157, Causality::Local, Initial::Exact),
     (132, Causality::Local, Initial::Exact),
     (25, Causality::Output, Initial::Exact),
 ];
@@ -113,6 +114,7 @@ const DERIVATIVES: [(u32, &str, &str, &str); N_STATES] = derivatives![
     53 "ballast_mass_kg": "kg/s",
     133 "creep_pressure_Pa": "Pa/s",
     134 "carried_density_kg_m3": "kg/m3/s",
+    158 "late_temperature_K": "K/s",
     135 "leaked_back_m3": "m3/s",
     54 "energy_J": "W"
 ];

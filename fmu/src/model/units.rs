@@ -67,6 +67,8 @@ pub const UNITS: &[Unit] = &[
     unit("1/Pa", &[("kg", -1), ("m", 1), ("s", 2)]),
     scaled("dbar", 1e4, &[("kg", 1), ("m", -1), ("s", -2)]),
     unit("1/K", &[("K", -1)]),
+    unit("K", &[("K", 1)]),
+    unit("K/s", &[("K", 1), ("s", -1)]),
     Unit { name: "degC", base: &[("K", 1)], factor: 1.0, offset: 273.15, display: None },
     scaled("1/d", 1.0 / 86_400.0, &[("s", -1)]),
 ];

@@ -335,7 +335,7 @@ pub fn get_3(instance: Pointer, name: &str) -> f64 {
     value
 }
 
-pub const STATES: [&str; 15] = [
+pub const STATES: [&str; 16] = [
     "x_m",
     "depth_m",
     "pitch_rad",
@@ -349,6 +349,7 @@ pub const STATES: [&str; 15] = [
     "ballast_mass_kg",
     "creep_pressure_Pa",
     "carried_density_kg_m3",
+    "late_temperature_K",
     "leaked_back_m3",
     "energy_J",
 ];

@@ -78,7 +78,7 @@ pub fn list(bins: &[Bin], channels: &Channels, tried: &Tried, parameters: &Param
             "rudder_drag" => !varies(|bin| bin.mean.rudder_rad),
             "thermal_expansion" => !varies(|bin| bin.mean.temperature_C),
             // A temperature that is the same everywhere tells nothing of a lag.
-            "thermal_lag" => range(bins, |bin| bin.mean.temperature_C) < LEAST_RANGE_K,
+            "thermal_lag" | "late_expansion" => range(bins, |bin| bin.mean.temperature_C) < LEAST_RANGE_K,
             "carried_water" => range(bins, surface_density_kg_m3) < LEAST_RANGE_KG_M3,
             // Between two samples the pitch is not known: an offset of less than their step cannot be distinguished from its motion.
             "clock_offset" => channels.step_s > mechanism.size.prior_sd,

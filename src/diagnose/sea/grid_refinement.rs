@@ -1,4 +1,4 @@
-//! Refines the grid of a time that is selected and not fitted: the time of a drag step, time constants of creep and of carried water. The
+//! Refines the grid of a time that is selected and not fitted: the time of a drag step, time constants of creep, late expansion and carried water. The
 //! engine selects a grid point; a finer grid about it follows. Knows the problem and the engine.
 
 use super::SeaProblem;
@@ -6,7 +6,7 @@ use crate::diagnose::findings::Verdict;
 use crate::diagnose::{Outcome, Problem, engine};
 
 /// Mechanisms with such a time.
-const ON_A_GRID: [&str; 3] = [JUMP, "hull_creep", "carried_water"];
+const ON_A_GRID: [&str; 4] = [JUMP, "hull_creep", "late_expansion", "carried_water"];
 
 const JUMP: &str = "drag_step";
 
@@ -31,7 +31,12 @@ fn refined(mut problem: SeaProblem, mut outcome: Outcome, mechanism: &str) -> (S
         let is_left = matches!(outcome.diagnosis.verdict, Verdict::Unexplained | Verdict::PartlyExplained);
         let refused = || outcome.refused.iter().rev().copied().find(is_version);
         let found = named.or_else(|| refused().filter(|_| is_left || mechanism == JUMP));
-        let Some(finer) = found.and_then(|found| problem.with_versions_about(found)) else { break };
+        let Some(found) = found else { break };
+        // Those that the data do not tell from it have a time of their own: on a coarse grid they would seem to explain less.
+        let place = outcome.named.iter().position(|member| *member == found);
+        let with_rivals: Vec<usize> =
+            place.iter().flat_map(|place| &outcome.groups[*place]).chain([&found]).copied().collect();
+        let Some(finer) = problem.with_versions_about(&with_rivals) else { break };
         let again = engine::diagnose_in_full(&finer);
         let names_it = again.named.iter().find(|member| finer.candidates()[**member].name == mechanism);
         let covers_all = names_it.is_some_and(|member| cell_covers_interval(&finer, *member, &again));

@@ -5,6 +5,7 @@
 //! of a quantity `x`, `dy/dt = (x - y) / tau` (exact for straight lines between samples),
 //! ```text
 //! hull_creep             net mass   rho V lag(P, creep_time)                     standard linear solid, its late part
+//! late_expansion         net mass   -rho V (lag(T, expansion_time) - T)          the slowest part of conduction into the hull
 //! carried_water          net mass   lag(s, exchange_time) - s                    s = rho / (1 + kappa P), water brought to p = 0
 //! pump_leakback          net mass   rho t_stopped                                since the ballast volume last changed
 //! conductivity_drift     net mass   -V (d rho / d S) t
@@ -40,6 +41,7 @@ const MOVED_M3: f64 = 5e-6;
 /// fifth at most). About the one that was found the next ones are closer.
 const CREEP_TIMES_S: [f64; 5] = [3600.0, 7200.0, 14_400.0, 28_800.0, 57_600.0];
 const EXCHANGE_TIMES_S: [f64; 5] = [600.0, 1200.0, 2400.0, 4800.0, 9600.0];
+const EXPANSION_TIMES_S: [f64; 5] = [300.0, 600.0, 1200.0, 2400.0, 4800.0];
 
 /// Factor between neighbours of these lists.
 const RATIO: f64 = 2.0;
@@ -77,8 +79,9 @@ pub enum Acts {
 }
 
 /// Mechanism, the row of its size, what it acts on.
-const MECHANISMS: [(&str, &str, Acts); 6] = [
+const MECHANISMS: [(&str, &str, Acts); 7] = [
     ("hull_creep", "hull_creep_per_Pa", Acts::NetMass),
+    ("late_expansion", "late_expansion_per_K", Acts::NetMass),
     ("carried_water", "carried_water_m3", Acts::NetMass),
     ("pump_leakback", "pump_leakback_cc_per_hour", Acts::NetMass),
     ("conductivity_drift", "salinity_drift_per_day", Acts::NetMass),
@@ -95,6 +98,7 @@ pub fn acts(mechanism: &str) -> Option<Acts> {
 pub fn versions(mechanism: &str, closer: Option<Closer>) -> Vec<Option<Version>> {
     let (name, times) = match mechanism {
         "hull_creep" => ("creep_time_s", CREEP_TIMES_S),
+        "late_expansion" => ("expansion_time_s", EXPANSION_TIMES_S),
         "carried_water" => ("exchange_time_s", EXCHANGE_TIMES_S),
         _ => return vec![None],
     };
@@ -179,6 +183,15 @@ impl History {
             "hull_creep" => {
                 let late = mean(&lagged(&past.time_s, &past.pressure_Pa, parameters.creep_time_s));
                 with(late, |bin, late| bin.mean.density_kg_m3 * late).iter().map(|per_m3| per_m3 * volume).collect()
+            }
+            "late_expansion" => {
+                let late = lagged(&past.time_s, &past.temperature_C, parameters.expansion_time_s);
+                let warmer: Vec<f64> =
+                    late.iter().zip(&past.temperature_C).map(|(late, around)| late - around).collect();
+                with(mean(&warmer), |bin, warmer| -bin.mean.density_kg_m3 * warmer)
+                    .iter()
+                    .map(|per_m3| per_m3 * volume)
+                    .collect()
             }
             "carried_water" => {
                 let at_surface: Vec<f64> = past
@@ -436,7 +449,7 @@ pub(super) mod tests {
             SeaProblem::new(&log(&parameters), &parameters, DiagnosisSettings::default()).expect("enough bins");
         let start = problem.start();
         let before = problem.evidence(&start);
-        let sizes = [1e-11, 3e-4, 0.5, 0.02, 0.1, 1e-3];
+        let sizes = [1e-11, 1e-6, 3e-4, 0.5, 0.02, 0.1, 1e-3];
         for ((name, ..), size) in MECHANISMS.iter().zip(sizes) {
             let of_name = (0..problem.candidates().len()).filter(|c| problem.candidates()[*c].name == *name);
             let of_name: Vec<usize> = of_name.collect();

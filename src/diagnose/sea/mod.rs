@@ -234,19 +234,23 @@ impl SeaProblem {
         Ok(problem)
     }
 
-    /// The same problem with versions that are closer about one that was found: a jump of the drag between any two bins, a time constant
-    /// between those that are tried. None where the candidate has no versions, or the bins no jump between them.
-    pub fn with_versions_about(&self, candidate: usize) -> Option<SeaProblem> {
-        let candidate = &self.candidates[candidate];
-        let version = candidate.version?;
+    /// The same problem with versions that are closer about some that were found: a jump of the drag between any two bins, a time
+    /// constant between those that are tried. None where no candidate has versions, or the bins no jump between them.
+    pub fn with_versions_about(&self, candidates: &[usize]) -> Option<SeaProblem> {
         let mut tried = self.tried.clone();
-        if candidate.name == "drag_step" {
-            tried.jumps = Jump::between_bins(&self.bins, &self.tried.jumps, version.value);
-            if tried.jumps.len() == self.tried.jumps.len() {
-                return None;
+        let mut is_closer = false;
+        for candidate in candidates.iter().map(|candidate| &self.candidates[*candidate]) {
+            let Some(version) = candidate.version else { continue };
+            if candidate.name == "drag_step" {
+                tried.jumps = Jump::between_bins(&self.bins, &self.tried.jumps, version.value);
+                is_closer |= tried.jumps.len() != self.tried.jumps.len();
+            } else {
+                tried.closer.insert(candidate.name, history::Closer::about(&version));
+                is_closer = true;
             }
-        } else {
-            tried.closer.insert(candidate.name, history::Closer::about(&version));
+        }
+        if !is_closer {
+            return None;
         }
         let mut finer = self.clone();
         finer.look_for(tried);

@@ -82,6 +82,7 @@ pub(super) fn rates<T: Number>(p: &Parameters<T>, at: &Moment, [v1, v3]: [T; 2])
         ballast_mass_kg: p.ballast_mass_kg(T::constant(at.ballast_m3)),
         creep_pressure_Pa: zero,
         carried_density_kg_m3: zero,
+        late_temperature_K: zero,
         leaked_back_m3: zero,
         energy_J: zero,
     };

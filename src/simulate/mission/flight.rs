@@ -9,7 +9,7 @@ use super::controller::Controller;
 use super::course::{ALTIMETER, Course, GROUNDED, INFLECTION, MAX_DEPTH, Phase, UPPER_END, WAY_DONE};
 use super::spent::Spent;
 use crate::dynamics::limits::N_EVENTS;
-use crate::dynamics::{Actuation, Advance, Glider, Integrator, Parameters, State};
+use crate::dynamics::{Actuation, Advance, Glider, Integrator, Parameters, State, Surroundings};
 use crate::simulate::row;
 
 /// Flies a mission, handing over a moment every `interval_s` and each leg when it is complete; `on_moment` ends the
@@ -107,6 +107,7 @@ impl<'a> Pilot<'a> {
             ballast_mass_kg: p.ballast_mass_kg(ballast_m3),
             creep_pressure_Pa: 0.0,
             carried_density_kg_m3: 0.0,
+            late_temperature_K: 0.0,
             leaked_back_m3: 0.0,
             energy_J: 0.0,
         };
@@ -139,6 +140,16 @@ impl<'a> Pilot<'a> {
             groundings: 0,
             spent: Spent::new(),
         };
+        // What it carries, and what is slow in its hull, is as the water in which it starts.
+        let inputs = pilot.course.inputs(pilot.time_s, &pilot.state);
+        let water = Surroundings {
+            density_kg_m3: inputs.water_density_kg_m3,
+            pressure_Pa: 0.0,
+            temperature_C: inputs.water_temperature_C,
+            time_s: 0.0,
+        };
+        pilot.state.carried_density_kg_m3 = p.carried_from_kg_m3(&water);
+        pilot.state.late_temperature_K = p.warmer_than_reference_K(&water);
         pilot.begin(Phase::Descending);
         pilot
     }

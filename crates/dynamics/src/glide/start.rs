@@ -69,6 +69,7 @@ impl SteadyGlide<f64> {
             ballast_mass_kg: self.ballast_mass_kg,
             creep_pressure_Pa: 0.0,
             carried_density_kg_m3: 0.0,
+            late_temperature_K: 0.0,
             leaked_back_m3: 0.0,
             energy_J: 0.0,
         }
@@ -101,6 +102,7 @@ pub fn start_in(parameters: &Parameters<f64>, water: impl Fn(f64) -> WaterAt<f64
         ballast_mass_kg: p.ballast_nominal_kg,
         creep_pressure_Pa: 0.0,
         carried_density_kg_m3: 0.0,
+        late_temperature_K: 0.0,
         leaked_back_m3: 0.0,
         energy_J: 0.0,
     };
@@ -110,7 +112,9 @@ pub fn start_in(parameters: &Parameters<f64>, water: impl Fn(f64) -> WaterAt<f64
         state = glide.state(p, DEPTH_M);
     }
     // What a glider carries is the water in which it starts.
-    state.carried_density_kg_m3 = p.carried_from_kg_m3(&surroundings(p, &inputs));
+    let water = surroundings(p, &inputs);
+    state.carried_density_kg_m3 = p.carried_from_kg_m3(&water);
+    state.late_temperature_K = p.warmer_than_reference_K(&water);
     Start { state, inputs }
 }
 

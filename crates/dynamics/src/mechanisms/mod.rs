@@ -244,6 +244,16 @@ pub const AT_SEA: &[Mechanism] = &[
         "deeper and later; the legs of one dive differ"
     ),
     mechanism!(
+        "late_expansion",
+        Motion,
+        ["late_expansion_per_K", "expansion_time_s"],
+        // Between nothing and all of what an aluminium hull expands, 7e-5/K: an rms of 7e-5 over the root of three.
+        bounded(4e-5).no_less_than(0.0),
+        "The inside of the hull takes the water's temperature slowly, and a part of the expansion comes late",
+        "conduction of heat into a hull and what it holds, its slowest part",
+        "after a thermocline, opposite on the two legs"
+    ),
+    mechanism!(
         "carried_water",
         Motion,
         ["carried_water_m3", "exchange_time_s"],

@@ -196,6 +196,7 @@ fn a_neutral_body_is_carried_by_any_uniform_current() {
         ballast_mass_kg: p.ballast_nominal_kg,
         creep_pressure_Pa: 0.0,
         carried_density_kg_m3: 0.0,
+        late_temperature_K: 0.0,
         leaked_back_m3: 0.0,
         energy_J: 0.0,
     };

@@ -112,6 +112,7 @@ pub(super) fn trim(glider: &mut Glider) {
         heading_rad: before.heading_rad,
         creep_pressure_Pa: before.creep_pressure_Pa,
         carried_density_kg_m3: before.carried_density_kg_m3,
+        late_temperature_K: before.late_temperature_K,
         leaked_back_m3: before.leaked_back_m3,
         energy_J: before.energy_J,
         ..State::in_glide(&glide.state)

@@ -70,6 +70,7 @@ const STATE_ROWS: [(u32, Causality); N_STATES] = [
     (35, Causality::Output),
     (36, Causality::Local),
     (37, Causality::Local),
+    (211, Causality::Local),
     (38, Causality::Local),
     (39, Causality::Output),
 ];
@@ -167,6 +168,7 @@ const DERIVATIVES: [(u32, &str, &str, &str); N_STATES] = derivatives![
     80 "ballast_mass_kg": "kg/s",
     81 "creep_pressure_Pa": "Pa/s",
     82 "carried_density_kg_m3": "kg/m3/s",
+    212 "late_temperature_K": "K/s",
     83 "leaked_back_m3": "m3/s",
     84 "energy_J": "W",
 ];
