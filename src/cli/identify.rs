@@ -136,6 +136,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         println!("{steady}");
         print(&report, &found);
         identify_write::print_for_seagliders(&vehicle, &found, &report, log.calibration.as_ref());
+        print_notes(&report.notes);
     }
     warn(&report.warnings);
     if let Some(out) = &arguments.out {
@@ -372,7 +373,6 @@ fn print(report: &IdentifyReport, found: &Identification) {
     if let Some(turning) = &report.turning {
         print_turning(turning);
     }
-    print_notes(&report.notes);
 }
 
 fn print_turning(turning: &Turning) {

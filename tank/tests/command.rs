@@ -147,6 +147,8 @@ fn a_campaign_in_radians_ends_with_one() {
         let said = text(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{said}");
         assert!(said.contains("radians") && said.contains("no usable result"), "{said}");
+        // One reason, not one line a run.
+        assert!(said.lines().filter(|line| line.contains("radians")).count() <= 6, "{said}");
     }
 }
 

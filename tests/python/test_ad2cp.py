@@ -8,6 +8,7 @@ import csv
 import json
 import shutil
 import subprocess
+from pathlib import Path
 
 import netCDF4
 import numpy as np
@@ -15,6 +16,7 @@ from conftest import MEASURED
 from test_log_values import files
 
 FOLDER = MEASURED / "seaglider_sg171"
+PAGE = Path(__file__).parents[2] / "docs/evidence/identification.md"
 
 
 def identify(glidepolar, paths, *arguments):
@@ -66,6 +68,12 @@ def with_speeds(folder, speed_of):
     return paths
 
 
+def stands_in_the_page(row, found):
+    a, speeds = found["parameters"]["a"], found["rows"]["speed"]["values"]
+    expected = f"{row} | {a['value']:.2f} +- {a['se']:.2f} | {speeds} |"
+    assert expected in PAGE.read_text(encoding="utf-8"), expected
+
+
 def test_speeds_at_their_own_times_and_interpolated_ones_give_one_lift_slope(glidepolar, tmp_path):
     own = identify(glidepolar, files(FOLDER, "p171*.nc"), "--speed-column", "ad2cp")
     paths = with_speeds(tmp_path / "dives", lambda _, speed: speed)
@@ -79,6 +87,8 @@ def test_speeds_at_their_own_times_and_interpolated_ones_give_one_lift_slope(gli
         assert abs(a["value"] - other["value"]) < min(a["se"], other["se"]), (name, a, other)
         assert a["ci95"][0] <= other["value"] <= a["ci95"][1], (name, a, other)
         assert any("interpolated" in warning for warning in found["warnings"]) == (name == "lines")
+        stands_in_the_page("interpolated, recognised as such" if name == "lines" else "in the nearest rows", found)
+    stands_in_the_page("`--speed-column ad2cp`", own)
     assert abs(own["fit"]["speed_bias_holdout_m_s"]) <= 0.012, own["fit"]
     for name, halves in own["halves"].items():
         one, other = halves["values"]

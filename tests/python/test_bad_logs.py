@@ -300,6 +300,22 @@ def test_a_pitch_in_another_unit_than_it_says_is_stated_by_hand(log_values, tmp_
         assert np.abs(np.array(pitch) - dive["pitch_deg"] * log_files.RAD).max() < 1e-12
 
 
+def test_files_one_behind_the_other_are_not_read_as_the_first(glidepolar, tmp_path):
+    """Two dives joined by `cat`, of NetCDF and of CSV: said with the place at which to take them apart."""
+    for i in range(2):
+        log_files.seaglider(tmp_path / f"{i}.nc", Dive(rows=400, start_s=log_files.START_S + 5000 * i), number=i + 1)
+    one, other = ((tmp_path / f"{i}.nc").read_bytes() for i in range(2))
+    (tmp_path / "joined.nc").write_bytes(one + other)
+    (tmp_path / "joined.nc.gz").write_bytes(gzip.compress(one) + gzip.compress(other))
+    for name in ["joined.nc", "joined.nc.gz"]:
+        done = run(glidepolar, "track", tmp_path / name, "--vehicle", "seaglider")
+        assert done.returncode == 2 and f"begins behind byte {len(one)}" in done.stderr, (name, done.stderr)
+    table = "time_s,pressure_dbar,pitch_deg,vbd_cc\n1,2,-20,100\n2,3,-20,100\n"
+    (tmp_path / "joined.csv").write_text(table + table, encoding="utf-8")
+    done = run(glidepolar, "identify", tmp_path / "joined.csv", "--vehicle", "seaglider", "--density", "1027")
+    assert done.returncode == 2 and "joined.csv:4:1" in done.stderr and "names again" in done.stderr, done.stderr
+
+
 def test_housekeeping_stands_below_the_answer(glidepolar, tmp_path):
     """What was cleaned is no warning: a line below the table, and folded away on the page."""
     paths = []
@@ -312,8 +328,9 @@ def test_housekeeping_stands_below_the_answer(glidepolar, tmp_path):
     for command in ["identify", "diagnose"]:
         done = run(glidepolar, command, *paths, "--vehicle", "seaglider", "--out", tmp_path / command)
         assert done.returncode == 0, done.stderr
-        first = next(i for i, line in enumerate(done.stdout.splitlines()) if line.startswith("note: "))
-        assert first > 5, done.stdout
+        lines = done.stdout.splitlines()
+        first = next(i for i, line in enumerate(lines) if line.startswith("note: "))
+        assert first > 5 and all(line.startswith("note: ") for line in lines[first:]), done.stdout
         assert "spikes" in done.stdout and "spikes" not in done.stderr, (done.stdout, done.stderr)
         page = (tmp_path / command / "report.html").read_text(encoding="utf-8")
         before, _, after = page.rpartition("Reading of the log")

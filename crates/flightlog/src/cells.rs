@@ -41,10 +41,26 @@ fn without_thousands(text: &str) -> Option<String> {
 
 pub(super) fn not_a_number(place: Place, column: &str, cell: &[u8]) -> InputError {
     let found = printable(&String::from_utf8_lossy(cell));
+    if is_name_again(column, cell) {
+        return names_again(place);
+    }
     InputError::new(place, format!("`{}` is `{found}`, expected a number or an empty cell", printable(column)))
 }
 
+/// Whether a cell holds the name of its own column.
+fn is_name_again(column: &str, cell: &[u8]) -> bool {
+    cell.trim_ascii() == column.trim().as_bytes()
+}
+
+fn names_again(place: Place) -> InputError {
+    InputError::new(place, "the line of names again: two files one behind the other")
+        .help("take them apart at this line, and give both files")
+}
+
 pub(super) fn no_time(place: Place, column: &str, cell: &[u8]) -> InputError {
+    if is_name_again(column, cell) {
+        return names_again(place);
+    }
     let found = printable(&String::from_utf8_lossy(cell));
     let problem = format!("`{}` is `{found}`, neither seconds nor a date that is known", printable(column));
     InputError::new(place, problem).help(

@@ -2,7 +2,7 @@
 //! file is unpacked into memory.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
@@ -21,6 +21,9 @@ const MOST_UNPACKED_BYTES: u64 = 1 << 30;
 
 /// As much of a file as its header takes that says how long it is.
 const HEADER_BYTES: u64 = 64;
+
+/// So much of a file is searched at a time.
+const PIECE_BYTES: u64 = 1 << 20;
 
 const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
 
@@ -48,10 +51,13 @@ pub(super) fn open(path: &Path) -> Result<NcFile, InputError> {
     let file = if is_gzip(path)? {
         let unpacked = unpacked(path)?;
         check_whole(path, &unpacked, unpacked.len() as u64)?;
+        check_alone(path, &unpacked, Cursor::new(&unpacked))?;
         NcFile::from_bytes_with_options(&unpacked, options)
     } else {
         let length = std::fs::metadata(path).map_err(|error| InputError::io(path, &error))?.len();
-        check_whole(path, &header(path)?, length)?;
+        let begin = header(path)?;
+        check_whole(path, &begin, length)?;
+        check_alone(path, &begin, File::open(path).map_err(|error| InputError::io(path, &error))?)?;
         NcFile::open_with_options(path, options)
     };
     let file = file.map_err(|error| damaged(path, &format!("not readable as NetCDF: {error}")))?;
@@ -84,6 +90,58 @@ fn check_whole(path: &Path, begin: &[u8], length: u64) -> Result<(), InputError>
             Err(damaged(path, &format!("it was cut off: {length} of {stated} bytes are there")))
         }
         _ => Ok(()),
+    }
+}
+
+/// Refuses a file behind which another one begins: the library would read the first alone.
+fn check_alone(path: &Path, begin: &[u8], content: impl Read + Seek) -> Result<(), InputError> {
+    let second = match stated_length(begin) {
+        Some(end) => begins_at(content, end),
+        None => second_classic(content),
+    };
+    match second.map_err(|error| InputError::io(path, &error))? {
+        Some(end) => {
+            let problem = format!("two files one behind the other: another NetCDF begins behind byte {end}");
+            let help = format!("take them apart: head -c {end} FILE, and tail -c +{} FILE", end + 1);
+            Err(InputError::new(Place::file(path), problem).help(help))
+        }
+        None => Ok(()),
+    }
+}
+
+/// The end that an HDF5 file states, where another HDF5 file begins there.
+fn begins_at(mut content: impl Read + Seek, end: u64) -> std::io::Result<Option<u64>> {
+    content.seek(SeekFrom::Start(end))?;
+    let mut begin = Vec::new();
+    content.take(HDF5.len() as u64).read_to_end(&mut begin)?;
+    Ok((begin == HDF5).then_some(end))
+}
+
+/// Where a second classic file begins: its magic, the number of records, the tag of its dimensions (NetCDF Users Guide, file format
+/// specifications: `magic numrecs dim_list`). A classic file does not state its length.
+fn second_classic(mut content: impl Read) -> std::io::Result<Option<u64>> {
+    const HEADER: usize = 16;
+    let is_header = |at: &[u8]| {
+        let dimensions = [0, 0, 0, 10];
+        match at[3] {
+            1 | 2 => at[8..12] == dimensions,
+            5 => at[12..16] == dimensions,
+            _ => false,
+        }
+    };
+    let (mut window, mut before) = (Vec::new(), 0_u64);
+    loop {
+        let read = (&mut content).take(PIECE_BYTES).read_to_end(&mut window)?;
+        let whole = (window.len() + 1).saturating_sub(HEADER);
+        let mut magics = memchr::memmem::find_iter(&window, b"CDF").filter(|at| *at < whole && before + *at as u64 > 0);
+        if let Some(at) = magics.find(|at| is_header(&window[*at..])) {
+            return Ok(Some(before + at as u64));
+        }
+        if read == 0 {
+            return Ok(None);
+        }
+        window.drain(..whole);
+        before += whole as u64;
     }
 }
 
@@ -196,6 +254,31 @@ pub(super) fn missing(path: &Path, what: &str, names: &[&str]) -> InputError {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Wherever the second file begins, across the ends of the pieces that are searched as well; what only resembles a header is data.
+    #[test]
+    fn a_second_classic_file_is_found_behind_the_first() {
+        let first = |version: u8| {
+            let mut begin = [b'C', b'D', b'F', version].to_vec();
+            begin.extend([0, 0, 0, 7].repeat(if version == 5 { 2 } else { 1 }));
+            begin.extend([0, 0, 0, 10, 0, 0, 0, 1]);
+            begin
+        };
+        for length in [40_u64, PIECE_BYTES - 9, PIECE_BYTES, PIECE_BYTES + 3, 2 * PIECE_BYTES - 1] {
+            for version in [1, 2, 5] {
+                let mut content = first(version);
+                content.extend(b"CDF\x01 is no header");
+                content.resize(length as usize, b'C');
+                assert_eq!(second_classic(Cursor::new(&content)).unwrap(), None, "{length} {version}");
+                content.extend(first(version));
+                content.extend([0; 8]);
+                assert_eq!(second_classic(Cursor::new(&content)).unwrap(), Some(length), "{length} {version}");
+            }
+        }
+        let error =
+            check_alone(Path::new("a.nc"), &[], Cursor::new([first(1), vec![0; 8], first(1), vec![0; 8]].concat()));
+        assert!(error.unwrap_err().to_string().contains("another NetCDF begins behind byte 24"));
+    }
 
     /// The lengths that superblocks of each version state, by the specification's tables.
     #[test]

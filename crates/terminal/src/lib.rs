@@ -4,6 +4,7 @@
 //! Exit code 0: done; 1: the question has no answer, or the result could not be written; 2: the input cannot be used.
 //! Standard output carries results, standard error messages. Knows no command.
 
+mod alike;
 mod capture;
 mod progress;
 pub mod shell;
@@ -222,12 +223,11 @@ pub fn show(error: &CliError) {
 }
 
 /// Says on standard error what a result is to be read with, `--quiet` or not: a script that keeps the tables keeps them clean,
-/// and one that throws them away has still received it.
+/// and one that throws them away has still received it. Many that differ in their numbers alone are shortened; the JSON has them all.
 pub fn warn<S: std::fmt::Display>(warnings: impl IntoIterator<Item = S>) {
-    for warning in warnings {
-        if capture::warning(&warning) {
-            continue;
-        }
+    let printed: Vec<String> =
+        warnings.into_iter().filter(|warning| !capture::warning(warning)).map(|warning| warning.to_string()).collect();
+    for warning in alike::shortened(&printed) {
         progress::hide();
         anstream::eprintln!("{YELLOW}warning{YELLOW:#}: {warning}");
     }

@@ -135,18 +135,18 @@ pub(super) fn glide(glider: &Glider) -> Option<Start> {
 pub(super) fn trim(glider: &mut Glider) {
     let Some(glide) = glide(glider) else { return };
     // Where it is and what it has been through is not for the glide to say.
-    let before = State::from_array(head(&glider.values.state));
-    let kept = State {
-        x_m: before.x_m,
-        depth_m: before.depth_m,
-        creep_pressure_Pa: before.creep_pressure_Pa,
-        carried_density_kg_m3: before.carried_density_kg_m3,
-        late_temperature_K: before.late_temperature_K,
-        leaked_back_m3: before.leaked_back_m3,
-        energy_J: before.energy_J,
-        ..glide.state
-    };
-    glider.values.state = row(kept.as_array());
+    let State {
+        x_m,
+        depth_m,
+        energy_J,
+        creep_pressure_Pa,
+        carried_density_kg_m3,
+        late_temperature_K,
+        leaked_back_m3,
+        ..
+    } = State::from_array(head(&glider.values.state));
+    let memory = State { creep_pressure_Pa, carried_density_kg_m3, late_temperature_K, leaked_back_m3, ..glide.state };
+    glider.values.state = row(State { x_m, depth_m, energy_J, ..memory }.as_array());
     let mut inputs = Inputs::from_array(head(&glider.values.inputs));
     inputs.ballast_command_m3 = glide.inputs.ballast_command_m3;
     inputs.moving_mass_command_m = glide.inputs.moving_mass_command_m;

@@ -107,11 +107,18 @@ pub fn list(bins: &[Bin], channels: &Channels, tried: &Tried, parameters: &Param
         let shown = channels.shown(mechanism.name).filter(|shown| shown.se < prior_sd);
         let neutral = *parameters.clone().at(index);
         let least = mechanism.size.least;
-        let (usual_sds, possible) = if mechanism.size.is_open_ended {
+        let (usual_sds, [least, most]) = if mechanism.size.is_open_ended {
             (super::MOST_USUAL, [least, f64::INFINITY])
         } else {
             let most = super::MOST_USUAL * prior_sd;
             (f64::INFINITY, [least.max(neutral - most), neutral + most])
+        };
+        let possible = match mechanism.name {
+            // No more comes late than expands at all, where the vehicle states that.
+            "late_expansion" if parameters.hull_thermal_expansion_per_K > 0.0 => {
+                [least, most.min(parameters.hull_thermal_expansion_per_K)]
+            }
+            _ => [least, most],
         };
         for version in versions {
             let candidate = Candidate {
