@@ -8,6 +8,7 @@ from pathlib import Path
 import dbdreader
 import netCDF4
 import numpy as np
+import pandas
 import pytest
 import xarray
 from conftest import MEASURED
@@ -142,6 +143,42 @@ def test_the_files_of_a_seaexplorer_are_those_of_pygliders_table(log_values):
         found, expected = np.degrees(log["pitch_rad"][own]), other["pitch"].values[others]
         both = np.isfinite(found) & np.isfinite(expected)
         assert np.median(np.abs(found - expected)[both]) < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("folder", "dives", "ctd", "siemens"), [("sea046", "1[01]", "GPCTD", 1.0), ("sea063", "*", "LEGATO", 0.1)]
+)
+def test_the_files_of_a_seaexplorer_are_those_of_pandas(log_values, folder, dives, ctd, siemens):
+    """Two CTDs, one in S/m and one in mS/cm; attitude from the flight computer by straight lines to the CTD's times."""
+
+    def table(kind, clock):
+        paths = files(DATA / "pyglider" / folder, f"*.{kind}.*.{dives}.gz")
+        whole = pandas.concat([pandas.read_csv(path, sep=";") for path in paths])
+        form = "%d/%m/%Y %H:%M:%S" if kind == "gli" else "%d/%m/%Y %H:%M:%S.%f"
+        time = pandas.to_datetime(whole[clock], format=form) - pandas.Timestamp("1970-01-01")
+        return whole.assign(time_s=time.dt.total_seconds()).sort_values("time_s", kind="stable")
+
+    log, _ = read(log_values, *files(DATA / "pyglider" / folder, f"*.{dives}.gz"))
+    payload = table("pld1", "PLD_REALTIMECLOCK").dropna(subset=[f"{ctd}_PRESSURE", f"{ctd}_TEMPERATURE"])
+    payload = payload.drop_duplicates("time_s", keep=False)
+    row = {round(t, 3): i for i, t in enumerate(log["time_s"])}
+    pairs = [(row[round(t, 3)], i) for i, t in enumerate(payload["time_s"]) if round(t, 3) in row]
+    assert len(pairs) > 0.99 * len(payload), (len(pairs), len(payload))
+    own, others = map(np.array, zip(*pairs, strict=True))
+    for channel, name, factor in [
+        ("pressure_dbar", "PRESSURE", 1),
+        ("temperature_C", "TEMPERATURE", 1),
+        ("conductivity_S_m", "CONDUCTIVITY", siemens),
+    ]:
+        found, expected = log[channel][own], payload[f"{ctd}_{name}"].to_numpy(float)[others] * factor
+        both = np.isfinite(found) & np.isfinite(expected)
+        assert both.sum() > 0.9 * len(own), channel
+        assert np.abs(found - expected)[both].max() < 1e-9, channel
+    flight = table("gli", "Timestamp").drop_duplicates("time_s")
+    lines = np.interp(log["time_s"][own], flight["time_s"], np.radians(flight["Pitch"]))
+    found = log["pitch_rad"][own]
+    there = np.isfinite(found)
+    assert there.sum() > 0.5 * len(own) and np.median(np.abs(found - lines)[there]) < 1e-9
 
 
 @pytest.mark.parametrize("folder", ["rosie713", "rosie713-og10"])
