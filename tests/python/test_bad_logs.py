@@ -303,7 +303,8 @@ def test_a_pitch_in_another_unit_than_it_says_is_stated_by_hand(log_values, tmp_
 def test_files_one_behind_the_other_are_not_read_as_the_first(glidepolar, tmp_path):
     """Two dives joined by `cat`, of NetCDF and of CSV: said with the place at which to take them apart."""
     for i in range(2):
-        log_files.seaglider(tmp_path / f"{i}.nc", Dive(rows=400, start_s=log_files.START_S + 5000 * i), number=i + 1)
+        dive = Dive(rows=400, start_s=log_files.START_S + 5000 * i)
+        log_files.seaglider(tmp_path / f"{i}.nc", dive, number=i + 1, form="NETCDF4")
     one, other = ((tmp_path / f"{i}.nc").read_bytes() for i in range(2))
     (tmp_path / "joined.nc").write_bytes(one + other)
     (tmp_path / "joined.nc.gz").write_bytes(gzip.compress(one) + gzip.compress(other))

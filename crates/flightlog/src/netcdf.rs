@@ -22,9 +22,6 @@ const MOST_UNPACKED_BYTES: u64 = 1 << 30;
 /// As much of a file as its header takes that says how long it is.
 const HEADER_BYTES: u64 = 64;
 
-/// So much of a file is searched at a time.
-const PIECE_BYTES: u64 = 1 << 20;
-
 const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
 
 /// The first bytes of a file, gzipped or not; none of what does not unpack.
@@ -93,56 +90,20 @@ fn check_whole(path: &Path, begin: &[u8], length: u64) -> Result<(), InputError>
     }
 }
 
-/// Refuses a file behind which another one begins: the library would read the first alone.
-fn check_alone(path: &Path, begin: &[u8], content: impl Read + Seek) -> Result<(), InputError> {
-    let second = match stated_length(begin) {
-        Some(end) => begins_at(content, end),
-        None => second_classic(content),
-    };
-    match second.map_err(|error| InputError::io(path, &error))? {
-        Some(end) => {
-            let problem = format!("two files one behind the other: another NetCDF begins behind byte {end}");
-            let help = format!("take them apart: head -c {end} FILE, and tail -c +{} FILE", end + 1);
-            Err(InputError::new(Place::file(path), problem).help(help))
-        }
-        None => Ok(()),
+/// Refuses an HDF5 file behind which another one begins: the library would read the first alone. A classic file does not state its
+/// length, and what stands behind it may be an older state of the same dive (the published files of SG542 are such): nothing is said.
+fn check_alone(path: &Path, begin: &[u8], mut content: impl Read + Seek) -> Result<(), InputError> {
+    let Some(end) = stated_length(begin) else { return Ok(()) };
+    let io = |error: std::io::Error| InputError::io(path, &error);
+    content.seek(SeekFrom::Start(end)).map_err(io)?;
+    let mut behind = Vec::new();
+    content.take(HDF5.len() as u64).read_to_end(&mut behind).map_err(io)?;
+    if behind != HDF5 {
+        return Ok(());
     }
-}
-
-/// The end that an HDF5 file states, where another HDF5 file begins there.
-fn begins_at(mut content: impl Read + Seek, end: u64) -> std::io::Result<Option<u64>> {
-    content.seek(SeekFrom::Start(end))?;
-    let mut begin = Vec::new();
-    content.take(HDF5.len() as u64).read_to_end(&mut begin)?;
-    Ok((begin == HDF5).then_some(end))
-}
-
-/// Where a second classic file begins: its magic, the number of records, the tag of its dimensions (NetCDF Users Guide, file format
-/// specifications: `magic numrecs dim_list`). A classic file does not state its length.
-fn second_classic(mut content: impl Read) -> std::io::Result<Option<u64>> {
-    const HEADER: usize = 16;
-    let is_header = |at: &[u8]| {
-        let dimensions = [0, 0, 0, 10];
-        match at[3] {
-            1 | 2 => at[8..12] == dimensions,
-            5 => at[12..16] == dimensions,
-            _ => false,
-        }
-    };
-    let (mut window, mut before) = (Vec::new(), 0_u64);
-    loop {
-        let read = (&mut content).take(PIECE_BYTES).read_to_end(&mut window)?;
-        let whole = (window.len() + 1).saturating_sub(HEADER);
-        let mut magics = memchr::memmem::find_iter(&window, b"CDF").filter(|at| *at < whole && before + *at as u64 > 0);
-        if let Some(at) = magics.find(|at| is_header(&window[*at..])) {
-            return Ok(Some(before + at as u64));
-        }
-        if read == 0 {
-            return Ok(None);
-        }
-        window.drain(..whole);
-        before += whole as u64;
-    }
+    let problem = format!("two files one behind the other: another NetCDF begins behind byte {end}");
+    let help = format!("take them apart: head -c {end} FILE, and tail -c +{} FILE", end + 1);
+    Err(InputError::new(Place::file(path), problem).help(help))
 }
 
 /// The length of an HDF5 file by its superblock (HDF5 File Format Specification 3.0, II.A), where its addresses take eight bytes.
@@ -255,31 +216,6 @@ pub(super) fn missing(path: &Path, what: &str, names: &[&str]) -> InputError {
 mod tests {
     use super::*;
 
-    /// Wherever the second file begins, across the ends of the pieces that are searched as well; what only resembles a header is data.
-    #[test]
-    fn a_second_classic_file_is_found_behind_the_first() {
-        let first = |version: u8| {
-            let mut begin = [b'C', b'D', b'F', version].to_vec();
-            begin.extend([0, 0, 0, 7].repeat(if version == 5 { 2 } else { 1 }));
-            begin.extend([0, 0, 0, 10, 0, 0, 0, 1]);
-            begin
-        };
-        for length in [40_u64, PIECE_BYTES - 9, PIECE_BYTES, PIECE_BYTES + 3, 2 * PIECE_BYTES - 1] {
-            for version in [1, 2, 5] {
-                let mut content = first(version);
-                content.extend(b"CDF\x01 is no header");
-                content.resize(length as usize, b'C');
-                assert_eq!(second_classic(Cursor::new(&content)).unwrap(), None, "{length} {version}");
-                content.extend(first(version));
-                content.extend([0; 8]);
-                assert_eq!(second_classic(Cursor::new(&content)).unwrap(), Some(length), "{length} {version}");
-            }
-        }
-        let error =
-            check_alone(Path::new("a.nc"), &[], Cursor::new([first(1), vec![0; 8], first(1), vec![0; 8]].concat()));
-        assert!(error.unwrap_err().to_string().contains("another NetCDF begins behind byte 24"));
-    }
-
     /// The lengths that superblocks of each version state, by the specification's tables.
     #[test]
     fn an_hdf5_file_says_how_long_it_is() {
@@ -297,6 +233,12 @@ mod tests {
             assert!(check_whole(Path::new("a.nc"), &begin, 4711).is_ok());
             let error = check_whole(Path::new("a.nc"), &begin, 4000).unwrap_err().to_string();
             assert!(error.contains("a.nc") && error.contains("cut off: 4000 of 4711 bytes"), "{error}");
+            let alone = |behind: &[u8]| {
+                let whole = [begin.as_slice(), &vec![0; 4711 - begin.len()], behind].concat();
+                check_alone(Path::new("a.nc"), &begin, Cursor::new(whole))
+            };
+            assert!(alone(&[]).is_ok() && alone(b"padding").is_ok());
+            assert!(alone(HDF5).unwrap_err().to_string().contains("begins behind byte 4711"));
         }
         assert_eq!(stated_length(b"CDF\x01"), None);
         assert_eq!(stated_length(&superblock(9, 9, 28)), None);

@@ -78,6 +78,8 @@ pub fn list(bins: &[Bin], channels: &Channels, tried: &Tried, parameters: &Param
             "rudder_drag" => !varies(|bin| bin.mean.rudder_rad),
             "thermal_expansion" => !varies(|bin| bin.mean.temperature_C),
             // A temperature that is the same everywhere tells nothing of a lag.
+            // A part of the expansion that the vehicle states: without one there is nothing to be late.
+            "late_expansion" if parameters.hull_thermal_expansion_per_K <= 0.0 => true,
             "thermal_lag" | "late_expansion" => range(bins, |bin| bin.mean.temperature_C) < LEAST_RANGE_K,
             "carried_water" => range(bins, surface_density_kg_m3) < LEAST_RANGE_KG_M3,
             // Between two samples the pitch is not known: an offset of less than their step cannot be distinguished from its motion.
@@ -114,10 +116,8 @@ pub fn list(bins: &[Bin], channels: &Channels, tried: &Tried, parameters: &Param
             (f64::INFINITY, [least.max(neutral - most), neutral + most])
         };
         let possible = match mechanism.name {
-            // No more comes late than expands at all, where the vehicle states that.
-            "late_expansion" if parameters.hull_thermal_expansion_per_K > 0.0 => {
-                [least, most.min(parameters.hull_thermal_expansion_per_K)]
-            }
+            // No more comes late than expands at all.
+            "late_expansion" => [least, most.min(parameters.hull_thermal_expansion_per_K)],
             _ => [least, most],
         };
         for version in versions {

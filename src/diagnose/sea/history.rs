@@ -444,7 +444,8 @@ pub(super) mod tests {
     /// The column of a candidate is how the residuals change with its size.
     #[test]
     fn every_column_is_the_change_of_what_is_read_with_the_size() {
-        let parameters = Vehicle::load("slocum-graver").expect("a vehicle").glide_parameters();
+        let mut parameters = Vehicle::load("slocum-graver").expect("a vehicle").glide_parameters();
+        parameters.hull_thermal_expansion_per_K = 7e-5;
         let problem =
             SeaProblem::new(&log(&parameters), &parameters, DiagnosisSettings::default()).expect("enough bins");
         let start = problem.start();
