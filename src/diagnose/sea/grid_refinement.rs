@@ -1,5 +1,5 @@
-//! Refines the grid of a time that is selected and not fitted: the time of a drag step, time constants of creep, late expansion and carried water. The
-//! engine selects a grid point; a finer grid about it follows. Knows the problem and the engine.
+//! Refines the grid of a time that is selected and not fitted: the time of a drag step, time constants of creep, late expansion and
+//! carried water. The engine selects a grid point; a finer grid about it and about its rivals follows. Knows the problem and the engine.
 
 use super::SeaProblem;
 use crate::diagnose::findings::Verdict;
