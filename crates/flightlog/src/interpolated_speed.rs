@@ -26,12 +26,15 @@ const LEAST_SHARP: f64 = 0.9;
 
 /// What arithmetic makes of a straight line \[m/s\].
 const ROUNDING_M_S: f64 = 1e-9;
+/// By how much a row on a line may lie off it where all three were rounded, in the largest error of one: its own, and at most
+/// that of its neighbours.
+const ROUNDINGS: f64 = 2.02;
 /// A step between rows in which there is one bend at most, in usual steps.
 const USUAL_STEPS: f64 = 1.5;
 
 /// Digits after the point of a speed in m/s, at most, of a column that was rounded; one of fewer than the least is too coarse
 /// to be judged.
-const DIGITS: std::ops::RangeInclusive<i32> = 4..=8;
+const DIGITS: std::ops::RangeInclusive<i32> = 3..=8;
 
 /// A bend: when, and the speed there.
 type Bend = (f64, f64);
@@ -138,6 +141,11 @@ fn tolerance_m_s(speeds: &[Bend]) -> Option<f64> {
     if is_rounded_to(DIGITS.start() - 1) {
         return None;
     }
-    let digits = DIGITS.into_iter().find(|&digits| is_rounded_to(digits));
-    Some(digits.map_or(ROUNDING_M_S, |digits| 1.01 * 10f64.powi(-digits)))
+    if let Some(digits) = DIGITS.into_iter().find(|&digits| is_rounded_to(digits)) {
+        return Some(ROUNDINGS * 0.5 * 10f64.powi(-digits));
+    }
+    // Files of NetCDF keep speeds in 32 bits, of which 24 are the number's.
+    let is_of_32_bits = speeds.iter().all(|&(_, speed)| f64::from(speed as f32) == speed);
+    let largest = speeds.iter().fold(0.0, |largest: f64, (_, speed)| largest.max(speed.abs()));
+    Some(if is_of_32_bits { ROUNDINGS * 0.5 * largest * f64::from(f32::EPSILON) } else { ROUNDING_M_S })
 }
