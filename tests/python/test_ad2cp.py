@@ -48,7 +48,9 @@ def pings(file):
 
 
 def with_speeds(folder, speed_of):
-    """Copies of the dives with the speeds of a function at the pings: `sparse` in the nearest row, `lines` between them."""
+    """Copies of the dives with the speeds of a function at the pings: `sparse` in the nearest row, `lines` between them; as such,
+    in 32 bits, and to a millimetre per second.
+    """
     folder.mkdir()
     paths = []
     for path in files(FOLDER, "p171*.nc"):
@@ -62,8 +64,14 @@ def with_speeds(folder, speed_of):
             sparse = np.full(len(rows), np.nan)
             sparse[[np.abs(rows - t).argmin() for t in time]] = speed
             lines = np.interp(rows, time, speed, left=np.nan, right=np.nan)
-            for name, values in [("sparse", sparse), ("lines", lines)]:
-                column = file.createVariable(name, "f8", file["time"].dimensions)
+            columns = [
+                ("sparse", "f8", sparse),
+                ("lines", "f8", lines),
+                ("lines_of_32_bits", "f4", lines),
+                ("lines_to_1_mm_s", "f8", np.round(lines, 3)),
+            ]
+            for name, kind, values in columns:
+                column = file.createVariable(name, kind, file["time"].dimensions)
                 column.units, column[:] = "m/s", values
     return paths
 
@@ -79,15 +87,17 @@ def test_speeds_at_their_own_times_and_interpolated_ones_give_one_lift_slope(gli
     paths = with_speeds(tmp_path / "dives", lambda _, speed: speed)
     a = own["parameters"]["a"]
     assert "a" not in own["pinned"]
-    for name in ["sparse", "lines"]:
+    rows = {"sparse": "in the nearest rows", "lines": "interpolated, recognised as such"}
+    for name in [*rows, "lines_of_32_bits", "lines_to_1_mm_s"]:
         found = identify(glidepolar, paths, "--speed-column", name)
         other = found["parameters"]["a"]
         assert "a" not in found["pinned"]
         # The same pings by a second computation: where they are not the very same, less than the errors.
         assert abs(a["value"] - other["value"]) < min(a["se"], other["se"]), (name, a, other)
         assert a["ci95"][0] <= other["value"] <= a["ci95"][1], (name, a, other)
-        assert any("interpolated" in warning for warning in found["warnings"]) == (name == "lines")
-        stands_in_the_page("interpolated, recognised as such" if name == "lines" else "in the nearest rows", found)
+        assert any("interpolated" in warning for warning in found["warnings"]) == (name != "sparse")
+        if name in rows:
+            stands_in_the_page(rows[name], found)
     stands_in_the_page("`--speed-column ad2cp`", own)
     assert abs(own["fit"]["speed_bias_holdout_m_s"]) <= 0.012, own["fit"]
     for name, halves in own["halves"].items():
