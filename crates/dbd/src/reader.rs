@@ -18,6 +18,9 @@ pub struct Cycle<'a> {
     /// Values, those that are as before among them.
     pub values: &'a [f64],
     states: &'a [u8],
+    /// Whether it is the first of its file, with the last value of every sensor, however old; where another file was put
+    /// behind the first, its first cycle as well.
+    pub is_first: bool,
 }
 
 impl Cycle<'_> {
@@ -47,6 +50,8 @@ pub struct Reader {
     states: Vec<u8>,
     /// The time of the last cycle.
     last_s: Option<f64>,
+    /// Whether no cycle was read since a file began.
+    is_at_first: bool,
     ended: bool,
     /// Bytes of a last cycle that was cut off.
     cut_off: Option<usize>,
@@ -90,6 +95,7 @@ impl Reader {
             values: Vec::new(),
             states: Vec::new(),
             last_s: None,
+            is_at_first: true,
             ended: false,
             cut_off: None,
         };
@@ -167,7 +173,8 @@ impl Reader {
                     self.layout.read(&ahead[..size], &mut self.memory, &mut self.values, &mut self.states);
                     self.last_s = time.or(self.last_s);
                     self.bytes.skip(size);
-                    return Ok(Some(Cycle { values: &self.values, states: &self.states }));
+                    let is_first = std::mem::replace(&mut self.is_at_first, false);
+                    return Ok(Some(Cycle { values: &self.values, states: &self.states, is_first }));
                 }
                 _ => self.find_again("no cycle begins here")?,
             }
@@ -200,11 +207,15 @@ impl Reader {
         let begin = self.read_header();
         match begin {
             Ok((header, sensors, is_big_endian)) => {
-                if !header::same_list(&self.header, &header) {
-                    let problem =
-                        format!("another file begins here, `{}`; it is read on", header.segment().escape_debug());
+                if !header::same_list(&self.header, &header) || self.header.segment() != header.segment() {
+                    let problem = format!(
+                        "another file begins here, `{}`; it is read on, but taken apart here the two would find the files \
+                         that their glider's other computer wrote",
+                        header.segment().escape_debug()
+                    );
                     self.bytes.damaged(place, problem);
                     self.memory.fill(f64::NAN);
+                    self.is_at_first = true;
                 }
                 (self.header, self.sensors, self.is_big_endian) = (header, sensors, is_big_endian);
                 let memory = std::mem::take(&mut self.memory);

@@ -125,10 +125,13 @@ impl Cycles {
         }
     }
 
-    fn next(&mut self) -> Result<Option<&[f64]>, InputError> {
+    /// The next values, and whether they are those of the first cycle of a binary file.
+    fn next(&mut self) -> Result<Option<(&[f64], bool)>, InputError> {
         match self {
-            Cycles::Binary(reader) => Ok(reader.next_cycle().map_err(|error| input(&error))?.map(|cycle| cycle.values)),
-            Cycles::Text(table) => table.next_row(),
+            Cycles::Binary(reader) => {
+                Ok(reader.next_cycle().map_err(|error| input(&error))?.map(|cycle| (cycle.values, cycle.is_first)))
+            }
+            Cycles::Text(table) => Ok(table.next_row()?.map(|values| (values, false))),
         }
     }
 
@@ -187,7 +190,7 @@ pub(super) fn headline(path: &Path, columns: &Columns) -> Result<Headline, Input
 fn first_time(path: &Path, columns: &Columns) -> Result<f64, InputError> {
     let mut file = Cycles::open(path, columns)?;
     file.select(&CLOCKS.map(str::to_owned));
-    while let Some(values) = file.next()? {
+    while let Some((values, _)) = file.next()? {
         if let Some(time) = values.iter().copied().find(|time| TIMES.contains(time)) {
             return Ok(time);
         }
@@ -390,7 +393,6 @@ impl File {
     /// Takes cycles up to a time, and of the file that leads no more than are held at once; the last time comes back.
     fn collect(&mut self, readings: &mut Sensors, end_s: f64, leads: bool) -> Result<f64, InputError> {
         let (mut last_s, mut cycles) = (f64::NEG_INFINITY, 0);
-        let is_binary = matches!(self.cycles, Cycles::Binary(_));
         if let Some((time, values)) = self.next.take() {
             if time > end_s {
                 self.next = Some((time, values));
@@ -402,7 +404,7 @@ impl File {
             if leads && cycles >= CYCLES {
                 break;
             }
-            let Some(values) = self.cycles.next()? else {
+            let Some((values, is_no_reading)) = self.cycles.next()? else {
                 self.ended = true;
                 break;
             };
@@ -412,7 +414,7 @@ impl File {
             if !TIMES.contains(&time) {
                 continue;
             }
-            if is_first && is_binary {
+            if is_no_reading {
                 // The flight computer's file leads; it alone has positions.
                 if leads {
                     readings.begin(time, values);
