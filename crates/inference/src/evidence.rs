@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use super::decorrelation::Decorrelation;
 use super::relevance::SHARE_OF_SCATTER;
 use super::smooth::Kind;
-use crate::noise::Series;
+use crate::noise::{Lasting, Series};
 
 /// One measured quantity: a run of rows in the order of time.
 #[derive(Debug, Clone, PartialEq)]
@@ -234,6 +234,11 @@ pub trait Problem {
     /// are no more than weights.
     fn stated_variance_known_to(&self) -> f64 {
         f64::INFINITY
+    }
+
+    /// Which slow processes the noise may have.
+    fn lasting(&self) -> Lasting {
+        Lasting::MinutesAndHours
     }
 
     /// Least advantage on held-out data, in standard errors, for a mechanism to stay.

@@ -30,13 +30,15 @@ pub(super) struct Fitted {
     pub(super) included: Vec<usize>,
     pub(super) evidence: Evidence,
     pub(super) noises: Vec<Noise>,
+    /// Which slow processes these may have.
+    pub(super) lasting: Lasting,
 }
 
 impl Fitted {
     pub(super) fn new(problem: &impl Problem, point: Point, included: Vec<usize>) -> Self {
         let evidence = believing(problem, problem.evidence(&point), &point, &included);
         let noises = noises(problem, &evidence, &included);
-        Fitted { point, included, evidence, noises }
+        Fitted { point, included, evidence, noises, lasting: problem.lasting() }
     }
 
     /// The fit and its noise, each with the other as it is, until the sum of squares no longer falls.
@@ -266,7 +268,7 @@ pub(super) fn noises(problem: &impl Problem, evidence: &Evidence, included: &[us
             let residual = evidence.residual.rows(rows.start, rows.len()).into_owned();
             noise::estimate(
                 evidence.series(quantity),
-                Lasting::MinutesAndHours,
+                problem.lasting(),
                 problem.stated_variance_known_to(),
                 &residual,
                 &explained.rows(rows.start, rows.len()).into_owned(),

@@ -9,6 +9,7 @@ use super::relevance::ONE_SIDED;
 use super::score::{CLEARLY_WRONG, Score, chance};
 use super::smooth;
 use super::subset_search::{MARGIN, Regressor, SubsetSearch};
+use crate::noise::Lasting;
 
 /// A curve in the search.
 #[derive(Debug, Clone, Copy)]
@@ -189,13 +190,30 @@ impl<'a> Iteration<'a> {
         let search = self.search();
         let with: Vec<usize> = others.iter().chain(tested).copied().collect();
         let columns = search.columns(tested);
-        let by_model = chance(search.gain(&with) - search.gain(others), columns.len());
+        let by_model = match self.curves.iter().find(|curve| tested == [curve.regressor]) {
+            Some(curve) if self.fitted.lasting == Lasting::White => {
+                self.chance_of_curve(&search.columns(others), curve)
+            }
+            _ => chance(search.gain(&with) - search.gain(others), columns.len()),
+        };
         // The second test costs more; where the first one is content it has no say.
         if by_model > 0.5 {
             by_model
         } else {
             by_model.max(self.score.chance_by_clusters(&search.columns(others), &columns))
         }
+    }
+
+    /// The same of a curve by what it leaves itself. The noise is that beside the mechanisms alone: what no mechanism explains is in it.
+    fn chance_of_curve(&self, others: &[usize], curve: &CurveRegressor) -> f64 {
+        let quantities = &self.evidence.quantities;
+        let (rows, noises) = match curve.quantity {
+            Some(index) => (quantities[index].rows.clone(), &self.fitted.noises[index..=index]),
+            None => (0..self.evidence.residual.len(), &self.fitted.noises[..]),
+        };
+        // No row is better than its measurement states.
+        let stated = noises.iter().map(|noise| noise.white.recip()).fold(f64::INFINITY, f64::min);
+        self.score.chance_by_rows(others, &self.regressors[curve.regressor].columns, rows, stated)
     }
 
     /// The rms of what the tested members change in the predictions of each quantity beside the others, once everything is

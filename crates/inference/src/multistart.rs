@@ -72,7 +72,13 @@ impl Fitted {
             let here = first.evidence(&start);
             for (i, _) in candidates.iter().enumerate().filter(|(_, candidate)| candidate.version.is_none()) {
                 let evidence = believing(first, here.clone(), &start, &[i]);
-                let mut trial = Fitted { point: start.clone(), included: vec![i], evidence, noises: plain.clone() };
+                let mut trial = Fitted {
+                    point: start.clone(),
+                    included: vec![i],
+                    evidence,
+                    noises: plain.clone(),
+                    lasting: self.lasting,
+                };
                 // At first all of the misfit counts as noise, and the prior has too much weight. The noise is estimated again from the
                 // residuals until the objective no longer falls, or this mechanism clearly explains almost nothing.
                 for _ in 0..MAX_NOISE_ROUNDS {

@@ -193,6 +193,8 @@ impl Shape {
 /// Which slow processes a noise may have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lasting {
+    /// None: every row errs by itself.
+    White,
     /// What lasts for minutes.
     Minutes,
     /// That, and what lasts for hours.
@@ -229,7 +231,7 @@ pub fn estimate(
         if is_short { at(shape).filter(|(_, scale)| *scale <= most) } else { None }
     };
     let mut best = white;
-    let processes = if lasting == Lasting::Minutes { 1 } else { 2 };
+    let processes = lasting as usize;
     for process in 0..processes {
         let free = 1.0 - best.shares[0];
         let mut found = (likelihood, scale, best);

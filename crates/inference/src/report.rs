@@ -63,7 +63,7 @@ pub(super) fn report(
         let relevant = left.iter().filter(|left| left.judged == Judged::Relevant);
         depends_on.extend(relevant.take(1).map(|left| left.depends_on.clone()));
     }
-    let unexplained = (!depends_on.is_empty()).then(|| left_over(extended, depends_on));
+    let unexplained = (!depends_on.is_empty()).then(|| left_over(extended, &left, depends_on));
     let verdict = match (causes.is_empty(), unexplained.is_some()) {
         (true, false) => Verdict::None,
         (true, true) => Verdict::Unexplained,
@@ -100,16 +100,21 @@ pub(super) fn report(
     }
 }
 
-/// What is left, of the quantity of which most is left in units of its noise.
-fn left_over(extended: &Fitted, depends_on: Vec<String>) -> Unexplained {
+/// What is left, of the quantity of which most is left in units of its noise; of those in which it is relevant where there are any.
+fn left_over(extended: &Fitted, left: &[Left], depends_on: Vec<String>) -> Unexplained {
     let evidence = &extended.evidence;
+    let is_relevant = |quantity: usize| {
+        left.iter().any(|left| left.judged == Judged::Relevant && left.quantity == evidence.quantities[quantity].name)
+    };
+    let is_any = (0..evidence.quantities.len()).any(is_relevant);
     let excess = |quantity: usize| -> f64 {
         let sd = |row: usize| extended.noises[quantity].sd(evidence.stated_sd[row]);
         let rows = evidence.quantities[quantity].rows.clone();
         let n = rows.len().max(1) as f64;
         rows.map(|row| (evidence.residual[row] / sd(row)).powi(2)).sum::<f64>() / n
     };
-    let most = (0..evidence.quantities.len()).max_by(|a, b| excess(*a).total_cmp(&excess(*b))).unwrap_or(0);
+    let asked = (0..evidence.quantities.len()).filter(|quantity| !is_any || is_relevant(*quantity));
+    let most = asked.max_by(|a, b| excess(*a).total_cmp(&excess(*b))).unwrap_or(0);
     let quantity = &evidence.quantities[most];
     let rms = holdout::rms(&evidence.column_as_read(&evidence.residual), quantity.rows.clone());
     Unexplained { quantity: quantity.name.to_owned(), rms, depends_on }

@@ -3,6 +3,8 @@
 //! With rows whitened and the baseline projected out, all that any set's fit needs is the small matrix of products of
 //! the candidates' columns with each other and with the residuals. So every set of candidates can be tried.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -10,6 +12,7 @@ use super::clusters::{chance_by_clusters, clusters_of};
 use super::covariance::unit_columns;
 use super::evidence::Evidence;
 use crate::noise::{self, Noise, orthonormal};
+use crate::regression::f_p_value;
 
 /// A column whose part outside the baseline is smaller than this, relative to the whole, is seen as baseline alone.
 const UNIDENTIFIABLE: f64 = 1e-4;
@@ -141,6 +144,28 @@ impl Score {
             .chain(others.iter().chain(tested).map(|column| self.n_baseline + column))
             .chain([target]);
         chance_by_clusters(&self.whitened.select_columns(&columns.collect::<Vec<_>>()), &self.clusters, tested.len())
+    }
+
+    /// Probability that chance alone brings an effect of the `tested` columns beside those of the `others`, by what these rows scatter
+    /// by beside both: the F test of one mean square against the other. A noise that was estimated without the tested columns holds
+    /// what they explain, and of few rows no effect is then improbable, however large. No mean square is smaller than the `least`.
+    pub fn chance_by_rows(&self, others: &[usize], tested: &[usize], rows: Range<usize>, least: f64) -> f64 {
+        let residual = self.whitened.column(self.whitened.ncols() - 1);
+        // What a set leaves of the rows, and how many of their degrees of freedom it takes.
+        let left_beside = |set: &[usize]| {
+            let columns = (0..self.n_baseline).chain(set.iter().map(|column| self.n_baseline + column));
+            let basis = orthonormal(self.whitened.select_columns(&columns.collect::<Vec<_>>()));
+            let left = residual - &basis * basis.tr_mul(&residual);
+            let taken = basis.rows(rows.start, rows.len()).norm_squared();
+            (left.rows(rows.start, rows.len()).norm_squared(), taken)
+        };
+        let (before, taken_before) = left_beside(others);
+        let (after, taken) = left_beside(&others.iter().chain(tested).copied().collect::<Vec<_>>());
+        let (df, free) = (taken - taken_before, rows.len() as f64 - taken);
+        if df <= 0.0 || free < 1.0 {
+            return 1.0;
+        }
+        f_p_value((before - after) / df / (after / free).max(least), df, free)
     }
 
     /// Steps of the baseline's parameters that imitate a unit of this column best.

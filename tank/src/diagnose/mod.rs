@@ -13,6 +13,8 @@ mod data;
 mod drift;
 mod effects;
 mod findings;
+mod independent_rows;
+mod level_shift;
 pub mod mechanisms;
 mod model;
 mod problem;
@@ -25,7 +27,7 @@ mod zero_runs;
 
 use glidepolar_hull::hull_tests::ExtendedFit;
 use glidepolar_inference::relevance::Relevance;
-use glidepolar_inference::{Diagnosis, Outcome, diagnose_in_full};
+use glidepolar_inference::{Diagnosis, Outcome, Unexplained, Verdict, diagnose_in_full};
 
 use crate::hull_results::HullResults;
 pub use data::{Data, SteadyData, Tared, ZeroRun, ZeroTimes, zero_times};
@@ -96,7 +98,7 @@ impl Diagnoses {
         let wrong_temperature = consistency::temperatures(&mut data);
         let problem = TankProblem::new(&data, hulls, relevance);
         let mut outcome = diagnose_in_full(&problem);
-        repeats::add(&mut outcome, &data, &problem);
+        add_what_no_curve_shows(&mut outcome, &data, &problem);
         let mut diagnoses = findings::write(&data, &problem, &outcome, hulls);
         diagnoses.warnings.extend(run_scatter::warnings(&outcome, &data, &problem));
         if let Some(cause) = wrong_temperature {
@@ -134,6 +136,29 @@ impl Diagnoses {
             ..Diagnoses::default()
         }
     }
+}
+
+/// Where runs at one setting, or a step in the order of runs, tell of a misfit that no curve of the engine shows, adds it to what was said:
+/// a verdict `none` becomes `unexplained`.
+fn add_what_no_curve_shows(outcome: &mut Outcome, data: &Data, problem: &TankProblem<'_>) {
+    if outcome.diagnosis.unexplained.is_some() {
+        return;
+    }
+    let mut found = repeats::misfits(outcome, data, problem);
+    let of_order = level_shift::misfits(outcome, data, problem);
+    let by_order = of_order.iter().map(|wrong| wrong.p_value).fold(f64::INFINITY, f64::min);
+    found.extend(of_order);
+    let Some(clearest) = found.iter().min_by(|a, b| a.p_value.total_cmp(&b.p_value)) else { return };
+    let diagnosis = &mut outcome.diagnosis;
+    let depends_on = if clearest.p_value == by_order {
+        vec![clearest.regime.clone()]
+    } else {
+        let left = diagnosis.left.iter().filter(|left| left.quantity == clearest.quantity);
+        left.map(|left| left.depends_on.clone()).collect()
+    };
+    diagnosis.unexplained = Some(Unexplained { quantity: clearest.quantity.clone(), rms: clearest.rms, depends_on });
+    diagnosis.verdict = if diagnosis.causes.is_empty() { Verdict::Unexplained } else { Verdict::PartlyExplained };
+    diagnosis.wrong.extend(found);
 }
 
 /// What these runs cannot show of the mechanisms that steady runs may show in general, with the reason.

@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use glidepolar_inference::decorrelation::{Decorrelation, RunErrors};
+use glidepolar_inference::noise::Lasting;
 use glidepolar_inference::relevance::Relevance;
 use glidepolar_inference::smooth::Kind;
 use glidepolar_inference::{Candidate, Covariate, Evidence, Headline, Point, Problem, Quantity};
@@ -251,6 +252,12 @@ impl Problem for TankProblem<'_> {
     /// A run is no quieter than its own record shows.
     fn stated_variance_known_to(&self) -> f64 {
         RECORDS_KNOWN_TO
+    }
+
+    /// What runs share of the errors of zeros, tare and calibration is in their covariance. What goes on from run to run beside that
+    /// is no noise: something has changed. Rows of a table go from angle to angle, and what the law of the hull leaves goes with it.
+    fn lasting(&self) -> Lasting {
+        if self.data.is_raw { Lasting::White } else { Lasting::MinutesAndHours }
     }
 
     fn least_advantage(&self) -> f64 {

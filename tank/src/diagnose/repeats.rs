@@ -11,72 +11,40 @@ use glidepolar_inference::noise::orthonormal;
 use glidepolar_inference::regression::f_p_value;
 use glidepolar_inference::relevance::ONE_SIDED;
 use glidepolar_inference::score::CLEARLY_WRONG;
-use glidepolar_inference::{Evidence, Outcome, Problem, Unexplained, Verdict, Wrong};
+use glidepolar_inference::{Outcome, Problem, Wrong, holdout};
 use nalgebra::{DMatrix, DVector};
 
 use super::data::Data;
+use super::independent_rows::IndependentRows;
 use super::problem::TankProblem;
+use crate::sweep::NAMES;
 
-/// Where the repeats tell of a misfit, adds it to what was said: a verdict `none` becomes `unexplained`.
-pub fn add(outcome: &mut Outcome, data: &Data, problem: &TankProblem<'_>) {
-    if outcome.diagnosis.unexplained.is_some() {
-        return;
-    }
-    let found = misfits(outcome, data, problem);
-    let Some(clearest) = found.iter().min_by(|a, b| a.p_value.total_cmp(&b.p_value)) else { return };
-    let diagnosis = &mut outcome.diagnosis;
-    let left = diagnosis.left.iter().filter(|left| left.quantity == clearest.quantity);
-    diagnosis.unexplained = Some(Unexplained {
-        quantity: clearest.quantity.clone(),
-        rms: clearest.rms,
-        depends_on: left.map(|left| left.depends_on.clone()).collect(),
-    });
-    diagnosis.verdict = if diagnosis.causes.is_empty() { Verdict::Unexplained } else { Verdict::PartlyExplained };
-    diagnosis.wrong.extend(found);
-}
-
-/// The quantities whose means miss the model with what was named.
-fn misfits(outcome: &Outcome, data: &Data, problem: &TankProblem<'_>) -> Vec<Wrong> {
+/// The quantities whose means miss the model with what was named, by a relevant size.
+pub fn misfits(outcome: &Outcome, data: &Data, problem: &TankProblem<'_>) -> Vec<Wrong> {
     let evidence = problem.evidence(&outcome.after.point);
     let settings = settings(data, problem.order());
-    let of = |k: usize| misfit(outcome, problem, &evidence, &settings, k);
+    let of = |k: usize| misfit(outcome, &IndependentRows::new(outcome, problem, &evidence, k), &settings, problem);
     (0..evidence.quantities.len()).filter_map(of).collect()
 }
 
 fn misfit(
     outcome: &Outcome,
-    problem: &TankProblem<'_>,
-    evidence: &Evidence,
+    rows: &IndependentRows<'_>,
     settings: &[usize],
-    k: usize,
+    problem: &TankProblem<'_>,
 ) -> Option<Wrong> {
-    let quantity = &evidence.quantities[k];
-    let (first, n) = (quantity.rows.start, settings.len());
-    let sd = DVector::from_column_slice(&problem.own_sd(&outcome.after.sd)[quantity.rows.clone()]);
-    let scaled = |columns: &DMatrix<f64>| {
-        let mut rows = columns.rows(first, n).into_owned();
-        rows.row_iter_mut().zip(&sd).for_each(|(mut row, sd)| row /= *sd);
-        rows
-    };
-    let mut model = scaled(&evidence.baseline);
-    for member in &outcome.fitted {
-        let more = scaled(&evidence.candidates[*member]);
-        model = DMatrix::from_columns(&model.column_iter().chain(more.column_iter()).collect::<Vec<_>>());
-    }
-    let mut means = DMatrix::zeros(evidence.residual.len(), settings.iter().max()? + 1);
-    settings.iter().enumerate().for_each(|(i, setting)| means[(first + i, *setting)] = 1.0);
-    problem.make_independent(&mut means);
-    let residual = evidence.residual.rows(first, n).component_div(&sd);
+    let mut means = DMatrix::zeros(settings.len(), settings.iter().max()? + 1);
+    settings.iter().enumerate().for_each(|(i, setting)| means[(i, *setting)] = 1.0);
 
-    let test = LackOfFit::new(&model, &scaled(&means), &residual)?;
-    let p_value = (evidence.quantities.len() as f64 * test.p_value).min(1.0);
+    let test = LackOfFit::new(&rows.model, &rows.of_runs(&means), &rows.residual)?;
+    let p_value = (NAMES.len() as f64 * test.p_value).min(1.0);
     // In units of the noise of a run; of the coefficient by the noise of the readings.
-    let noise = (sd.norm_squared() / n as f64).sqrt() * test.repeat_square.sqrt();
-    let limit = problem.relevance(quantity, noise);
+    let noise = rows.noise() * test.repeat_square.sqrt();
+    let limit = problem.relevance(rows.quantity, noise);
     (p_value < CLEARLY_WRONG && test.least_size() * noise > limit).then(|| Wrong {
-        quantity: quantity.name.to_owned(),
+        quantity: rows.quantity.name.to_owned(),
         regime: "settings, by their repeats".to_owned(),
-        rms: glidepolar_inference::holdout::rms(&outcome.after.residual, quantity.rows.clone()),
+        rms: holdout::rms(&outcome.after.residual, rows.quantity.rows.clone()),
         expected_rms: noise,
         size: test.size() * noise,
         relevant_above: limit,
