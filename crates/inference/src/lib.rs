@@ -24,6 +24,7 @@ mod fitted;
 pub mod gram;
 pub mod holdout;
 mod iteration;
+pub mod level_shift;
 mod magnitude_tests;
 mod multistart;
 pub mod noise;

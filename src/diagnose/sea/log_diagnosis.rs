@@ -4,7 +4,8 @@ use std::borrow::Cow;
 
 use super::{DiagnosisSettings, Lift, SeaError, SeaProblem};
 use super::{
-    consistency, density_report, empirical, grid_refinement, not_assessed, stated_polar, trim, unknown_temperature,
+    consistency, density_report, empirical, grid_refinement, level_shift, not_assessed, stated_polar, trim,
+    unknown_temperature,
 };
 use crate::diagnose::findings::{Checked, Verdict};
 use crate::diagnose::holdout;
@@ -107,6 +108,7 @@ pub fn diagnose_log(
         outcome.diagnosis.warnings.push(QUASI_STEADY.to_owned());
     }
     outcome.diagnosis.warnings.extend(problem.warnings(&outcome.before.point, &outcome.after.point));
+    level_shift::add(&mut outcome, &problem);
     let problem = empirical::extend(problem, &mut outcome);
     let evidence = problem.evidence(&outcome.after.point);
     Ok(SeaDiagnosis { outcome, evidence, problem, baseline, turns: Vec::new() })

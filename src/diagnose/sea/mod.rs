@@ -19,6 +19,7 @@ mod grid_refinement;
 mod history;
 mod jumps;
 mod late_attitude;
+mod level_shift;
 mod log_diagnosis;
 mod model;
 mod not_assessed;
