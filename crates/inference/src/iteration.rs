@@ -87,7 +87,10 @@ impl<'a> Iteration<'a> {
             n_columns += columns.len();
             parts_of_all.push(evidence.candidates[index].clone());
             regressors.push(Regressor { columns, family, is_curve: false, bounds });
-            prior.extend(candidate.prior_at(&fitted.point.candidates[index]));
+            // Of a mechanism that is in the fit another version has about its size: the prior of all is taken there, or the one in the
+            // fit alone would not be shrunk from a size that is unusual.
+            let included = fitted.included.iter().find(|member| candidates[**member].name == candidate.name);
+            prior.extend(candidate.prior_at(&fitted.point.candidates[*included.unwrap_or(&index)]));
         }
         let mut curves: Vec<CurveRegressor> = Vec::new();
         for (covariate, shapes) in curve_shapes(&evidence) {
