@@ -49,6 +49,7 @@ fn a_run_with_events_allocates_nothing() {
 fn run_with_events(tolerance: Option<f64>) {
     let glider = Glider3::co_simulation(Options::default());
     glider.set(&[("seabed_depth_m", 30.0), ("step_time_s", 50.0), ("drag_step", 0.5)]);
+    glider.set(&[("net_mass_step_time_s", 60.0), ("net_mass_step_kg", 0.01)]);
     glider.begin(tolerance);
     let counted = allocations(|| {
         for second in 0..1000 {

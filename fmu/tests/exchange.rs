@@ -154,6 +154,29 @@ fn the_jump_of_drag_is_a_time_event() {
 }
 
 #[test]
+fn two_steps_at_different_times_are_two_time_events() {
+    let starts =
+        [("drag_step", 0.5), ("step_time_s", 20.5), ("net_mass_step_kg", 0.03), ("net_mass_step_time_s", 10.25)];
+    let mut importer = Importer::new(&starts, 0);
+    assert_eq!(importer.next_time_event, Some(10.25));
+    importer.run(15.0, 0.02);
+    assert_eq!(importer.next_time_event, Some(20.5));
+    same(&importer, &co_simulated(&starts, 0, 15.0), 1e-7);
+    let mut importer = Importer::new(&starts, 0);
+    importer.run(30.0, 0.02);
+    assert_eq!(importer.events.len(), 2, "{:?}", importer.events);
+    assert!(importer.events.iter().zip([10.25, 20.5]).all(|(at, expected)| (at - expected).abs() < 1e-9));
+    assert_eq!(importer.next_time_event, None);
+    same(&importer, &co_simulated(&starts, 0, 30.0), 1e-7);
+    // Each does something.
+    for without in ["drag_step", "net_mass_step_kg"] {
+        let others: Vec<(&str, f64)> = starts.into_iter().filter(|(name, _)| *name != without).collect();
+        let other = co_simulated(&others, 0, 30.0).get("speed_m_s");
+        assert!((importer.glider.get("speed_m_s") - other).abs() > 1e-3, "{without}");
+    }
+}
+
+#[test]
 fn the_moving_mass_runs_into_its_stop_at_an_event_and_hands_over_its_momentum() {
     let starts = [("moving_mass_max_m", 0.05), ("u1_N", 1.0)];
     let mut importer = Importer::new(&starts, 2);

@@ -89,6 +89,7 @@ fn busy() -> Glider3 {
     let glider = Glider3::of(SPACE, Options::default());
     glider.choose("steering", 1);
     glider.set(&[("drag_step", 0.3), ("step_time_s", 70.0), ("seabed_depth_m", 25.0), ("heading_command_rad", 1.0)]);
+    glider.set(&[("net_mass_step_kg", 0.02), ("net_mass_step_time_s", 22.5)]);
     glider.begin(None);
     glider.run(0.0, 20.0, 1.0);
     glider.set(&[("moving_mass_command_m", 0.01), ("CN_r", -0.5)]);

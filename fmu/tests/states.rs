@@ -16,7 +16,14 @@ fn busy() -> Glider3 {
 
 /// The same at a tolerance, which chooses the method.
 fn busy_at(tolerance: Option<f64>) -> Glider3 {
-    let starts = [("drag_step", 0.3), ("step_time_s", 70.0), ("seabed_depth_m", 25.0), ("leak_kg_per_hour", 0.1)];
+    let starts = [
+        ("drag_step", 0.3),
+        ("step_time_s", 70.0),
+        ("net_mass_step_kg", 0.02),
+        ("net_mass_step_time_s", 22.5),
+        ("seabed_depth_m", 25.0),
+        ("leak_kg_per_hour", 0.1),
+    ];
     let glider = Glider3::co_simulation(Options::default());
     glider.set(&starts);
     glider.begin(tolerance);

@@ -20,6 +20,7 @@ const ALWAYS_NAMED: &[&str] = &[
     "pitch_scale",
     "drag_growth",
     "drag_step",
+    "net_mass_step",
     "reynolds_drag",
     "climb_dive_asymmetry",
     "trapped_air",
@@ -98,16 +99,21 @@ fn with_measured_speed_the_hidden_effect_is_named() {
 
 #[test]
 fn a_jump_in_the_middle_of_a_leg_is_found_to_some_minutes() {
-    for seed in [12, 13] {
-        let (found, sizes) = blind("drag_step", seed, true);
+    for (step, time, seed) in [
+        ("drag_step", "step_time_s", 12),
+        ("drag_step", "step_time_s", 13),
+        ("net_mass_step", "net_mass_step_time_s", 12),
+        ("net_mass_step", "net_mass_step_time_s", 13),
+    ] {
+        let (found, sizes) = blind(step, seed, true);
         let cause = found.causes.first().expect("a cause");
-        assert_eq!(cause.cause, "drag_step", "seed {seed}");
+        assert_eq!(cause.cause, step, "seed {seed}");
         for (parameter, size) in sizes {
             let estimate = &cause.parameters[parameter];
             assert!((estimate.value - size).abs() < 3.0 * estimate.se, "seed {seed}: {parameter} {size}: {estimate:?}");
         }
         // A leg takes some 25 minutes.
-        let [from_s, to_s] = cause.parameters["step_time_s"].ci95;
+        let [from_s, to_s] = cause.parameters[time].ci95;
         assert!(to_s - from_s < 600.0, "seed {seed}: {from_s} to {to_s}");
     }
 }

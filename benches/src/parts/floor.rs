@@ -44,6 +44,7 @@ pub fn every_mechanism() -> Parameters<f64> {
         leak_kg_per_hour: 1e-4,
         drag_growth_per_day: 1e-3,
         drag_step: 0.01,
+        net_mass_step_kg: 1e-4,
         drag_exponent: -0.2,
         nonlinear_lift_per_rad2: 1.0,
         climb_dive_drag_ratio: 1.02,

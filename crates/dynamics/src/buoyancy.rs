@@ -1,7 +1,7 @@
 //! What the glider weighs in water: masses, displaced volume and the mechanisms that change them.
 //!
 //! ```text
-//! m0 = m + offset + leak t - rho ( V0 (1 - eps P - eps_c Q + tau (T - T_ref)) + s V_b - V_l + V_air P0 / (P0 + P) )
+//! m0 = m + offset + leak t + [t >= t_s] step - rho ( V0 (1 - eps P - eps_c Q + tau (T - T_ref)) + s V_b - V_l + V_air P0 / (P0 + P) )
 //!      + V_c (r - rho / (1 + kappa P)) - rho V0 tau_l (T_l - T)
 //! ```
 //! What stands for the past follows by rates of its own: `Q' = (P - Q) / tau_c` the late part of the pressure on a viscoelastic
@@ -54,7 +54,7 @@ pub struct Surroundings<T> {
     pub pressure_Pa: T,
     /// Temperature \[degC\].
     pub temperature_C: T,
-    /// Time since the start \[s\]: what a leak and fouling go by.
+    /// Time since the start \[s\]: what a leak, fouling and what is lost or caught go by.
     pub time_s: T,
 }
 
@@ -78,8 +78,15 @@ impl<T: Number> Parameters<T> {
 
     /// Net mass, positive when the glider is heavy \[kg\]; the net weight W - B is this times gravity.
     pub fn net_mass_kg(&self, ballast_m3: T, water: &Surroundings<T>) -> T {
-        let mass = self.mass_kg() + self.ballast_offset_kg + self.leak_kg_per_hour * water.time_s / HOUR_S;
+        let constant = self.mass_kg() + self.ballast_offset_kg + self.leak_kg_per_hour * water.time_s / HOUR_S;
+        let mass = constant + self.lost_or_caught_kg(water.time_s);
         mass - self.displaced_kg(ballast_m3, water) + self.empirical(water).net_mass_kg
+    }
+
+    /// What was lost or caught by this time adds to the net mass \[kg\].
+    fn lost_or_caught_kg(&self, time_s: T) -> T {
+        let is_behind = time_s.value() >= self.net_mass_step_time_s.value();
+        if is_behind { self.net_mass_step_kg } else { T::constant(0.0) }
     }
 
     /// Mass of the water that hull, ballast and trapped air displace \[kg\].
@@ -232,6 +239,8 @@ mod tests {
             (weigh(|p| p.hull_thermal_expansion_per_K = 7e-5, late), 1027.0 * volume * 7e-5 * 10.0),
             (weigh(|p| p.ballast_scale = 1.05, late), -1027.0 * 0.05 * 2e-4),
             (weigh(|p| p.leak_kg_per_hour = 0.01, late), 0.02),
+            (weigh(|p| (p.net_mass_step_kg, p.net_mass_step_time_s) = (-0.04, 7200.0), late), -0.04),
+            (weigh(|p| (p.net_mass_step_kg, p.net_mass_step_time_s) = (-0.04, 7201.0), late), 0.0),
             (weigh(|p| p.trapped_air_cc = 20.0, late), -1027.0 * 20e-6 * 101_325.0 / 5_101_325.0),
             (weigh(|p| p.density_bias_kg_m3 = 0.5, late), -0.5 * (volume + 2e-4)),
         ];

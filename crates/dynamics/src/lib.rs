@@ -25,6 +25,7 @@ pub mod mechanisms;
 pub mod parameters;
 pub mod servo;
 pub mod state;
+pub mod steps;
 pub mod system;
 
 pub use buoyancy::Surroundings;

@@ -69,6 +69,8 @@ quantities! {
         drag_growth_per_day: "1/d" = 0.0 in -1.0 .. 10.0, "Relative growth of drag per day, fouling";
         drag_step: "1" = 0.0 in -0.99 .. 20.0, "Relative jump of drag at the step time, something added, caught or lost";
         step_time_s: "s" = 0.0 in -1e10 .. 1e10, "Time of the jump of drag";
+        net_mass_step_kg: "kg" = 0.0 in -10.0 .. 10.0, "Step of the net mass at its time, something with weight lost or caught";
+        net_mass_step_time_s: "s" = 0.0 in -1e10 .. 1e10, "Time of the step of the net mass";
         drag_exponent: "1" = 0.0 in -1.0 .. 1.0, "Exponent s of b (q/q0)^s, q0 the dynamic pressure at 0.3 m/s in water of the reference density";
         nonlinear_lift_per_rad2: "1/rad2" = 0.0 in -1000.0 .. 1000.0, "Crossflow lift, CL grows by this times alpha |alpha|";
         climb_dive_drag_ratio: "1" = 1.0 in 0.01 .. 100.0, "Drag on ascents over drag on descents";

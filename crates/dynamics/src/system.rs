@@ -133,8 +133,7 @@ impl System for Glider {
     }
 
     fn next_jump_s(&self, time_s: f64) -> Option<f64> {
-        let p = &self.parameters;
-        (p.drag_step != 0.0 && p.step_time_s > time_s).then_some(p.step_time_s)
+        self.parameters.next_step_s(time_s)
     }
 
     fn next_bend_s(&self, time_s: f64, state: &State<f64>) -> Option<f64> {
@@ -287,6 +286,26 @@ mod tests {
         assert!((state.v1_m_s - start.v1_m_s).abs() < 1e-9);
         glider.fly(&mut integrator, &mut time, &mut state, 101.0, |_, _, _| true).unwrap();
         assert!(state.v1_m_s < start.v1_m_s - 1e-4, "{} after {}", state.v1_m_s, start.v1_m_s);
+    }
+
+    #[test]
+    fn a_step_of_the_net_mass_is_met_exactly_beside_one_of_the_drag() {
+        // Heavier, the glider sinks faster; with more drag it slows down again. Before either step nothing may have changed.
+        let (mut glider, start) = gliding();
+        let p = &mut glider.parameters;
+        (p.net_mass_step_kg, p.net_mass_step_time_s) = (0.05, 100.0);
+        (p.drag_step, p.step_time_s) = (0.5, 130.0);
+        let (mut time, mut state, mut integrator) = (0.0, start, Integrator::new(1e-9));
+        let mut fly = |state: &mut State<f64>, end_s: f64| {
+            glider.fly(&mut integrator, &mut time, state, end_s, |_, _, _| true).unwrap();
+        };
+        fly(&mut state, 100.0);
+        assert!((state.v1_m_s - start.v1_m_s).abs() < 1e-9);
+        fly(&mut state, 130.0);
+        let heavier = state.v1_m_s;
+        assert!(heavier > start.v1_m_s + 1e-3, "{heavier} after {}", start.v1_m_s);
+        fly(&mut state, 131.0);
+        assert!(state.v1_m_s < heavier - 1e-4, "{} after {heavier}", state.v1_m_s);
     }
 
     #[test]

@@ -132,8 +132,7 @@ impl System<N_STATES, N_FELT, N_EVENTS> for SpatialGlider {
     }
 
     fn next_jump_s(&self, time_s: f64) -> Option<f64> {
-        let p = &self.body.plane;
-        (p.drag_step != 0.0 && p.step_time_s > time_s).then_some(p.step_time_s)
+        self.body.plane.next_step_s(time_s)
     }
 
     fn next_bend_s(&self, time_s: f64, state: &[f64; N_STATES]) -> Option<f64> {

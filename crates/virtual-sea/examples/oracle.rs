@@ -95,7 +95,7 @@ fn rank(sea: &Sea, speed: bool) -> Vec<(&'static str, f64)> {
     let plain = fit("none", 0.0);
     let mut ranking: Vec<(&'static str, f64)> = candidates()
         .map(|effect| {
-            let steps = if effect == "drag_step" { 4..17 } else { 0..1 };
+            let steps = if effect.ends_with("_step") { 4..17 } else { 0..1 };
             let best = steps.map(|hour| fit(effect, f64::from(hour) * 2160.0)).fold(f64::INFINITY, f64::min);
             (effect, plain - best)
         })
@@ -171,7 +171,8 @@ impl Model<'_> {
         let air = size_of("trapped_air", 0.0) * 101_325.0 / (101_325.0 + pressure);
         let volume =
             v.displaced_volume_m3 * (1.0 + strain) + 1e-6 * (size_of("ballast_scale", 1.0) * block.engine_cc + air);
-        let mass = v.mass_kg + size_of("ballast_offset", 0.0) + size_of("leak", 0.0) * block.time_s / 3600.0;
+        let hanging = if block.time_s >= self.step_s { size_of("net_mass_step", 0.0) } else { 0.0 };
+        let mass = v.mass_kg + size_of("ballast_offset", 0.0) + size_of("leak", 0.0) * block.time_s / 3600.0 + hanging;
         // The log's density was evaluated at the pressure read: 4.5e-3 kg/m3 per dbar are missing or too much.
         let density = block.density + 4.5e-7 * (pressure - block.pressure_pa);
         let net = mass - density * volume;

@@ -206,6 +206,8 @@ pub const TABLE: &[Effect] = &[
     effect!("yaw_asymmetry", "yaw_asymmetry_m3", Zero, Either, 4e-4..9e-4,
         "a pod on one side: yawing moment = dynamic pressure x this, + = on the starboard side; drag area = |this| / 0.15 m"),
     effect!("roll_offset", "roll_offset_rad", Zero, Either, 0.06..0.10, "roll read = true roll + this"),
+    // Last, since the stream of random numbers of an effect is that of its place.
+    effect!("net_mass_step", "net_mass_step_kg", Zero, Either, 0.02..0.06, "mass + this from t = net_mass_step_time_s on"),
 ];
 
 /// An effect that someone asked for.
@@ -333,6 +335,7 @@ fn companions(name: &str, random: &mut Stream, duration_s: f64) -> Vec<(&'static
         "late_expansion" => vec![("expansion_time_s", 60.0 * between(random, 5.0, 40.0))],
         "carried_water" => vec![("exchange_time_s", 60.0 * between(random, 10.0, 90.0))],
         "drag_step" => vec![("step_time_s", (duration_s * between(random, 0.3, 0.7)).round())],
+        "net_mass_step" => vec![("net_mass_step_time_s", (duration_s * between(random, 0.3, 0.7)).round())],
         "uncatalogued-sloughing" => vec![("regrowth_s", duration_s * between(random, 0.20, 0.35))],
         "uncatalogued-tide" => vec![("tidal_phase_rad", between(random, 0.0, TAU))],
         "uncatalogued-wing-loss" => vec![("lift_lost_from_s", (duration_s * between(random, 0.3, 0.7)).round())],

@@ -57,7 +57,9 @@ impl Memory {
 impl Hidden {
     /// True mass, kg, of a vehicle whose file says `mass_kg`, the water that it carries included.
     pub fn mass_kg(&self, mass_kg: f64, time_s: f64, memory: &Memory, pressure_pa: f64) -> f64 {
-        let dry_kg = mass_kg + self.ballast_offset_kg + self.leak_kg_per_hour * time_s / 3600.0 + memory.outside.mud_kg;
+        let hanging_kg = if time_s < self.lost_or_caught_at_s { 0.0 } else { self.lost_or_caught_kg };
+        let taken_in_kg = self.leak_kg_per_hour * time_s / 3600.0;
+        let dry_kg = mass_kg + self.ballast_offset_kg + taken_in_kg + hanging_kg + memory.outside.mud_kg;
         if self.carried_water_m3 == 0.0 {
             return dry_kg;
         }

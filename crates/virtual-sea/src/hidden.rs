@@ -50,6 +50,8 @@ hidden! {
     drag_growth_per_day = "drag_growth_per_day", |_| 0.0;
     drag_step = "drag_step", |_| 0.0;
     step_time_s = "step_time_s", |_| f64::INFINITY;
+    lost_or_caught_kg = "net_mass_step_kg", |_| 0.0;
+    lost_or_caught_at_s = "net_mass_step_time_s", |_| f64::INFINITY;
     drag_exponent = "drag_exponent", |_| 0.0;
     nonlinear_lift_per_rad2 = "nonlinear_lift_per_rad2", |_| 0.0;
     climb_dive_drag_ratio = "climb_dive_drag_ratio", |_| 1.0;

@@ -102,6 +102,11 @@ fn a_wrong_hand_computation_does_not_close() {
 fn masses_and_volumes_are_as_defined() {
     closes("ballast_offset=0.08", |_, hand| ByHand { mass_kg: hand.mass_kg + 0.08, ..hand });
     closes("leak=0.009", |now, hand| ByHand { mass_kg: hand.mass_kg + 0.009 * now.time_s / 3600.0, ..hand });
+    let at_s = still("net_mass_step=-0.05").0.truth.parameter("net_mass_step_time_s").expect("a time");
+    closes("net_mass_step=-0.05", |now, hand| ByHand {
+        mass_kg: hand.mass_kg - if now.time_s >= at_s { 0.05 } else { 0.0 },
+        ..hand
+    });
     closes("ballast_scale=0.9", |now, hand| ByHand { volume_m3: hand.volume_m3 - 0.1e-6 * now.engine_cc, ..hand });
     closes("trapped_air=80", |now, hand| {
         let air = 80e-6 * 101_325.0 / (101_325.0 + now.pressure_pa);

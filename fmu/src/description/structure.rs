@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
+use glidepolar_dynamics::steps::{N_STEPS, STEPS};
 use glidepolar_dynamics::{Modes, PARAMETERS, Parameters, State, Stop};
 use glidepolar_environment::WaterColumn;
 use glidepolar_spatial::LATERAL;
@@ -81,7 +82,7 @@ impl Probe {
         let table = self.model.table();
         let slot = |name| table.slot_of(name).expect("a variable of every model");
         let reference_of = |slot| table.reference_of(slot);
-        let (drag_step, step_time) = (slot("drag_step"), slot("step_time_s"));
+        let steps = STEPS.map(|step| (slot(step.size), slot(step.time)));
         let water = [slot("water_density_kg_m3"), slot("water_temperature_C")];
         let steering = match self.model {
             Model::Plane => Slot::Actuation,
@@ -101,11 +102,11 @@ impl Probe {
                     let switches = [
                         (steering, depends_on_choice(&glider, steering, variable.slot)),
                         (Slot::StartInTrim, depends_on_trim(&glider, variable.slot)),
-                        (step_time, found.contains(&reference_of(drag_step))),
                         (Slot::WaterSource, water.iter().any(|input| found.contains(&reference_of(*input)))),
                     ];
-                    found
-                        .extend(switches.iter().filter(|(_, switches)| *switches).map(|(slot, _)| reference_of(*slot)));
+                    let at_steps = steps.map(|(size, at_s)| (at_s, found.contains(&reference_of(size))));
+                    let switches = switches.iter().chain(&at_steps).filter(|(_, switches)| *switches);
+                    found.extend(switches.map(|(slot, _)| reference_of(*slot)));
                 }
             }
         }
@@ -248,7 +249,7 @@ fn point(odd: &mut OddNumbers, model: Model, depth: f64, choice: i32, stop: Stop
             }
         }
     }
-    glider.discrete.drag_has_stepped = true;
+    glider.discrete.has_stepped = [true; N_STEPS];
     glider
 }
 

@@ -1,6 +1,7 @@
 //! Model Exchange: time and states come from the importer's integrator, rates and event indicators go back. The
 //! handling of events is shared with Co-Simulation.
 
+use glidepolar_dynamics::steps::STEPS;
 use glidepolar_dynamics::{State, Stop};
 
 use super::Instance;
@@ -152,8 +153,10 @@ fn news(before: DiscreteState, after: DiscreteState) -> String {
     if before.modes.moving_mass != after.modes.moving_mass {
         news.push(format!("moving mass {}", stop(after.modes.moving_mass)));
     }
-    if before.drag_has_stepped != after.drag_has_stepped {
-        news.push("the step of the drag lies behind".to_owned());
+    for (i, step) in STEPS.iter().enumerate() {
+        if before.has_stepped[i] != after.has_stepped[i] {
+            news.push(format!("the step of the {} lies behind", step.of));
+        }
     }
     news.join(", ")
 }

@@ -15,7 +15,7 @@ use crate::model::flight::Integrator;
 use crate::model::glider::stop_number;
 
 const MARK: &[u8; 8] = b"glidepol";
-const VERSION: u32 = 7;
+const VERSION: u32 = 8;
 const RESOURCES_BYTES: usize = 8;
 const CHECKSUM_BYTES: usize = 4;
 
@@ -136,8 +136,7 @@ fn fields(core: &mut Core, codec: &mut impl Codec) -> Option<()> {
             _ => return None,
         };
     }
-    for flag in [
-        &mut discrete.drag_has_stepped,
+    for flag in discrete.has_stepped.iter_mut().chain([
         &mut discrete.at_surface,
         &mut discrete.on_seabed,
         &mut glider.uses_column,
@@ -145,7 +144,7 @@ fn fields(core: &mut Core, codec: &mut impl Codec) -> Option<()> {
         &mut core.slopes.any,
         &mut core.unsettled,
         &mut core.is_steered,
-    ] {
+    ]) {
         *flag = codec.byte(u8::from(*flag))? != 0;
     }
     glider.corners.0 = codec.byte(glider.corners.0)?;

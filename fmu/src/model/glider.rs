@@ -50,7 +50,7 @@ impl Glider {
     /// Brings the discrete state up to date with everything else. Returns whether a continuous state jumped.
     pub fn handle_event(&mut self) -> bool {
         let parameters = self.parameters();
-        self.discrete.drag_has_stepped = self.values.time_s >= parameters.step_time_s;
+        self.discrete.has_stepped = parameters.steps().map(|(_, at_s)| self.values.time_s >= at_s);
         let before = self.values.state;
         let seabed_depth_m = match self.model {
             Model::Plane => plane::settle(self),
@@ -73,8 +73,9 @@ impl Glider {
 
     /// When the next event comes that time alone brings.
     pub fn next_time_event_s(&self) -> Option<f64> {
-        let p = self.parameters();
-        (p.drag_step != 0.0 && !self.discrete.drag_has_stepped).then_some(p.step_time_s)
+        let steps = self.parameters().steps().into_iter().zip(self.discrete.has_stepped);
+        let ahead = steps.filter(|((size, _), has_stepped)| *size != 0.0 && !has_stepped);
+        ahead.map(|((_, at_s), _)| at_s).reduce(f64::min)
     }
 
     /// A view that computes what is asked for once, and only if it is asked for.

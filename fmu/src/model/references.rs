@@ -72,6 +72,8 @@ const PARAMETER_REFERENCES: &[(&str, u32, u32)] = &[
     ("pump_leakback_cc_per_hour", 141, 155),
     ("late_expansion_per_K", 159, 213),
     ("expansion_time_s", 160, 214),
+    ("net_mass_step_kg", 161, 215),
+    ("net_mass_step_time_s", 162, 216),
     ("empirical_acts_on", 142, 0),
     ("empirical_against", 143, 0),
     ("empirical_at_1", 144, 0),

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use glidepolar_dynamics::steps::N_STEPS;
 use glidepolar_dynamics::{Actuation, Modes, Parameters};
 use glidepolar_environment::{WaterAt, WaterColumn};
 use glidepolar_number::Number;
@@ -78,8 +79,9 @@ pub struct Glider {
 pub struct DiscreteState {
     /// Where ballast and moving mass stand.
     pub modes: Modes,
-    /// Whether the jump of drag lies behind.
-    pub drag_has_stepped: bool,
+    /// Whether each of the mechanisms that come at one time lies behind, in the order of
+    /// [`STEPS`](glidepolar_dynamics::steps::STEPS).
+    pub has_stepped: [bool; N_STEPS],
     /// Whether the hull breaks the surface.
     pub at_surface: bool,
     /// Whether the hull touches the seabed.
@@ -119,14 +121,16 @@ pub struct Rules<'a> {
 }
 
 impl Rules<'_> {
-    /// The parameters as the equations must see them until the next event: whether the jump of drag lies behind is a
-    /// mode, not a question of the time, so that no integrator meets the jump inside a step.
+    /// The parameters as the equations must see them until the next event: whether the step of drag or of net mass lies
+    /// behind is a mode, not a question of the time, so that no integrator meets it inside a step.
     pub(super) fn active<T: Number>(&self, parameters: &Parameters<T>) -> Parameters<T> {
         let mut active = *parameters;
-        if self.discrete.drag_has_stepped {
-            active.step_time_s = T::constant(f64::NEG_INFINITY);
-        } else {
-            active.drag_step = T::constant(0.0);
+        for ((size, at_s), has_stepped) in active.steps_mut().into_iter().zip(self.discrete.has_stepped) {
+            if has_stepped {
+                *at_s = T::constant(f64::NEG_INFINITY);
+            } else {
+                *size = T::constant(0.0);
+            }
         }
         active
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::history;
-use super::jumps::Jump;
+use super::jumps::{self, Jump};
 use super::salinity::{self, Shown};
 use crate::diagnose::evidence::{Candidate, Version};
 use crate::dynamics::buoyancy::WATER_COMPRESSIBILITY_PER_PA;
@@ -58,7 +58,7 @@ pub const LEVELS: [&str; 3] = ["ballast_offset", "pitch_offset", "density_bias"]
 /// The versions of mechanisms that are tried.
 #[derive(Debug, Clone, Default)]
 pub struct Tried {
-    /// Times at which the drag may have jumped.
+    /// Times at which something may have been lost or caught.
     pub jumps: Vec<Jump>,
     /// Mechanisms whose time constant is looked for closely.
     pub closer: BTreeMap<&'static str, history::Closer>,
@@ -94,10 +94,10 @@ pub fn list(bins: &[Bin], channels: &Channels, tried: &Tried, parameters: &Param
         let row = &PARAMETERS[index];
         let version = |jump: &Jump| {
             let (value, between) = (jump.time_s, jump.between_s);
-            Some(Version { name: "step_time_s", value, is_onset: true, between, unit: "s" })
+            mechanism.parameters.get(1).map(|name| Version { name, value, is_onset: true, between, unit: "s" })
         };
         let versions: Vec<Option<Version>> = match mechanism.name {
-            "drag_step" => tried.jumps.iter().map(version).collect(),
+            name if jumps::MECHANISMS.contains(&name) => tried.jumps.iter().map(version).collect(),
             name => history::versions(name, tried.closer.get(name).copied()),
         };
         // Where the density follows from temperature and salinity, a bias of it is one of the salinity.

@@ -1,17 +1,20 @@
-//! The times at which the drag may have jumped.
+//! The times at which something may have been lost or caught.
 //!
 //! Between legs first: few enough to be tried beside everything else. Around the one that is found, between any two bins: what
 //! is caught on the way down jumps in the middle of a leg. Knows bins alone.
 
 use crate::identify::{Bin, median_step_s};
 
+/// Mechanisms that come at one time, each tried at the same ones.
+pub const MECHANISMS: [&str; 2] = ["drag_step", "net_mass_step"];
+
 /// Most jumps between legs that are tried.
 const MOST_BETWEEN_LEGS: usize = 30;
 
-/// Legs before the first jump: what the drag was before it has to be known.
+/// Legs before the first jump: what drag and net mass were before it has to be known.
 const LEGS_BEFORE: usize = 2;
 
-/// A time at which the drag may have jumped.
+/// A time at which something may have been lost or caught.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Jump {
     /// The time \[s\].
@@ -57,4 +60,63 @@ fn all(bins: &[Bin]) -> impl Iterator<Item = Jump> {
         let [before_s, after_s] = [0, 1].map(|i| pair[i].mean.time_s);
         Jump { time_s: 0.5 * (before_s + after_s), between_s: [before_s - half_a_bin_s, after_s] }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::history::tests::log;
+    use super::super::{DiagnosisSettings, SeaProblem};
+    use super::*;
+    use crate::diagnose::Problem;
+    use crate::vehicle::Vehicle;
+
+    fn problem() -> SeaProblem {
+        let parameters = Vehicle::load("slocum-graver").expect("a vehicle").glide_parameters();
+        SeaProblem::new(&log(&parameters), &parameters, DiagnosisSettings::default()).expect("enough bins")
+    }
+
+    /// The candidates of a mechanism with their times.
+    fn versions(problem: &SeaProblem, mechanism: &str) -> impl Iterator<Item = (usize, f64)> {
+        let of_name = problem.candidates().iter().enumerate().filter(move |(_, candidate)| candidate.name == mechanism);
+        of_name.map(|(c, candidate)| (c, candidate.version.expect("a time").value))
+    }
+
+    #[test]
+    fn the_column_of_every_time_is_the_change_of_what_is_read_with_the_size() {
+        // What the inertia adds is no part of any slope.
+        let problem = problem();
+        let mut problem = SeaProblem { parts: problem.parts.without_inertia(), ..problem };
+        problem.baseline.pop();
+        let start = problem.start();
+        let before = problem.evidence(&start);
+        for (mechanism, size) in MECHANISMS.into_iter().zip([1e-3, 1e-4]) {
+            let times: Vec<(usize, f64)> = versions(&problem, mechanism).collect();
+            assert_eq!(times.len(), problem.tried.jumps.len(), "{mechanism}");
+            for (c, at_s) in times {
+                let mut point = start.clone();
+                point.candidates[c][0] += size;
+                let change = &before.residual - problem.evidence(&point).residual;
+                let column = before.candidates[c].column(0) * size;
+                let (most, off) = (column.amax(), (&change - &column).amax());
+                assert!(most > 1e-5 && off < 0.002 * most, "{mechanism} at {at_s} s: {off} of {most} m/s");
+                let is_still = |row: usize| before.time_s[row] >= at_s || column[row] == 0.0;
+                assert!((0..column.len()).all(is_still), "{mechanism} at {at_s} s acts before it");
+            }
+        }
+    }
+
+    /// What may have come at another time by another mechanism is looked for as closely, about both times.
+    #[test]
+    fn rivals_with_times_of_their_own_are_both_refined() {
+        let problem = problem();
+        let first = versions(&problem, MECHANISMS[0]).next().expect("a time");
+        let last = versions(&problem, MECHANISMS[1]).last().expect("a time");
+        let finer = problem.with_versions_about(&[first.0, last.0]).expect("times between");
+        for (mechanism, (_, at_s)) in MECHANISMS.iter().flat_map(|name| [(name, first), (name, last)]) {
+            let near = |problem: &SeaProblem| {
+                versions(problem, mechanism).filter(|(_, other_s)| (other_s - at_s).abs() < 800.0).count()
+            };
+            assert!(near(&finer) > near(&problem) + 5, "{mechanism} about {at_s} s: {}", near(&finer));
+        }
+    }
 }

@@ -235,15 +235,15 @@ impl SeaProblem {
         Ok(problem)
     }
 
-    /// The same problem with versions that are closer about some that were found: a jump of the drag between any two bins, a time
+    /// The same problem with versions that are closer about some that were found: a step between any two bins, a time
     /// constant between those that are tried. None where no candidate has versions, or the bins no jump between them.
     pub fn with_versions_about(&self, candidates: &[usize]) -> Option<SeaProblem> {
         let mut tried = self.tried.clone();
         let mut is_closer = false;
         for candidate in candidates.iter().map(|candidate| &self.candidates[*candidate]) {
             let Some(version) = candidate.version else { continue };
-            if candidate.name == "drag_step" {
-                tried.jumps = Jump::between_bins(&self.bins, &self.tried.jumps, version.value);
+            if jumps::MECHANISMS.contains(&candidate.name) {
+                tried.jumps = Jump::between_bins(&self.bins, &tried.jumps, version.value);
                 is_closer |= tried.jumps.len() != self.tried.jumps.len();
             } else {
                 tried.closer.insert(candidate.name, history::Closer::about(&version));
@@ -300,6 +300,7 @@ impl SeaProblem {
         (self.candidates, self.shapes) = (Vec::new(), Vec::new());
         let listed = candidates::list(&self.bins, &self.channels, &tried, &self.parameters);
         self.tried = tried;
+        let offset_row = parameter_index("ballast_offset_kg").expect("a row of the table");
         for (candidate, index) in listed {
             // Whoever knows the lift slope holds the law of lift: a bend of it would let the slope go again.
             if self.lift != Lift::Fitted && candidate.name == "nonlinear_lift" {
@@ -326,6 +327,8 @@ impl SeaProblem {
                 None if candidate.name == late_attitude::MECHANISM => {
                     Slopes::PitchRate(self.late_attitude.pitch_rates(&self.bins))
                 }
+                // The model's slope along a step is zero before it. Behind any other time it is the slope along the offset.
+                None if candidate.name == "net_mass_step" => Slopes::Direction(self.directions.index_of(offset_row)),
                 None => Slopes::Direction(self.directions.index_of(index)),
                 Some(acts) => {
                     let mut parameters = self.parameters;
@@ -336,10 +339,10 @@ impl SeaProblem {
                         continue;
                     }
                     let carrier = match acts {
-                        history::Acts::NetMass => parameter_index("ballast_offset_kg"),
+                        history::Acts::NetMass => Some(self.directions.index_of(offset_row)),
                         history::Acts::Reading => None,
                     };
-                    Slopes::Past { column, carrier: carrier.map(|row| self.directions.index_of(row)) }
+                    Slopes::Past { column, carrier }
                 }
             };
             self.candidates.push(candidate);

@@ -89,8 +89,7 @@ impl integrate::System for Course<'_> {
     }
 
     fn next_jump_s(&self, time_s: f64) -> Option<f64> {
-        let p = self.parameters;
-        (p.drag_step != 0.0 && p.step_time_s > time_s).then_some(p.step_time_s)
+        self.parameters.next_step_s(time_s)
     }
 
     fn next_bend_s(&self, time_s: f64, state: &State<f64>) -> Option<f64> {

@@ -178,6 +178,16 @@ pub const AT_SEA: &[Mechanism] = &[
         "after one moment"
     ),
     mechanism!(
+        "net_mass_step",
+        Motion,
+        ["net_mass_step_kg", "net_mass_step_time_s"],
+        // An instrument or a fishing line weighs tens of grams to some hundred in water.
+        open_ended(0.1),
+        "Something with weight is lost or caught: the net mass steps at one time",
+        "conservation of mass",
+        "after one moment, opposite on the two legs"
+    ),
+    mechanism!(
         "reynolds_drag",
         Motion,
         ["drag_exponent"],
