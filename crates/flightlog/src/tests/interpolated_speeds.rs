@@ -21,6 +21,9 @@ fn ping(k: f64) -> f64 {
 
 const EVERY_S: f64 = 60.0;
 
+/// How a file keeps a speed.
+type Store<'a> = &'a dyn Fn(f64) -> f64;
+
 fn by_straight_lines(time_s: f64) -> f64 {
     let (before, share) = ((time_s / EVERY_S).floor(), (time_s / EVERY_S).fract());
     ping(before) * (1.0 - share) + ping(before + 1.0) * share
@@ -36,7 +39,7 @@ fn the_values_between_which_a_speed_was_interpolated_come_back() {
     // coarsest: a profiler's own noise is tens of times that, and a third of the bends are too weak to be seen.
     let of_32_bits = |speed_m_s: f64| f64::from(speed_m_s as f32);
     let digits = |digits: i32| move |speed_m_s: f64| rounded(speed_m_s, digits);
-    let stored: [(&dyn Fn(f64) -> f64, f64, usize); 5] = [
+    let stored: [(Store<'_>, f64, usize); 5] = [
         (&|speed_m_s| speed_m_s, 1e-9, 90),
         (&of_32_bits, 1e-6, 90),
         (&digits(6), 1e-4, 90),
