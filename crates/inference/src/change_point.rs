@@ -4,12 +4,9 @@
 //! versions differ (between two stretches of glide nothing tells when the drag jumped), and with every value as likely
 //! beforehand, its probability is
 //! ```text
-//! p_v ~ (high_v - low_v) exp(-L_v),      L_v = min(D_v, 2 D_v^2 / V_v),      D_v = (gain_best - gain_v) / 2
+//! p_v ~ (high_v - low_v) exp(gain_v / 2)
 //! ```
-//! where `V_v` is the variance of `D_v` by its scatter between clusters. With the right noise `V_v` is `2 D_v` near the best version, and
-//! `L_v` is `D_v`. Where clusters scatter more, the likelihood is too sharp by the factor `V_v / (2 D_v)`, by which `L_v` divides it (a
-//! composite likelihood: Pauli, Racugno, Ventura 2011). Of these is made the interval of that value, and what not knowing it adds to the
-//! uncertainty of the mechanism's size.
+//! Of these is made the interval of that value, and what not knowing it adds to the uncertainty of the mechanism's size.
 
 use std::collections::BTreeMap;
 
@@ -64,7 +61,6 @@ fn rivals<'a>(
     };
     let first: usize = members[..place].iter().map(|other| candidates[*other].parameters.len()).sum();
     let mut gains: Vec<f64> = Vec::new();
-    let mut left: Vec<Vec<f64>> = Vec::new();
     let mut found: Vec<Rival<'a>> = Vec::new();
     for &version in &versions {
         let mut set = members.to_vec();
@@ -72,11 +68,6 @@ fn rivals<'a>(
         let fit = iteration.score.fit(&search.columns(&set));
         let neutral = &candidates[version].neutral;
         gains.push(fit.gain);
-        left.push(if versions.len() > 1 {
-            iteration.score.squares_by_cluster(&search.columns(&set))
-        } else {
-            Vec::new()
-        });
         found.push(Rival {
             probability: candidates[version].version.as_ref().map_or(1.0, |v| v.between[1] - v.between[0]),
             value: neutral.iter().enumerate().map(|(i, neutral)| neutral + fit.step[first + i]).collect(),
@@ -84,23 +75,11 @@ fn rivals<'a>(
             version: candidates[version].version.as_ref(),
         });
     }
-    let best = (0..gains.len()).max_by(|a, b| gains[*a].total_cmp(&gains[*b])).unwrap_or(0);
-    for (i, rival) in found.iter_mut().enumerate() {
-        rival.probability *= (-less_likely(0.5 * (gains[best] - gains[i]), [&left[best], &left[i]])).exp();
-    }
+    let most = gains.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    found.iter_mut().zip(&gains).for_each(|(rival, gain)| rival.probability *= (0.5 * (gain - most)).exp());
     let sum: f64 = found.iter().map(|rival| rival.probability).sum();
     found.iter_mut().for_each(|rival| rival.probability /= sum.max(f64::MIN_POSITIVE));
     (found, versions.iter().position(|version| *version == member).unwrap_or(0))
-}
-
-/// By how much the logarithm of the likelihood of a version is below that of the best, by what it is below it by the model of the noise
-/// and the squares that each of the two leaves in each cluster.
-fn less_likely(by_model: f64, [best, other]: [&[f64]; 2]) -> f64 {
-    let n = best.len() as f64;
-    let differences = || other.iter().zip(best).map(|(other, best)| 0.5 * (other - best));
-    let mean = differences().sum::<f64>() / n;
-    let variance = differences().map(|difference| (difference - mean).powi(2)).sum::<f64>() * n / (n - 1.0);
-    if n > 1.0 && variance > 0.0 { by_model.min(2.0 * by_model.powi(2) / variance) } else { by_model }
 }
 
 /// The value of a version that was taken, with the 95 % interval and the scatter about it of a mixture of even
@@ -130,34 +109,10 @@ fn of_ranges(taken: &Version, ranges: &[(f64, [f64; 2])]) -> Estimate {
 
 #[cfg(test)]
 mod tests {
-    use statrs::distribution::ContinuousCDF;
-
     use super::*;
 
     fn taken(value: f64) -> Version {
         Version { name: "step_time_s", value, is_onset: true, between: [value - 1.0, value + 1.0], unit: "s" }
-    }
-
-    /// Clusters of independent normal rows of unit variance with a mean of 0.1: the likelihood of the mean zero is below the best by half
-    /// of n mean^2 by the model, and by as much by the clusters. Rows that come in fives of one value are a fifth as many.
-    #[test]
-    fn a_likelihood_is_as_sharp_as_its_clusters_say() {
-        // Quantiles of the normal distribution in an order without a pattern.
-        let normal = statrs::distribution::Normal::standard();
-        let quantile = |i: usize| normal.inverse_cdf(((i * 377) % 1000) as f64 / 1000.0 + 0.0005);
-        let lost = |rows: &dyn Fn(usize) -> f64| {
-            let rows: Vec<f64> = (0..1000).map(|i| 0.1 + rows(i)).collect();
-            let mean = rows.iter().sum::<f64>() / 1000.0;
-            let left = |about: f64| -> Vec<f64> {
-                rows.chunks(20).map(|rows| rows.iter().map(|row| (row - about).powi(2)).sum()).collect()
-            };
-            let by_model = 0.5 * 1000.0 * mean * mean;
-            less_likely(by_model, [&left(mean), &left(0.0)]) / by_model
-        };
-        let alone = lost(&quantile);
-        let in_fives = lost(&|i| quantile(i / 5 * 5));
-        assert!((0.6..=1.0).contains(&alone), "{alone}");
-        assert!((0.12..0.35).contains(&in_fives), "{in_fives}");
     }
 
     #[test]
