@@ -209,8 +209,8 @@ impl Reader {
             Ok((header, sensors, is_big_endian)) => {
                 if !header::same_list(&self.header, &header) || self.header.segment() != header.segment() {
                     let problem = format!(
-                        "another file begins here, `{}`; it is read on, but taken apart here the two would find the files \
-                         that their glider's other computer wrote",
+                        "another file begins here, `{}`; it is read on; split the file here, that each part is merged with \
+                         the file of the glider's other computer",
                         header.segment().escape_debug()
                     );
                     self.bytes.damaged(place, problem);

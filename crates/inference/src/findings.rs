@@ -20,6 +20,18 @@ pub enum Verdict {
     Unexplained,
 }
 
+impl Verdict {
+    /// The verdict where causes are named or not, and something is left unexplained or not.
+    pub fn new(is_named: bool, is_left: bool) -> Verdict {
+        match (is_named, is_left) {
+            (false, false) => Verdict::None,
+            (true, false) => Verdict::Explained,
+            (true, true) => Verdict::PartlyExplained,
+            (false, true) => Verdict::Unexplained,
+        }
+    }
+}
+
 /// What came out of one check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -260,4 +272,12 @@ pub struct Diagnosis {
     pub gains: Vec<Gain>,
     /// The file with the extended model, where one was written.
     pub extended: Option<String>,
+}
+
+impl Diagnosis {
+    /// Says that this is left unexplained beside the causes.
+    pub fn leave_unexplained(&mut self, unexplained: Unexplained) {
+        self.verdict = Verdict::new(!self.causes.is_empty(), true);
+        self.unexplained = Some(unexplained);
+    }
 }

@@ -64,12 +64,7 @@ pub(super) fn report(
         depends_on.extend(relevant.take(1).map(|left| left.depends_on.clone()));
     }
     let unexplained = (!depends_on.is_empty()).then(|| left_over(extended, &left, depends_on));
-    let verdict = match (causes.is_empty(), unexplained.is_some()) {
-        (true, false) => Verdict::None,
-        (true, true) => Verdict::Unexplained,
-        (false, true) => Verdict::PartlyExplained,
-        (false, false) => Verdict::Explained,
-    };
+    let verdict = Verdict::new(!causes.is_empty(), unexplained.is_some());
     let diagnosis = Diagnosis {
         schema: "glidepolar.diagnosis/1",
         verdict,

@@ -11,7 +11,7 @@ use glidepolar_inference::level_shift::LevelShift;
 use nalgebra::{DMatrix, DVector};
 
 use super::VERTICAL_VELOCITY;
-use crate::diagnose::findings::{Judged, Left, Unexplained, Verdict, Wrong};
+use crate::diagnose::findings::{Judged, Left, Unexplained, Wrong};
 use crate::diagnose::score::CLEARLY_WRONG;
 use crate::diagnose::{Evidence, Outcome, Problem, holdout};
 
@@ -21,9 +21,6 @@ const LEAST_DIVES: usize = 2;
 /// Most parts of a log, of a dive each or of several one after the other, among which runs are looked for.
 const MOST_PARTS: usize = 60;
 
-/// The covariate along which it is reported.
-const BY: &str = "time";
-
 /// Where some dives tell of such a change, adds it to what was said: a verdict `none` becomes `unexplained`.
 pub(super) fn add(outcome: &mut Outcome, problem: &impl Problem) {
     if outcome.diagnosis.unexplained.is_some() {
@@ -31,39 +28,36 @@ pub(super) fn add(outcome: &mut Outcome, problem: &impl Problem) {
     }
     let Some(wrong) = misfit(outcome, problem, &problem.evidence(&outcome.after.point)) else { return };
     let diagnosis = &mut outcome.diagnosis;
-    diagnosis.verdict = if diagnosis.causes.is_empty() { Verdict::Unexplained } else { Verdict::PartlyExplained };
-    diagnosis.unexplained =
-        Some(Unexplained { quantity: VERTICAL_VELOCITY.to_owned(), rms: wrong.rms, depends_on: vec![BY.to_owned()] });
-    diagnosis.left.retain(|left| left.quantity != VERTICAL_VELOCITY);
-    diagnosis.left.insert(
-        0,
-        Left {
-            quantity: VERTICAL_VELOCITY.to_owned(),
-            depends_on: BY.to_owned(),
-            size: wrong.size,
-            relevant_above: wrong.relevant_above,
-            p_value: wrong.p_value,
-            judged: Judged::Relevant,
-        },
-    );
+    diagnosis.leave_unexplained(Unexplained {
+        quantity: wrong.quantity.clone(),
+        rms: wrong.rms,
+        depends_on: vec![wrong.regime.clone()],
+    });
+    diagnosis.left.retain(|left| left.quantity != wrong.quantity);
+    let left = Left {
+        quantity: wrong.quantity.clone(),
+        depends_on: wrong.regime.clone(),
+        size: wrong.size,
+        relevant_above: wrong.relevant_above,
+        p_value: wrong.p_value,
+        judged: Judged::Relevant,
+    };
+    diagnosis.left.insert(0, left);
     diagnosis.wrong.push(wrong);
 }
 
 fn misfit(outcome: &Outcome, problem: &impl Problem, evidence: &Evidence) -> Option<Wrong> {
     let quantity = evidence.quantities.iter().find(|quantity| quantity.name == VERTICAL_VELOCITY)?;
-    let dives = of_dives(evidence, &outcome.after.residual, quantity.rows.clone());
-    let together = dives.chunks(dives.len().div_ceil(MOST_PARTS).max(1));
-    let dives =
-        DVector::from_iterator(together.len(), together.map(|dives| dives.iter().sum::<f64>() / dives.len() as f64));
-    let mean = DMatrix::from_element(dives.len(), 1, 1.0);
-    let found = LevelShift::clearest(&mean, &runs(dives.len())?, &dives, 0.0)?;
-    let sd = &outcome.after.sd[quantity.rows.clone()];
+    let rows = quantity.rows.clone();
+    let residual = &outcome.after.residual.as_slice()[rows.clone()];
+    let found = clearest(&of_dives(&evidence.block[rows.clone()], &evidence.leg[rows.clone()], residual))?;
+    let sd = &outcome.after.sd[rows.clone()];
     let scatter = (sd.iter().map(|sd| sd * sd).sum::<f64>() / sd.len() as f64).sqrt();
     let limit = problem.relevance(quantity, scatter);
     (found.p_value < CLEARLY_WRONG && found.least_size() > limit).then(|| Wrong {
         quantity: quantity.name.to_owned(),
-        regime: BY.to_owned(),
-        rms: holdout::rms(&outcome.after.residual, quantity.rows.clone()),
+        regime: "time".to_owned(),
+        rms: holdout::rms(&outcome.after.residual, rows),
         expected_rms: scatter,
         size: found.size,
         relevant_above: limit,
@@ -71,17 +65,28 @@ fn misfit(outcome: &Outcome, problem: &impl Problem, evidence: &Evidence) -> Opt
     })
 }
 
-/// Half the difference of the mean misfits of each descent and the ascent after it, in the order of time.
-fn of_dives(evidence: &Evidence, residual: &DVector<f64>, rows: std::ops::Range<usize>) -> Vec<f64> {
-    // Rows of one leg stand together: its number, its direction, the mean.
-    let mut legs: Vec<(usize, f64, f64)> = Vec::new();
-    let places: Vec<usize> = rows.collect();
-    for leg in places.chunk_by(|a, b| evidence.block[*a] == evidence.block[*b]) {
-        let mean = leg.iter().map(|row| residual[*row]).sum::<f64>() / leg.len() as f64;
-        legs.push((evidence.block[leg[0]], evidence.leg[leg[0]], mean));
-    }
+/// Half the difference of the mean misfits of each descent and the ascent after it, in the order of time: `block` is the number of each
+/// row's leg, `leg` positive on descents.
+fn of_dives(block: &[usize], leg: &[f64], residual: &[f64]) -> Vec<f64> {
+    let mut first = 0;
+    let legs: Vec<(usize, f64, f64)> = block
+        .chunk_by(|a, b| a == b)
+        .map(|rows| {
+            let own = first..first + rows.len();
+            first = own.end;
+            (rows[0], leg[own.start], residual[own].iter().sum::<f64>() / rows.len() as f64)
+        })
+        .collect();
     let is_dive = |pair: &&[(usize, f64, f64)]| pair[1].0 == pair[0].0 + 1 && pair[0].1 > 0.0 && pair[1].1 < 0.0;
     legs.windows(2).filter(is_dive).map(|pair| 0.5 * (pair[0].2 - pair[1].2)).collect()
+}
+
+/// The run of dives that differs most clearly from the others; none with too few dives.
+fn clearest(dives: &[f64]) -> Option<LevelShift> {
+    let together = dives.chunks(dives.len().div_ceil(MOST_PARTS).max(1));
+    let parts: Vec<f64> = together.map(|dives| dives.iter().sum::<f64>() / dives.len() as f64).collect();
+    let mean = DMatrix::from_element(parts.len(), 1, 1.0);
+    LevelShift::clearest(&mean, &runs(parts.len())?, &DVector::from_vec(parts), 0.0)
 }
 
 /// Every run of dives that leaves enough of them inside and outside, a column each; none with too few dives.
@@ -97,4 +102,41 @@ fn runs(dives: usize) -> Option<DMatrix<f64>> {
         .map(|(first, end)| DVector::from_fn(dives, |dive, _| if (first..end).contains(&dive) { 1.0 } else { 0.0 }))
         .collect();
     (!columns.is_empty()).then(|| DMatrix::from_columns(&columns))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sixteen dives of five rows a leg in water that sinks and rises within five dives by 10 mm/s, and with scatter of 1 mm/s; on some
+    /// of them the glider is slower by so much.
+    fn of_log(slower_m_s: f64) -> Vec<f64> {
+        let row = |i: usize| (i / 5, if (i / 5).is_multiple_of(2) { 1.0 } else { -1.0 });
+        let residual = |i: usize| {
+            let (block, leg) = row(i);
+            let water = 0.01 * (std::f64::consts::TAU * i as f64 / 50.0).sin();
+            let scatter = 1e-3 * (12.9898 * i as f64).sin();
+            water + scatter + if (8..14).contains(&(block / 2)) { leg * slower_m_s } else { 0.0 }
+        };
+        let rows = 0..160;
+        let (block, leg): (Vec<usize>, Vec<f64>) = rows.clone().map(row).unzip();
+        of_dives(&block, &leg, &rows.map(residual).collect::<Vec<f64>>())
+    }
+
+    #[test]
+    fn dives_that_are_slower_on_both_legs_stand_out_of_moving_water() {
+        let clear = clearest(&of_log(0.01)).expect("dives");
+        assert!(clear.p_value < CLEARLY_WRONG, "{clear:?}");
+        // 0.01 on six of sixteen dives is 0.01 sqrt(6/16 10/16) about their mean.
+        assert!((clear.size - 0.00484).abs() < 1e-3, "{clear:?}");
+        let nothing = clearest(&of_log(0.0)).expect("dives");
+        assert!(nothing.p_value > 0.01, "{nothing:?}");
+        assert_eq!(clearest(&[0.0, 1.0, 2.0]), None, "two against one");
+    }
+
+    #[test]
+    fn a_dive_is_a_descent_and_the_ascent_after_it() {
+        let found = of_dives(&[0, 0, 1, 2, 4, 5], &[1.0, 1.0, -1.0, 1.0, 1.0, -1.0], &[1.0, 3.0, 0.5, 9.0, 4.0, 2.0]);
+        assert_eq!(found, [0.75, 1.0]);
+    }
 }

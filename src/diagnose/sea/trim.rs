@@ -88,12 +88,7 @@ pub(super) fn report(outcome: &mut Outcome, most_kg: f64) {
             // They would stand in the place of what is no cause any more.
             diagnosis.alternatives.clear();
         }
-        diagnosis.verdict = match (diagnosis.causes.is_empty(), diagnosis.unexplained.is_some()) {
-            (true, false) => Verdict::None,
-            (true, true) => Verdict::Unexplained,
-            (false, true) => Verdict::PartlyExplained,
-            (false, false) => Verdict::Explained,
-        };
+        diagnosis.verdict = Verdict::new(!diagnosis.causes.is_empty(), diagnosis.unexplained.is_some());
     }
     diagnosis.trim = Some(offset);
 }

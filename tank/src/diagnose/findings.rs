@@ -205,12 +205,7 @@ impl Teller<'_> {
             Unexplained { rms: rms(&outcome.after.residual, self.rows(quantity, runs)), ..unexplained.clone() }
         });
         Diagnosis {
-            verdict: match (causes.is_empty(), unexplained.is_some()) {
-                (true, false) => Verdict::None,
-                (true, true) => Verdict::Unexplained,
-                (false, true) => Verdict::PartlyExplained,
-                (false, false) => Verdict::Explained,
-            },
+            verdict: Verdict::new(!causes.is_empty(), unexplained.is_some()),
             wrong: self.wrong(campaign, runs),
             causes,
             unexplained,

@@ -14,7 +14,10 @@ use super::data::Data;
 use super::independent_rows::IndependentRows;
 use super::problem::TankProblem;
 
-/// Runs on either side of a step: fewer are runs of their own.
+/// What such a misfit goes with.
+pub const RUN_ORDER: &str = "run order";
+
+/// Fewest runs on either side of a step: with fewer, single runs that went wrong would look like one.
 const LEAST_RUNS: usize = 3;
 
 /// The coefficients whose level is another one from some run on, by a relevant size.
@@ -38,7 +41,7 @@ pub fn misfits(outcome: &Outcome, data: &Data, problem: &TankProblem<'_>) -> Vec
         let limit = problem.relevance(rows.quantity, noise);
         (p_value < CLEARLY_WRONG && found.least_size() * rows.noise() > limit).then(|| Wrong {
             quantity: rows.quantity.name.to_owned(),
-            regime: "run order".to_owned(),
+            regime: RUN_ORDER.to_owned(),
             rms: holdout::rms(&outcome.after.residual, rows.quantity.rows.clone()),
             expected_rms: noise,
             size: found.size * rows.noise(),

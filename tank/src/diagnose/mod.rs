@@ -27,7 +27,7 @@ mod zero_runs;
 
 use glidepolar_hull::hull_tests::ExtendedFit;
 use glidepolar_inference::relevance::Relevance;
-use glidepolar_inference::{Diagnosis, Outcome, Unexplained, Verdict, diagnose_in_full};
+use glidepolar_inference::{Diagnosis, Outcome, Unexplained, diagnose_in_full};
 
 use crate::hull_results::HullResults;
 pub use data::{Data, SteadyData, Tared, ZeroRun, ZeroTimes, zero_times};
@@ -145,19 +145,16 @@ fn add_what_no_curve_shows(outcome: &mut Outcome, data: &Data, problem: &TankPro
         return;
     }
     let mut found = repeats::misfits(outcome, data, problem);
-    let of_order = level_shift::misfits(outcome, data, problem);
-    let by_order = of_order.iter().map(|wrong| wrong.p_value).fold(f64::INFINITY, f64::min);
-    found.extend(of_order);
+    found.extend(level_shift::misfits(outcome, data, problem));
     let Some(clearest) = found.iter().min_by(|a, b| a.p_value.total_cmp(&b.p_value)) else { return };
     let diagnosis = &mut outcome.diagnosis;
-    let depends_on = if clearest.p_value == by_order {
+    let depends_on = if clearest.regime == level_shift::RUN_ORDER {
         vec![clearest.regime.clone()]
     } else {
         let left = diagnosis.left.iter().filter(|left| left.quantity == clearest.quantity);
         left.map(|left| left.depends_on.clone()).collect()
     };
-    diagnosis.unexplained = Some(Unexplained { quantity: clearest.quantity.clone(), rms: clearest.rms, depends_on });
-    diagnosis.verdict = if diagnosis.causes.is_empty() { Verdict::Unexplained } else { Verdict::PartlyExplained };
+    diagnosis.leave_unexplained(Unexplained { quantity: clearest.quantity.clone(), rms: clearest.rms, depends_on });
     diagnosis.wrong.extend(found);
 }
 
