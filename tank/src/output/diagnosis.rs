@@ -77,11 +77,11 @@ fn wrong(diagnosis: &Diagnosis) -> String {
                 .collect();
             let also = if also.is_empty() { String::new() } else { format!("; also {}", also.join(", ")) };
             format!(
-                "{} departs from its law with {}: rms {:.2e} where the noise explains {:.2e} ({}){also}.",
+                "{} departs from its law with {} by {:.2e} rms, of a misfit of {:.2e} ({}){also}.",
                 wrong.quantity,
                 wrong.regime,
+                wrong.size,
                 wrong.rms,
-                wrong.expected_rms,
                 probability(wrong.p_value)
             )
         }
