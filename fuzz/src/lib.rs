@@ -6,11 +6,10 @@
 //!
 //! [`Target::seeds`] are made from the project's own examples. Several files in one input are parted by a line `%%`.
 
-mod command;
 mod files;
 mod targets;
 
-pub use targets::{TARGETS, target};
+pub use targets::{target, targets};
 
 /// One way in.
 pub struct Target {

@@ -19,6 +19,12 @@ const COVERAGE: [&str; 6] = [
     "--cfg=fuzzing",
 ];
 
+/// Targets of what reads files, and of the FMU.
+const READERS: &str = "fuzz/src/targets";
+
+/// Targets behind the commands.
+const COMMANDS: &str = "fuzz/src/targets/commands";
+
 /// Longer than this for one input is a hang \[s\].
 const PATIENCE_S: u32 = 20;
 
@@ -47,7 +53,9 @@ pub struct Choice {
 
 /// Builds the targets and runs them, one after the other.
 pub fn run(workspace: &Workspace, choice: &Choice) -> Result<()> {
-    let known = known(workspace)?;
+    let readers = targets_in(workspace, READERS)?;
+    let mut known = [readers.clone(), targets_in(workspace, COMMANDS)?].concat();
+    known.sort();
     if choice.list {
         known.iter().for_each(|name| println!("{name}"));
         return Ok(());
@@ -55,8 +63,9 @@ pub fn run(workspace: &Workspace, choice: &Choice) -> Result<()> {
     if let Some(unknown) = choice.targets.iter().find(|name| !known.contains(name)) {
         bail!("there is no target {unknown}; the targets are {}", known.join(", "));
     }
-    let program = build(workspace, choice.quick)?;
     let targets = if choice.targets.is_empty() { &known } else { &choice.targets };
+    let with_commands = targets.iter().any(|target| !readers.contains(target));
+    let program = build(workspace, choice.quick, with_commands)?;
     let mut failed = Vec::new();
     for target in targets {
         if let Err(error) = fuzz(workspace, &program, target, choice) {
@@ -70,12 +79,16 @@ pub fn run(workspace: &Workspace, choice: &Choice) -> Result<()> {
     Ok(())
 }
 
-/// The names of the targets, as the table of them has them.
-fn known(workspace: &Workspace) -> Result<Vec<String>> {
+/// The names of the targets in the files of this folder.
+fn targets_in(workspace: &Workspace, folder: &str) -> Result<Vec<String>> {
     let mut names = Vec::new();
-    let folder = workspace.path("fuzz/src/targets");
+    let folder = workspace.path(folder);
     for entry in fs::read_dir(&folder).with_context(|| format!("cannot read {}", folder.display()))? {
-        let text = fs::read_to_string(entry?.path())?;
+        let file = entry?.path();
+        if file.is_dir() {
+            continue;
+        }
+        let text = fs::read_to_string(file)?;
         let mut rest = text.as_str();
         while let Some((_, after)) = rest.split_once(": Target =") {
             let name = after.split_once("name: \"").and_then(|(_, name)| name.split_once('"'));
@@ -84,17 +97,20 @@ fn known(workspace: &Workspace) -> Result<Vec<String>> {
             rest = after;
         }
     }
-    names.sort();
     Ok(names)
 }
 
-fn build(workspace: &Workspace, quick: bool) -> Result<PathBuf> {
+/// Builds the targets; without those of the commands in half the time.
+fn build(workspace: &Workspace, quick: bool, with_commands: bool) -> Result<PathBuf> {
     let host = Platform::host()?;
     let folder = workspace.target("fuzz");
     eprintln!("building the targets with coverage (for the first time this takes some minutes)");
     let mut command = workspace.cargo();
     let (profile, built) = if quick { ("dev", "debug") } else { ("release", "release") };
     command.args(["build", "--profile", profile, "--locked", "--manifest-path", "fuzz/libfuzzer/Cargo.toml"]);
+    if !with_commands {
+        command.arg("--no-default-features");
+    }
     // A target of its own keeps coverage out of what runs while building.
     command.args(["--target", host.triple]).arg("--target-dir").arg(&folder);
     command.env("CARGO_ENCODED_RUSTFLAGS", COVERAGE.join("\x1f"));

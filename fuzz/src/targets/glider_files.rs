@@ -1,6 +1,6 @@
 //! Files as gliders write them: binary ones of a Slocum, tables of a SeaExplorer.
 
-use glidepolar::log::{Columns, LogFiles};
+use glidepolar_flightlog::{Columns, LogFiles};
 
 use crate::Target;
 use crate::files::{Folder, joined, parts};

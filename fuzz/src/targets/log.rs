@@ -1,10 +1,9 @@
-//! Flight logs: CSV and NetCDF, up to samples that a fit can use, and the fit.
+//! Flight logs: CSV and NetCDF, up to samples that a fit can use.
 
-use glidepolar::log::{Channel, Columns, LogFiles, Opened, Preparation, PreparationSettings, open};
+use glidepolar_flightlog::{Channel, Columns, LogFiles, Opened, Preparation, PreparationSettings, open};
 use glidepolar_virtual_sea::{Options, generate};
 
 use crate::Target;
-use crate::command::glidepolar;
 use crate::files::{Folder, thinned};
 
 #[path = "../../../crates/flightlog/src/tests/classic.rs"]
@@ -24,14 +23,6 @@ pub const NETCDF: Target = Target {
     run: netcdf,
     seeds: netcdf_logs,
     catches_panics: true,
-};
-
-pub const IDENTIFY: Target = Target {
-    name: "identify",
-    what: "a flight log in CSV, and the polar from it",
-    run: identify,
-    seeds: logs,
-    catches_panics: false,
 };
 
 /// Rows of a log that are read at once: few, so that pieces meet.
@@ -69,15 +60,8 @@ fn read(name: &str, data: &[u8]) {
     assert!(observations.iter().all(|o| o.pressure_dbar.is_finite() && o.time_s.is_finite()));
 }
 
-fn identify(data: &[u8]) {
-    let folder = Folder::new();
-    let log = folder.write("log.csv", data);
-    let log = log.to_string_lossy();
-    glidepolar(folder.root(), &["identify", &log, "--vehicle", "slocum-049", "--density", "1026"]);
-}
-
 /// Two short dives of a simulated glider, and a table of glides.
-fn logs() -> Vec<Vec<u8>> {
+pub fn logs() -> Vec<Vec<u8>> {
     let sea = generate(&Options { hours: 1.0, dives: 2, ..Options::seeded(1) });
     let glides = "glide,start_s,duration_s,mean_depth_m,pitch_rad,vbd_cc,w_m_s,density_kg_m3,temperature_C\n\
         0,0,300,40,-0.45,-220,-0.16,1026.1,9\n1,400,300,40,0.44,230,0.17,1026.2,9\n\

@@ -1,43 +1,43 @@
-//! The targets, one file for what belongs together.
+//! The targets, one file for what belongs together. Those of [`commands`] need the programs, the others the readers alone.
 
 mod archive;
+#[cfg(feature = "commands")]
+mod commands;
 mod fmu_calls;
 mod fmu_state;
 mod glider_files;
 mod log;
-mod pilot;
 mod table;
-mod tank;
-mod toml;
+mod vehicle;
 mod vehicle_fmu;
 
 use crate::Target;
 
-/// Every target.
-pub const TARGETS: &[Target] = &[
-    tank::CAMPAIGN,
-    tank::POINTS,
-    tank::REDUCTION,
+/// Targets of what reads files, and of the FMU.
+const READERS: &[Target] = &[
     log::CSV,
     log::NETCDF,
     glider_files::SLOCUM,
     glider_files::SEAEXPLORER,
-    log::IDENTIFY,
-    pilot::TRACK,
-    pilot::CALIBRATION,
-    pilot::INPUTS,
-    pilot::SWEEP,
     table::TABLE,
-    toml::VEHICLE,
-    toml::MISSION,
+    vehicle::VEHICLE,
     archive::ARCHIVE,
-    vehicle_fmu::TEMPLATE,
     vehicle_fmu::RESOURCES,
     fmu_state::STATE,
     fmu_calls::CALLS,
 ];
 
+#[cfg(feature = "commands")]
+const COMMANDS: &[Target] = commands::TARGETS;
+#[cfg(not(feature = "commands"))]
+const COMMANDS: &[Target] = &[];
+
+/// Every target that this build has.
+pub fn targets() -> impl Iterator<Item = &'static Target> {
+    READERS.iter().chain(COMMANDS)
+}
+
 /// The target of this name.
 pub fn target(name: &str) -> Option<&'static Target> {
-    TARGETS.iter().find(|target| target.name == name)
+    targets().find(|target| target.name == name)
 }

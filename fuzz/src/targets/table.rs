@@ -1,6 +1,6 @@
 //! Tables beside a log, in any dialect of logs, and the plain form that their readers get.
 
-use glidepolar::log::{Dates, plain_table};
+use glidepolar_flightlog::{Dates, plain_table};
 
 use crate::Target;
 use crate::files::Folder;

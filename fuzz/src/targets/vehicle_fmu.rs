@@ -1,26 +1,16 @@
-//! A vehicle and its water on their way into an FMU, and out of it again when it starts.
+//! A vehicle and its water that an FMU finds in its archive when it starts.
 
 use std::ffi::CStr;
 
-use glidepolar::fmu_archive::pack;
-use glidepolar::vehicle::{Vehicle, builtin};
-use glidepolar_archive::Archive;
 use glidepolar_fmu::instance::log::Log;
 use glidepolar_fmu::instance::phase::Phase;
 use glidepolar_fmu::instance::refusal::Outcome;
 use glidepolar_fmu::instance::{Abilities, Instance, Interface, resources};
 use glidepolar_fmu::model::{Kind, Model, variables};
+use glidepolar_vehicle::builtin;
 
 use crate::Target;
 use crate::files::{Folder, joined, parts};
-
-pub const TEMPLATE: Target = Target {
-    name: "fmu_template",
-    what: "the model description and the page of an archive that a vehicle is packed into",
-    run: template,
-    seeds: templates,
-    catches_panics: false,
-};
 
 pub const RESOURCES: Target = Target {
     name: "fmu_resources",
@@ -30,26 +20,7 @@ pub const RESOURCES: Target = Target {
     catches_panics: false,
 };
 
-const DESCRIPTION: &str = include_str!("../../../modelDescription/fmi3/modelDescription.xml");
 const COLUMN: &str = "depth_m,temperature_C,density_kg_m3\n0,18,1024.0\n20,17.5,1024.2\n35,9,1026.4\n500,6,1029.5\n";
-
-fn template(data: &[u8]) {
-    let mut archive = Archive::new();
-    for (name, part) in ["modelDescription.xml", "documentation/index.html"].into_iter().zip(parts(data)) {
-        archive.insert(name, part).expect("a plain name");
-    }
-    let text = builtin::text("slocum-049").expect("a built-in vehicle");
-    let vehicle = Vehicle::parse(text, "slocum-049").expect("a built-in vehicle");
-    match pack(&archive, &vehicle, None) {
-        Err(error) => drop(error.to_string()),
-        Ok(packed) => assert!(packed.get("resources/vehicle.toml").is_some()),
-    }
-}
-
-fn templates() -> Vec<Vec<u8>> {
-    let page = include_str!("../../../modelDescription/documentation/index.html");
-    vec![joined(&[DESCRIPTION, page])]
-}
 
 fn resources(data: &[u8]) {
     let folder = Folder::new();

@@ -1,22 +1,11 @@
-//! What a person writes by hand: vehicle files and mission files.
+//! Mission files, as a person writes them by hand.
 
 use std::path::Path;
 
-use glidepolar::glide::start;
 use glidepolar::simulate::mission::{Mission, fly_mission};
 use glidepolar::vehicle::{Vehicle, builtin};
 
 use crate::Target;
-
-pub const VEHICLE: Target = Target {
-    name: "vehicle",
-    what: "a vehicle file",
-    run: vehicle,
-    seeds: || {
-        builtin::NAMES.iter().filter_map(|name| builtin::text(name)).map(|text| text.as_bytes().to_vec()).collect()
-    },
-    catches_panics: false,
-};
 
 pub const MISSION: Target = Target {
     name: "mission",
@@ -27,21 +16,10 @@ pub const MISSION: Target = Target {
 };
 
 const MISSIONS: [&str; 2] =
-    [include_str!("../../../missions/rising-seabed.toml"), include_str!("../../../missions/voyage-215.toml")];
+    [include_str!("../../../../missions/rising-seabed.toml"), include_str!("../../../../missions/voyage-215.toml")];
 
 /// Moments of a mission after which enough of it was seen.
 const MOMENTS: usize = 5;
-
-fn vehicle(data: &[u8]) {
-    let Ok(text) = std::str::from_utf8(data) else { return };
-    let Ok(vehicle) = Vehicle::parse(text, "vehicle.toml") else { return };
-    let again = Vehicle::parse(&vehicle.to_toml(), "vehicle.toml").expect("what was written can be read");
-    assert_eq!(again.to_toml(), vehicle.to_toml());
-    vehicle.glide_parameters();
-    if let Ok(parameters) = vehicle.parameters() {
-        start(&parameters);
-    }
-}
 
 fn mission(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else { return };

@@ -4,8 +4,9 @@ use glidepolar::hull_tests::Reduction;
 use glidepolar_tank::virtual_tank::{self, write_campaign};
 use glidepolar_tank::{Options, reduce_campaign, reduce_points};
 
+use super::glidepolar;
 use crate::Target;
-use crate::command::glidepolar;
+
 use crate::files::{Folder, joined, thinned};
 
 pub const CAMPAIGN: Target = Target {
@@ -108,12 +109,12 @@ fn campaigns() -> Vec<Vec<u8>> {
 }
 
 fn tables() -> Vec<Vec<u8>> {
-    let hull = include_str!("../../../tank/data/suboff.toml");
+    let hull = include_str!("../../../../tank/data/suboff.toml");
     let coefficients = "yaw_deg,CL,CD,CM,CL_se,speed_m_s,water_temperature_c\n-8,-0.3,0.2,-0.1,0.01,1,15\n-4,-0.12,0.15,-0.05,0.01,1,15\n\
         0,0.01,0.13,0,0.01,1,15\n4,0.13,0.15,0.05,0.01,1,15\n8,0.31,0.2,0.1,0.01,1,15\n";
     let forces = "yaw_deg,AF_N,SF_N,YM_N_m,speed_m_s\n-6,-1,3,0.5,1\n0,-0.8,0,0,1\n6,-1,-3,-0.5,1\n";
     vec![
-        joined(&[include_str!("../../../tank/data/suboff_roddy1990.csv"), hull]),
+        joined(&[include_str!("../../../../tank/data/suboff_roddy1990.csv"), hull]),
         joined(&[coefficients, hull]),
         joined(&[forces, hull]),
     ]

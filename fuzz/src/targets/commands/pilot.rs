@@ -1,7 +1,8 @@
 //! Tables that a pilot or a modeller gives to the command line beside a log: fixes, battery counters, inputs, variants.
 
+use super::glidepolar;
 use crate::Target;
-use crate::command::glidepolar;
+
 use crate::files::{Folder, joined};
 
 pub const TRACK: Target = Target {
@@ -24,7 +25,9 @@ pub const INPUTS: Target = Target {
     name: "inputs",
     what: "inputs against time, and the glider flown by them for a minute",
     run: inputs,
-    seeds: || vec![INPUTS_TABLE.as_bytes().to_vec(), include_bytes!("../../../tests/missions/sawtooth.csv").to_vec()],
+    seeds: || {
+        vec![INPUTS_TABLE.as_bytes().to_vec(), include_bytes!("../../../../tests/missions/sawtooth.csv").to_vec()]
+    },
     catches_panics: false,
 };
 
