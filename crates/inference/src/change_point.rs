@@ -1,12 +1,18 @@
 //! Versions of one mechanism: a jump of the drag may have been at this time or at that one, of which one is taken.
 //!
 //! All of them run in the search, so the data have said what each explains. A version stands for a range of the value in which
-//! versions differ (between two stretches of glide nothing tells when the drag jumped), and with every value as likely
-//! beforehand, its probability is
+//! versions differ: between two stretches of glide nothing tells when the drag jumped. Its probability goes by that range, every
+//! time of a jump being as likely beforehand, and every logarithm of a time constant (of a scale nothing is known by which one unit
+//! of it would be preferred: Jeffreys 1946):
 //! ```text
-//! p_v ~ (high_v - low_v) exp(gain_v / 2)
+//! onset            p_v ~ (high_v - low_v)      exp(-D_v),     D_v = (gain_best - gain_v) / 2
+//! time constant    p_v ~ ln(high_v / low_v)    exp(-L_v),     L_v = min(D_v, 2 D_v^2 / V_v)
 //! ```
-//! Of these is made the interval of that value, and what not knowing it adds to the uncertainty of the mechanism's size.
+//! where `V_v` is the variance of `D_v` by its scatter between clusters. With the right noise `V_v` is `2 D_v` near the best version, and
+//! `L_v` is `D_v`. Where clusters scatter more, the likelihood is too sharp by the factor `V_v / (2 D_v)`, by which `L_v` divides it (a
+//! composite likelihood: Pauli, Racugno, Ventura 2011). What tells one time of a jump from another lies in the cluster of that time
+//! alone, which has no scatter. Of these is made the interval of that value, and what not knowing it adds to the uncertainty of the
+//! mechanism's size.
 
 use std::collections::BTreeMap;
 
@@ -33,7 +39,7 @@ pub(super) fn estimates(
     let version = candidate.version.as_ref().map(|here| {
         let ranges: Vec<(f64, [f64; 2])> =
             rivals.iter().filter_map(|r| Some((r.probability, r.version?.between))).collect();
-        (here.name.to_owned(), of_ranges(here, &ranges))
+        (here.name.to_owned(), if here.is_onset { of_ranges(here, &ranges) } else { of_ratios(here, &ranges) })
     });
     fitted.chain(version).collect()
 }
@@ -61,6 +67,8 @@ fn rivals<'a>(
     };
     let first: usize = members[..place].iter().map(|other| candidates[*other].parameters.len()).sum();
     let mut gains: Vec<f64> = Vec::new();
+    let mut left: Vec<Vec<f64>> = Vec::new();
+    let is_scale = candidates[member].version.is_some_and(|version| !version.is_onset);
     let mut found: Vec<Rival<'a>> = Vec::new();
     for &version in &versions {
         let mut set = members.to_vec();
@@ -68,18 +76,50 @@ fn rivals<'a>(
         let fit = iteration.score.fit(&search.columns(&set));
         let neutral = &candidates[version].neutral;
         gains.push(fit.gain);
+        if is_scale {
+            left.push(iteration.score.squares_by_cluster(&search.columns(&set)));
+        }
         found.push(Rival {
-            probability: candidates[version].version.as_ref().map_or(1.0, |v| v.between[1] - v.between[0]),
+            probability: candidates[version].version.as_ref().map_or(1.0, beforehand),
             value: neutral.iter().enumerate().map(|(i, neutral)| neutral + fit.step[first + i]).collect(),
             se: (0..neutral.len()).map(|i| fit.se(first + i)).collect(),
             version: candidates[version].version.as_ref(),
         });
     }
-    let most = gains.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    found.iter_mut().zip(&gains).for_each(|(rival, gain)| rival.probability *= (0.5 * (gain - most)).exp());
+    let best = (0..gains.len()).max_by(|a, b| gains[*a].total_cmp(&gains[*b])).unwrap_or(0);
+    for (i, rival) in found.iter_mut().enumerate() {
+        let by_model = 0.5 * (gains[best] - gains[i]);
+        let less = if is_scale { less_likely(by_model, [&left[best], &left[i]]) } else { by_model };
+        rival.probability *= (-less).exp();
+    }
     let sum: f64 = found.iter().map(|rival| rival.probability).sum();
     found.iter_mut().for_each(|rival| rival.probability /= sum.max(f64::MIN_POSITIVE));
     (found, versions.iter().position(|version| *version == member).unwrap_or(0))
+}
+
+/// How probable a version is before the data, beside the others of its mechanism.
+fn beforehand(version: &Version) -> f64 {
+    let [low, high] = version.between;
+    if version.is_onset { high - low } else { (high / low).ln() }
+}
+
+/// By how much the logarithm of the likelihood of a version is below that of the best, by what it is below it by the model of the noise
+/// and the squares that each of the two leaves in each cluster.
+fn less_likely(by_model: f64, [best, other]: [&[f64]; 2]) -> f64 {
+    let n = best.len() as f64;
+    let differences = || other.iter().zip(best).map(|(other, best)| 0.5 * (other - best));
+    let mean = differences().sum::<f64>() / n;
+    let variance = differences().map(|difference| (difference - mean).powi(2)).sum::<f64>() * n / (n - 1.0);
+    if n > 1.0 && variance > 0.0 { by_model.min(2.0 * by_model.powi(2) / variance) } else { by_model }
+}
+
+/// The same of a time constant: the distributions are even in its logarithm.
+fn of_ratios(taken: &Version, ranges: &[(f64, [f64; 2])]) -> Estimate {
+    let taken_ln = Version { value: taken.value.ln(), between: taken.between.map(f64::ln), ..*taken };
+    let ranges_ln: Vec<(f64, [f64; 2])> =
+        ranges.iter().map(|(probability, range)| (*probability, range.map(f64::ln))).collect();
+    let found = of_ranges(&taken_ln, &ranges_ln);
+    Estimate { value: taken.value, se: taken.value * found.se, ci95: found.ci95.map(f64::exp), ..found }
 }
 
 /// The value of a version that was taken, with the 95 % interval and the scatter about it of a mixture of even
@@ -109,10 +149,34 @@ fn of_ranges(taken: &Version, ranges: &[(f64, [f64; 2])]) -> Estimate {
 
 #[cfg(test)]
 mod tests {
+    use statrs::distribution::ContinuousCDF;
+
     use super::*;
 
     fn taken(value: f64) -> Version {
         Version { name: "step_time_s", value, is_onset: true, between: [value - 1.0, value + 1.0], unit: "s" }
+    }
+
+    /// Clusters of independent normal rows of unit variance with a mean of 0.1: the likelihood of the mean zero is below the best by half
+    /// of n mean^2 by the model, and by as much by the clusters. Rows that come in fives of one value are a fifth as many.
+    #[test]
+    fn a_likelihood_is_as_sharp_as_its_clusters_say() {
+        // Quantiles of the normal distribution in an order without a pattern.
+        let normal = statrs::distribution::Normal::standard();
+        let quantile = |i: usize| normal.inverse_cdf(((i * 377) % 1000) as f64 / 1000.0 + 0.0005);
+        let lost = |rows: &dyn Fn(usize) -> f64| {
+            let rows: Vec<f64> = (0..1000).map(|i| 0.1 + rows(i)).collect();
+            let mean = rows.iter().sum::<f64>() / 1000.0;
+            let left = |about: f64| -> Vec<f64> {
+                rows.chunks(20).map(|rows| rows.iter().map(|row| (row - about).powi(2)).sum()).collect()
+            };
+            let by_model = 0.5 * 1000.0 * mean * mean;
+            less_likely(by_model, [&left(mean), &left(0.0)]) / by_model
+        };
+        let alone = lost(&quantile);
+        let in_fives = lost(&|i| quantile(i / 5 * 5));
+        assert!((0.6..=1.0).contains(&alone), "{alone}");
+        assert!((0.12..0.35).contains(&in_fives), "{in_fives}");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 //! With rows whitened and the baseline projected out, all that any set's fit needs is the small matrix of products of
 //! the candidates' columns with each other and with the residuals. So every set of candidates can be tried.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
@@ -144,6 +145,19 @@ impl Score {
             .chain(others.iter().chain(tested).map(|column| self.n_baseline + column))
             .chain([target]);
         chance_by_clusters(&self.whitened.select_columns(&columns.collect::<Vec<_>>()), &self.clusters, tested.len())
+    }
+
+    /// The sum of squares that a fit of these columns leaves in each cluster.
+    pub fn squares_by_cluster(&self, set: &[usize]) -> Vec<f64> {
+        let columns = (0..self.n_baseline).chain(set.iter().map(|column| self.n_baseline + column));
+        let basis = orthonormal(self.whitened.select_columns(&columns.collect::<Vec<_>>()));
+        let residual = self.whitened.column(self.whitened.ncols() - 1);
+        let left = residual - &basis * basis.tr_mul(&residual);
+        let mut squares = BTreeMap::new();
+        for (cluster, value) in self.clusters.iter().zip(left.iter()) {
+            *squares.entry(*cluster).or_insert(0.0) += value * value;
+        }
+        squares.into_values().collect()
     }
 
     /// Probability that chance alone brings an effect of the `tested` columns beside those of the `others`, by what these rows scatter

@@ -23,8 +23,15 @@ pub struct Unnamed {
     pub held_out: [DVector<f64>; 2],
 }
 
-/// Of these sets of columns the one that predicts held-out data best beside this fit.
-pub fn best_unnamed(problem: &impl Problem, point: &Point, fitted: &[usize], offered: &[Offered]) -> Option<Unnamed> {
+/// Of these sets of columns the one that predicts held-out data best beside this fit. Those whose steps physics forbids take no
+/// part; `is_possible` is given the place of a set and its steps.
+pub fn best_unnamed(
+    problem: &impl Problem,
+    point: &Point,
+    fitted: &[usize],
+    offered: &[Offered],
+    is_possible: impl Fn(usize, &DVector<f64>) -> bool,
+) -> Option<Unnamed> {
     let fit = Fitted::new(problem, point.clone(), fitted.to_vec());
     let before = fit.held_out();
     let known = fit.columns();
@@ -38,7 +45,8 @@ pub fn best_unnamed(problem: &impl Problem, point: &Point, fitted: &[usize], off
         let step = step.rows(known.ncols(), columns.ncols()).into_owned();
         Unnamed { place, advantage, step, held_out: [before.clone(), after] }
     };
-    offered.iter().enumerate().map(with).max_by(|a, b| a.advantage.total_cmp(&b.advantage))
+    let tried = offered.iter().enumerate().map(with).filter(|tried| is_possible(tried.place, &tried.step));
+    tried.max_by(|a, b| a.advantage.total_cmp(&b.advantage))
 }
 
 /// These candidates fitted again in full from a point, with what is left of held-out data taken from elsewhere.

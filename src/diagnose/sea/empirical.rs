@@ -42,7 +42,9 @@ pub fn extend(problem: SeaProblem, outcome: &mut Outcome) -> SeaProblem {
             (columns(&problem, &problem.carrier(*acts, &evidence, &point), *against, *at), prior)
         })
         .collect();
-    let found = best_unnamed(&problem, &point, &outcome.fitted, &offered);
+    let found = best_unnamed(&problem, &point, &outcome.fitted, &offered, |place, step| {
+        step.iter().all(|value| is_possible(tables[place].0, *value))
+    });
     let Some(found) = found.filter(|found| found.advantage >= problem.least_advantage()) else { return problem };
     let (acts, against, at) = tables[found.place];
     let mut values: [f64; POINTS] = std::array::from_fn(|i| found.step[i]);
@@ -56,7 +58,10 @@ pub fn extend(problem: SeaProblem, outcome: &mut Outcome) -> SeaProblem {
         let evidence = extended.evidence(&point);
         let prior = values.iter().map(|value| (-value, sd(acts))).collect();
         let offered = [(columns(&extended, &extended.carrier(acts, &evidence, &point), against, at), prior)];
-        let Some(next) = best_unnamed(&extended, &point, &outcome.fitted, &offered) else { break };
+        let next = best_unnamed(&extended, &point, &outcome.fitted, &offered, |_, step| {
+            values.iter().zip(step.iter()).all(|(value, step)| is_possible(acts, value + step))
+        });
+        let Some(next) = next else { break };
         // Only as long as it predicts better.
         if next.held_out[1].norm() >= with.norm() {
             break;
@@ -89,6 +94,11 @@ pub fn extend(problem: SeaProblem, outcome: &mut Outcome) -> SeaProblem {
         outcome.diagnosis.gain = gain.clone();
     }
     extended
+}
+
+/// Whether a table may have this value: neither drag nor lift changes its sign with what a table goes by.
+fn is_possible(acts: ActsOn, value: f64) -> bool {
+    acts == ActsOn::NetMass || value > -1.0
 }
 
 /// The rows of the table of parameters, with their values in this problem; nothing where it has no table.
