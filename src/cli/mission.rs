@@ -253,14 +253,46 @@ struct MissionReport<'a> {
     pumpings: u64,
     pitch_moves: u64,
     groundings: u64,
-    /// Whether the vehicle has what pump and hotel draw; else their energies are nothing for want of figures.
-    has_pump_figures: bool,
-    has_hotel_figures: bool,
+    #[serde(flatten)]
+    figures: EnergyFigures,
     pump_Wh: f64,
     steering_Wh: f64,
     surfacing_Wh: f64,
     hotel_Wh: f64,
     legs: &'a [Leg],
+}
+
+/// Whether the vehicle has what pump and hotel draw; else their energies are nothing for want of figures.
+#[derive(Debug, Clone, Copy, Serialize)]
+#[allow(clippy::struct_field_names, reason = "the names of the report")]
+pub(super) struct EnergyFigures {
+    has_pump_figures: bool,
+    has_hotel_figures: bool,
+}
+
+impl EnergyFigures {
+    /// Those of a vehicle.
+    pub(super) fn of(vehicle: &Vehicle) -> EnergyFigures {
+        let has = |key: &str| vehicle.get(key).is_some_and(|value| value > 0.0);
+        EnergyFigures {
+            has_pump_figures: ["energy.pump_J_per_cc", "energy.pump_J_per_dbar_cc"].iter().any(|key| has(key)),
+            has_hotel_figures: has("energy.hotel_W"),
+        }
+    }
+
+    /// What the pump drew, in words.
+    pub(super) fn pump(self, energy_Wh: f64) -> String {
+        in_words(self.has_pump_figures, energy_Wh)
+    }
+
+    /// What the hotel drew, in words.
+    pub(super) fn hotel(self, energy_Wh: f64) -> String {
+        in_words(self.has_hotel_figures, energy_Wh)
+    }
+}
+
+fn in_words(is_known: bool, energy_Wh: f64) -> String {
+    if is_known { format!("{energy_Wh:.2} Wh") } else { "not known: the vehicle has no figures of it".to_owned() }
 }
 
 /// The complete legs of one kind: from turn to turn.
@@ -310,7 +342,6 @@ impl<'a> MissionReport<'a> {
         let by = |turn: Turn| flight.legs.iter().filter(move |leg| leg.ended_by == turn).count();
         let mut turns = flight.legs.iter().filter(|leg| matches!(leg.ended_by, Turn::MaxDepth | Turn::Altimeter));
         let first = turns.next();
-        let has = |key: &str| vehicle.get(key).is_some_and(|value| value > 0.0);
         MissionReport {
             schema: "glidepolar.mission/1",
             vehicle: &vehicle.name,
@@ -329,8 +360,7 @@ impl<'a> MissionReport<'a> {
             pumpings: flight.pumpings,
             pitch_moves: flight.pitch_moves,
             groundings: flight.groundings,
-            has_pump_figures: ["energy.pump_J_per_cc", "energy.pump_J_per_dbar_cc"].iter().any(|key| has(key)),
-            has_hotel_figures: has("energy.hotel_W"),
+            figures: EnergyFigures::of(vehicle),
             pump_Wh: flight.energy.pump_J / 3600.0,
             steering_Wh: flight.energy.steering_J / 3600.0,
             surfacing_Wh: flight.energy.surfacing_J / 3600.0,
@@ -353,15 +383,12 @@ impl<'a> MissionReport<'a> {
         if let (Some(first), Some(last)) = (self.first_turn_m, self.last_turn_m) {
             println!("       first turn at {first:.1} m, last at {last:.1} m");
         }
-        let energy = |known: bool, energy_Wh: f64| {
-            if known { format!("{energy_Wh:.2} Wh") } else { "not known: the vehicle has no figures of it".to_owned() }
-        };
         println!(
             "  {:>4} pumpings, {} moves of the moving mass; pump {}, hotel {}",
             self.pumpings,
             self.pitch_moves,
-            energy(self.has_pump_figures, self.pump_Wh),
-            energy(self.has_hotel_figures, self.hotel_Wh)
+            self.figures.pump(self.pump_Wh),
+            self.figures.hotel(self.hotel_Wh)
         );
         if self.steering_Wh + self.surfacing_Wh > 0.0 {
             println!("       steering {:.2} Wh, surfacings {:.2} Wh", self.steering_Wh, self.surfacing_Wh);

@@ -403,10 +403,9 @@ fn voyage(outlook: &Outlook) {
 fn line(name: &str, estimate: &Estimate, decimals: usize) {
     let [low, high] = estimate.ci95;
     let unit = if estimate.unit == "1" { "" } else { &estimate.unit };
-    // What follows from what was asked for, as a battery that is used up, has no error: only rounding.
-    if high - low <= 1e-9 * estimate.value.abs().max(1.0) {
-        let value = if estimate.value.abs() < 1e-9 { 0.0 } else { estimate.value };
-        println!("  {name:<24} {value:>10.decimals$} {unit}");
+    // What follows from what was asked for, as the days of a voyage, has no error: only rounding.
+    if high - low <= 1e-9 * estimate.value.abs() {
+        println!("  {name:<24} {:>10.decimals$} {unit}", estimate.value);
         return;
     }
     println!("  {name:<24} {:>10.decimals$} {unit} ({low:.decimals$} to {high:.decimals$})", estimate.value);

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::mission::{Frame, MissionArguments};
+use super::mission::{EnergyFigures, Frame, MissionArguments};
 use super::space_page::{Trace, history_page, mission_page};
 use super::{CliError, Output};
 use crate::log::{Dates, plain_table};
@@ -111,6 +111,7 @@ pub(super) fn mission(
         vehicle: &vehicle.name,
         mission: &mission.name,
         account: &account,
+        figures: EnergyFigures::of(vehicle),
     };
     if frame.output.shows_tables() {
         report.print();
@@ -236,6 +237,8 @@ struct SpaceReport<'a> {
     mission: &'a str,
     #[serde(flatten)]
     account: &'a Account,
+    #[serde(flatten)]
+    figures: EnergyFigures,
 }
 
 impl SpaceReport<'_> {
@@ -254,13 +257,10 @@ impl SpaceReport<'_> {
             "  {} dives, {} surfacings; {} pumpings, {} moves of the moving mass, {} of rudder or roll mass",
             a.dives, a.surfacings, a.pumpings, a.pitch_moves, a.steering_moves
         );
-        println!(
-            "  pump {:.2} Wh, steering {:.2} Wh, surfacings {:.2} Wh, hotel {:.2} Wh",
-            a.pump_J / 3600.0,
-            a.steering_J / 3600.0,
-            a.surfacing_J / 3600.0,
-            a.hotel_J / 3600.0
-        );
+        println!("  pump {}, hotel {}", self.figures.pump(a.pump_J / 3600.0), self.figures.hotel(a.hotel_J / 3600.0));
+        if a.steering_J + a.surfacing_J > 0.0 {
+            println!("  steering {:.2} Wh, surfacings {:.2} Wh", a.steering_J / 3600.0, a.surfacing_J / 3600.0);
+        }
         if a.groundings > 0 {
             println!("  the glider touched the seabed {} times", a.groundings);
         }

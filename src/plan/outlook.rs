@@ -133,7 +133,8 @@ fn quantities(vehicle: &Vehicle, ask: &Ask, energy_factor: f64, speed_factor: f6
     }
     let until_empty = ask.battery_J / energy_J;
     let dives = ask.days.map_or(until_empty, |days| (days * DAY_S / one.duration_s).min(until_empty));
-    let left_J = ask.battery_J - dives * energy_J;
+    // Nothing at all of a battery that is used up, without the last digits of a difference.
+    let left_J = (until_empty - dives) * energy_J;
     Ok([
         one.duration_s / HOUR_S,
         one.distance_m / 1e3,

@@ -80,3 +80,15 @@ fn a_reduced_campaign_becomes_a_vehicle_with_and_without_a_sensor() {
     let arm = pitch["neutral_point_aft_of_cb_m"].as_f64().unwrap() / row.geometry.loa_m;
     assert!((total("a_per_rad") * arm + total("d_per_rad")).abs() < 1e-9);
 }
+
+#[test]
+fn a_hull_that_was_not_reduced_is_answered_with_those_that_were() {
+    let (folder, results, _) = support::campaign(31, &["LDR8.5"], &[]);
+    let fits = folder.path().join("fits.json").to_str().unwrap().to_owned();
+    std::fs::write(&fits, serde_json::to_vec(&results.reduction()).unwrap()).unwrap();
+    let wing = "span_m=1.01,chord_m=0.12,sweep_deg=43,aft_m=0.88";
+    let fin = "span_m=0.25,chord_m=0.12,sweep_deg=30,aft_m=1.6";
+    let arguments = ["glidepolar", "assemble", &fits, "--hull", "LDR8", "--wing", wing, "--fin", fin, "--quiet"];
+    let error = cli::run(Cli::try_parse_from(arguments).unwrap()).unwrap_err().to_string();
+    assert!(error.contains("has no hull LDR8 (did you mean LDR8.5?); its hulls are: LDR8.5"), "{error}");
+}

@@ -111,6 +111,22 @@ fn bad_input_ends_with_two_and_leaves_nothing() {
     }
 }
 
+/// A campaign that somebody has edited is not replaced by a made-up one.
+#[test]
+fn an_edited_campaign_is_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let demo = ["demo", "runs", "--hull", "LDR8.5", "--quiet"];
+    assert!(tank_reduce(folder.path(), &demo).status.success());
+    let file = folder.path().join("runs/runs.csv");
+    let edited = std::fs::read_to_string(&file).unwrap().replacen("synthetic", "repeat this one", 1);
+    std::fs::write(&file, &edited).unwrap();
+    let output = tank_reduce(folder.path(), &demo);
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("edited") && message.contains("--force"), "{message}");
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), edited);
+}
+
 /// A campaign whose angles are radians, in the records alone or everywhere, has no coefficients: that is no success, whatever
 /// its oscillations give.
 #[test]

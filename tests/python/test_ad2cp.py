@@ -82,6 +82,16 @@ def stands_in_the_page(row, found):
     assert expected in PAGE.read_text(encoding="utf-8"), expected
 
 
+def test_the_diagnosis_uses_the_speeds_that_are_asked_for(glidepolar):
+    arguments = ["diagnose", *files(FOLDER, "p171*.nc"), "--vehicle", "seaglider", "--speed-column", "ad2cp", "--json", "-"]
+    done = subprocess.run([glidepolar, *map(str, arguments)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "no measured speed" not in done.stderr, done.stderr
+    found = json.loads(done.stdout)
+    gains = found.get("diagnosis", found)["gains"]
+    assert "speed_through_water" in [gain["quantity"] for gain in gains], gains
+
+
 def test_speeds_at_their_own_times_and_interpolated_ones_give_one_lift_slope(glidepolar, tmp_path):
     own = identify(glidepolar, files(FOLDER, "p171*.nc"), "--speed-column", "ad2cp")
     paths = with_speeds(tmp_path / "dives", lambda _, speed: speed)

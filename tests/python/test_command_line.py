@@ -429,6 +429,10 @@ def test_thirty_rows_of_a_log_are_no_result(glidepolar, tmp_path):
     done = run(glidepolar, "identify", "short.csv", "--vehicle", "slocum-049", cwd=tmp_path)
     assert done.returncode == 1, done.stderr
     assert "at least 2 are needed" in done.stderr and "condition number" in done.stderr
+    # What is short is the steady glide: no channel is asked for that is there.
+    done = run(glidepolar, "diagnose", "short.csv", "--vehicle", "slocum-049", cwd=tmp_path)
+    assert done.returncode == 1, done.stderr
+    assert "too little steady glide" in done.stderr and "no channel" not in done.stderr, done.stderr
 
 
 def contents(folder: Path) -> dict[str, bytes]:

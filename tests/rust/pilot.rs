@@ -95,12 +95,14 @@ fn the_intervals_hold_what_the_vehicle_of_a_simulated_log_is() {
             folder.path(),
             &["identify", &log, "--vehicle", vehicle, "--trim", "vehicle", "--write", "identified.toml", "-q"],
         );
-        let speed = |vehicle: &str| {
-            let glide = ["glide", vehicle, "--net-mass-kg", "0.12", "--pitch-deg", "-24"];
-            number(&json(folder.path(), &glide).expect("a glide")["glide"]["speed_m_s"])
-        };
-        let (identified, truth) = (speed("identified.toml"), speed(vehicle));
-        assert!((identified / truth - 1.0).abs() < 5e-3, "{vehicle}: {identified} m/s beside {truth}");
+        for (net_mass_kg, pitch_deg) in [("0.12", "-24"), ("-0.12", "26")] {
+            let speed = |vehicle: &str| {
+                let glide = ["glide", vehicle, "--net-mass-kg", net_mass_kg, "--pitch-deg", pitch_deg];
+                number(&json(folder.path(), &glide).expect("a glide")["glide"]["speed_m_s"])
+            };
+            let (identified, truth) = (speed("identified.toml"), speed(vehicle));
+            assert!((identified / truth - 1.0).abs() < 5e-3, "{vehicle}: {identified} m/s beside {truth}");
+        }
     }
 }
 
@@ -236,8 +238,61 @@ fn a_plan_says_what_it_took_for_granted() {
     assert!(!printed.contains("e-1") && !printed.contains("(-0 to 0)"), "{printed}");
     // What a vehicle has no figures for is not nothing.
     std::fs::write(folder.path().join("mission.toml"), MISSION).expect("a file");
-    let text = ok(folder.path(), &["simulate", "slocum-049", "--mission", "mission.toml"]).expect("a mission");
-    assert!(text.contains("not known") && !text.contains("pump 0.00 Wh"), "{text}");
+    for (vehicle, more) in [("slocum-049", &[][..]), ("seawing", &["--3d"])] {
+        let mission = [&["simulate", vehicle, "--mission", "mission.toml"], more].concat();
+        let text = ok(folder.path(), &mission).expect("a mission");
+        assert_eq!(text.matches("not known").count(), 2, "pump and hotel of {vehicle}: {text}");
+        assert!(!text.contains(" 0.00 Wh"), "{text}");
+    }
+}
+
+/// A drag that the log contradicts is told in the answer, not only in its intervals.
+#[test]
+fn a_fit_that_misses_the_log_says_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(log) = log_of(folder.path(), "seaglider", "") else { return };
+    let warnings = |more: &[&str]| {
+        let arguments = [&["identify", &log, "--vehicle", "seaglider"], more].concat();
+        json(folder.path(), &arguments).expect("a fit")["warnings"].to_string()
+    };
+    let said = "the model does not describe the log: it misses the vertical velocity";
+    assert!(warnings(&["--pin", "b=0.5"]).contains(said));
+    assert!(!warnings(&[]).contains(said));
+}
+
+/// A battery is used up to its last joule, whatever its size: nothing is left of it, and no error.
+#[test]
+fn a_battery_that_is_used_up_has_nothing_left() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for battery_Wh in ["777", "2700", "3333", "4100"] {
+        let arguments =
+            ["plan", "seaglider", "--battery-Wh", battery_Wh, "--depth-m", "1000", "--out", "page", "--force"];
+        let Some(found) = json(folder.path(), &arguments) else { return };
+        for key in ["battery_left_Wh", "battery_left_percent"] {
+            let left = &found["plan"][key];
+            assert_eq!([&left["value"], &left["se"]].map(number), [0.0, 0.0], "{battery_Wh} Wh: {left}");
+        }
+        let page = std::fs::read_to_string(folder.path().join("page/report.html")).expect("a page");
+        assert!(!page.contains("0 ("), "{battery_Wh} Wh");
+    }
+}
+
+/// A log stands in a comparison as the glider that is identified from it.
+#[test]
+fn a_log_is_compared_as_the_glider_that_flew_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(first) = log_of(folder.path(), "seaglider", "") else { return };
+    let second = "second.csv";
+    std::fs::copy(folder.path().join(&first), folder.path().join(second)).expect("a copy");
+    ok(folder.path(), &["identify", &first, "--vehicle", "seaglider", "--write", "identified.toml", "-q"]);
+    let arguments = ["compare", &first, second, "identified.toml", "--vehicle", "seaglider"];
+    let found = json(folder.path(), &arguments).expect("a comparison");
+    let [one, other, identified] = [0, 1, 2].map(|i| &found["gliders"][i]);
+    for key in ["a_per_rad", "b", "c_per_rad2"] {
+        assert_eq!(one[key], other[key], "{key}");
+        let [log, vehicle] = [one, identified].map(|glider| number(&glider[key]["value"]));
+        assert!((log / vehicle - 1.0).abs() < 1e-9, "{key}: {log} beside {vehicle}");
+    }
 }
 
 #[test]
@@ -311,11 +366,13 @@ fn gravity_follows_the_latitude_of_the_log() {
         })
         .collect();
     std::fs::write(folder.path().join("tropical.csv"), with_latitude.join("\n")).expect("a file");
-    let notes = |log: &str| {
-        let found = json(folder.path(), &["identify", log, "--vehicle", "seaglider"]).expect("a fit");
-        found["notes"].to_string()
-    };
+    let fit = |log: &str| json(folder.path(), &["identify", log, "--vehicle", "seaglider"]).expect("a fit");
+    let (tropical, unknown) = (fit("tropical.csv"), fit(&log));
     // TEOS-10 has 9.7819 m/s2 at 10 degrees.
-    assert!(notes("tropical.csv").contains("g = 9.7819"), "{}", notes("tropical.csv"));
-    assert!(notes(&log).contains("9.81 m/s2: the log has no position"), "{}", notes(&log));
+    assert!(tropical["notes"].to_string().contains("g = 9.7819"), "{}", tropical["notes"]);
+    assert!(unknown["notes"].to_string().contains("9.81 m/s2: the log has no position"), "{}", unknown["notes"]);
+    // The same glides under less weight: less drag, by as much.
+    let b = |found: &Value| number(&found["parameters"]["b"]["value"]);
+    let (found, expected) = (b(&tropical) / b(&unknown), 9.7819 / 9.81);
+    assert!((found - expected).abs() < 1e-3, "b falls to {found}, the weight to {expected}");
 }

@@ -222,6 +222,26 @@ fn an_og1_time_series_is_read_with_its_units() {
     assert!(log.at(Channel::Pressure, 2).is_nan());
 }
 
+/// As pyglider writes what a glider without a known ballast sensor has recorded: which variable it is only a person can say.
+#[test]
+fn a_time_series_without_a_known_ballast_is_read_where_a_column_is_named() {
+    let file = classic::File::new(3)
+        .variable("time", "seconds since 1970-01-01T00:00:00Z", &[10.0, 20.0, 30.0])
+        .variable("pressure", "dbar", &[1.0, 2.0, 3.0])
+        .variable("pitch", "degree", &[-25.0, -26.0, -27.0])
+        .variable("bladder", "mL", &[-200.0; 3])
+        .bytes();
+    let file = OneFile::new("pyglider.nc", &file);
+    let error = file.series().unwrap_err().to_string();
+    for expected in ["ballast volume", "--column vbd_cc=VARIABLE", "bladder"] {
+        assert!(error.contains(expected), "{expected} is not in {error}");
+    }
+    let mut columns = Columns::default();
+    columns.choose(Channel::Ballast, "bladder");
+    let (log, _) = segments::whole(&[file.path.clone()], &columns).unwrap();
+    assert_eq!(log.column(Channel::Ballast), [-200.0; 3]);
+}
+
 #[test]
 fn radians_that_a_file_labels_degrees_are_found_and_a_stated_unit_goes_first() {
     let file = classic::File::new(3)

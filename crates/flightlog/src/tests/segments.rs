@@ -216,17 +216,58 @@ fn pld() -> String {
         + &(0..50).map(row).collect::<String>()
 }
 
+/// As a Slocum packs its files: blocks of LZ4, each behind its length.
+fn packed(bytes: &[u8]) -> Vec<u8> {
+    let block = |piece: &[u8]| {
+        let packed = lz4_flex::block::compress(piece);
+        [&(packed.len() as u16).to_be_bytes()[..], &packed].concat()
+    };
+    bytes.chunks(16 * 1024).flat_map(block).collect()
+}
+
+/// A packed file is known by what is in it, not by its name.
+#[test]
+fn packed_files_of_a_slocum_are_those_that_were_packed() {
+    let folder = Folder::new();
+    let (flight, science) = segment("unit_1-2020-257-0-0", START_S);
+    let plain = [folder.write("a.dbd", &flight), folder.write("a.ebd", &science)];
+    let (expected, _) = whole(&plain, &Columns::default()).unwrap();
+    for [flight_name, science_name] in [["a.dcd", "a.ecd"], ["flight.bin", "science.bin"]] {
+        let paths = [folder.write(flight_name, &packed(&flight)), folder.write(science_name, &packed(&science))];
+        let (log, files) = whole(&paths, &Columns::default()).unwrap();
+        // As text: a value that is missing is not equal to itself.
+        assert_eq!(format!("{log:?}"), format!("{expected:?}"), "{flight_name}");
+        assert!(files.warnings().is_empty(), "{:?}", files.warnings());
+    }
+}
+
+/// Neither tables nor files of a Slocum are read gzipped: the archive is called what it is, its bytes are not shown.
+#[test]
+fn other_files_in_gzip_are_called_archives() {
+    let folder = Folder::new();
+    let (flight, _) = segment("unit_1-2020-257-0-0", START_S);
+    let table = b"time_s,pressure_dbar,pitch_deg,vbd_cc\n0,5,-25,-200\n10,6,-25,-200\n";
+    for (name, content) in [("log.csv.gz", &table[..]), ("a.dbd.gz", &flight)] {
+        let path = folder.write(name, &gzipped(content));
+        let error = whole(&[path], &Columns::default()).map(|_| ()).unwrap_err().to_string();
+        assert!(error.contains(name) && error.contains("is a gzip archive"), "{error}");
+        assert!(error.is_ascii() && !error.contains('\u{1f}'), "{error}");
+    }
+}
+
+fn gzipped(bytes: &[u8]) -> Vec<u8> {
+    use std::io::Write;
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+    encoder.write_all(bytes).unwrap();
+    encoder.finish().unwrap()
+}
+
 #[test]
 fn vehicle_and_payload_files_of_a_seaexplorer_are_one_log_gzipped_or_not() {
     let folder = Folder::new();
-    let packed = {
-        use std::io::Write;
-        let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
-        encoder.write_all(pld().as_bytes()).unwrap();
-        encoder.finish().unwrap()
-    };
+    let payload = gzipped(pld().as_bytes());
     let paths =
-        [folder.write("sea035.12.pld1.raw.3.gz", &packed), folder.write("sea035.12.gli.sub.3", gli().as_bytes())];
+        [folder.write("sea035.12.pld1.raw.3.gz", &payload), folder.write("sea035.12.gli.sub.3", gli().as_bytes())];
     let (log, files) = whole(&paths, &Columns::default()).unwrap();
     // 2019-07-22T05:24:00Z.
     let start_s = 1_563_773_040.0;
