@@ -264,18 +264,17 @@ fn a_fit_that_misses_the_log_says_so() {
 #[test]
 fn a_battery_that_is_used_up_has_nothing_left() {
     let folder = tempfile::tempdir().expect("a folder");
-    for battery_Wh in ["777", "2700", "3333", "4100"] {
-        let arguments =
-            ["plan", "seaglider", "--battery-Wh", battery_Wh, "--depth-m", "1000", "--out", "page", "--force"];
+    for battery in ["777", "2700", "3333", "4100"] {
+        let arguments = ["plan", "seaglider", "--battery-Wh", battery, "--depth-m", "1000", "--out", "page", "--force"];
         let Some(found) = json(folder.path(), &arguments) else { return };
         for key in ["battery_left_Wh", "battery_left_percent"] {
             let left = &found["plan"][key];
-            assert_eq!([&left["value"], &left["se"]].map(number), [0.0, 0.0], "{battery_Wh} Wh: {left}");
+            assert_eq!([&left["value"], &left["se"]].map(number), [0.0, 0.0], "{battery} Wh: {left}");
         }
         let page = std::fs::read_to_string(folder.path().join("page/report.html")).expect("a page");
         let (_, row) = page.split_once("Left in the battery").expect("its row");
         let (row, _) = row.split_once("</tr>").expect("its end");
-        assert!(!row.contains('('), "{battery_Wh} Wh: {row}");
+        assert!(!row.contains('('), "{battery} Wh: {row}");
     }
 }
 
