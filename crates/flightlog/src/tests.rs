@@ -238,7 +238,7 @@ fn a_time_series_without_a_known_ballast_is_read_where_a_column_is_named() {
     }
     let mut columns = Columns::default();
     columns.choose(Channel::Ballast, "bladder");
-    let (log, _) = segments::whole(&[file.path.clone()], &columns).unwrap();
+    let (log, _) = segments::whole(std::slice::from_ref(&file.path), &columns).unwrap();
     assert_eq!(log.column(Channel::Ballast), [-200.0; 3]);
 }
 
