@@ -116,26 +116,36 @@ impl Fitted {
     }
 
     /// What improves one quantity and spoils another did not happen, nor what for certain leaves more of the quantity of which its
-    /// gain is reported: it goes, the worst spoiler first.
+    /// gain is reported: it goes, the worst spoiler first. So does what changes the predictions of that quantity by enough to act on, and
+    /// leaves more of it: what it changes there did not show.
     pub(super) fn drop_what_spoils(&mut self, problem: &impl Problem, baseline: &Fitted) {
-        let most = |quantity: usize| match problem.headline() {
-            Headline::First if quantity == 0 => 0.0,
-            _ => LEAST_SPOILT_PERCENT,
-        };
+        let is_headline = |quantity: usize| problem.headline() == Headline::First && quantity == 0;
+        let most = |quantity: usize| if is_headline(quantity) { 0.0 } else { LEAST_SPOILT_PERCENT };
         while self.evidence.quantities.len() > 1 && !self.included.is_empty() {
             let with = self.held_out();
-            // By how much a quantity is worse for it at the least, as far as these data tell, beyond what may be traded [%].
-            let spoils = |other: &Fitted| -> f64 {
+            let limits = self.limits(problem);
+            let iteration = Iteration::new(problem.candidates(), self);
+            let changes_enough = |place: usize, quantity: usize| {
+                let mut others = self.included.clone();
+                let member = others.remove(place);
+                iteration.sizes(&others, &[member])[quantity] > limits[quantity]
+            };
+            // By how much a quantity is worse without being traded, at the least as far as these data tell [%].
+            let spoils = |place: usize, other: &Fitted| -> f64 {
                 let before = other.held_out();
-                let least = |(place, quantity): (usize, &Quantity)| {
-                    let rows = quantity.rows.clone();
-                    -holdout::reduction_interval(&self.evidence.block, rows, &before, &with)[1] - most(place)
+                let least = |(i, quantity): (usize, &Quantity)| {
+                    let rows = || quantity.rows.clone();
+                    let [rms_before, rms_with] = [&before, &with].map(|left| holdout::rms(left, rows()));
+                    if is_headline(i) && rms_with > rms_before && changes_enough(place, i) {
+                        return -holdout::reduction_percent(rms_before, rms_with);
+                    }
+                    -holdout::reduction_interval(&self.evidence.block, rows(), &before, &with)[1] - most(i)
                 };
                 self.evidence.quantities.iter().enumerate().map(least).fold(f64::NEG_INFINITY, f64::max)
             };
             let worst = (0..self.included.len())
-                .map(|place| self.without(problem, baseline, place))
-                .map(|other| (spoils(&other), other))
+                .map(|place| (place, self.without(problem, baseline, place)))
+                .map(|(place, other)| (spoils(place, &other), other))
                 .max_by(|a, b| a.0.total_cmp(&b.0))
                 .filter(|(spoilt_percent, _)| *spoilt_percent > 0.0);
             match worst {
