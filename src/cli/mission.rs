@@ -264,7 +264,6 @@ struct MissionReport<'a> {
 
 /// Whether the vehicle has what pump and hotel draw; else their energies are nothing for want of figures.
 #[derive(Debug, Clone, Copy, Serialize)]
-#[allow(clippy::struct_field_names, reason = "the names of the report")]
 pub(super) struct EnergyFigures {
     has_pump_figures: bool,
     has_hotel_figures: bool,

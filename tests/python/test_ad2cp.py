@@ -112,7 +112,9 @@ def test_speeds_at_their_own_times_and_interpolated_ones_give_one_lift_slope(gli
     assert abs(own["fit"]["speed_bias_holdout_m_s"]) <= 0.012, own["fit"]
     for name, halves in own["halves"].items():
         one, other = halves["values"]
-        assert abs(one - other) < 2 * halves["difference_se"], (name, halves)
+        # The lift slope and the trim agree within one standard error; b does not on these five dives (1.5).
+        most = 2 if name == "b" else 1
+        assert abs(one - other) < most * halves["difference_se"], (name, halves)
 
 
 def test_where_the_polar_is_known_the_interval_holds_it(glidepolar, tmp_path):

@@ -246,7 +246,7 @@ fn a_plan_says_what_it_took_for_granted() {
     }
 }
 
-/// A drag that the log contradicts is told in the answer, not only in its intervals.
+/// A drag that the log contradicts gets a warning, beside its intervals.
 #[test]
 fn a_fit_that_misses_the_log_says_so() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -113,15 +113,6 @@ fn less_likely(by_model: f64, [best, other]: [&[f64]; 2]) -> f64 {
     if n > 1.0 && variance > 0.0 { by_model.min(2.0 * by_model.powi(2) / variance) } else { by_model }
 }
 
-/// The same of a time constant: the distributions are even in its logarithm.
-fn of_ratios(taken: &Version, ranges: &[(f64, [f64; 2])]) -> Estimate {
-    let taken_ln = Version { value: taken.value.ln(), between: taken.between.map(f64::ln), ..*taken };
-    let ranges_ln: Vec<(f64, [f64; 2])> =
-        ranges.iter().map(|(probability, range)| (*probability, range.map(f64::ln))).collect();
-    let found = of_ranges(&taken_ln, &ranges_ln);
-    Estimate { value: taken.value, se: taken.value * found.se, ci95: found.ci95.map(f64::exp), ..found }
-}
-
 /// The value of a version that was taken, with the 95 % interval and the scatter about it of a mixture of even
 /// distributions, each with its probability.
 fn of_ranges(taken: &Version, ranges: &[(f64, [f64; 2])]) -> Estimate {
@@ -145,6 +136,15 @@ fn of_ranges(taken: &Version, ranges: &[(f64, [f64; 2])]) -> Estimate {
     };
     let ci95 = [quantile(0.025).min(taken.value), quantile(0.975).max(taken.value)];
     Estimate { value: taken.value, se: variance.max(0.0).sqrt(), ci95, unit: taken.unit.to_owned() }
+}
+
+/// The same of a time constant: the distributions are even in its logarithm.
+fn of_ratios(taken: &Version, ranges: &[(f64, [f64; 2])]) -> Estimate {
+    let taken_ln = Version { value: taken.value.ln(), between: taken.between.map(f64::ln), ..*taken };
+    let ranges_ln: Vec<(f64, [f64; 2])> =
+        ranges.iter().map(|(probability, range)| (*probability, range.map(f64::ln))).collect();
+    let found = of_ranges(&taken_ln, &ranges_ln);
+    Estimate { value: taken.value, se: taken.value * found.se, ci95: found.ci95.map(f64::exp), ..found }
 }
 
 #[cfg(test)]

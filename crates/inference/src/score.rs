@@ -149,10 +149,7 @@ impl Score {
 
     /// The sum of squares that a fit of these columns leaves in each cluster.
     pub fn squares_by_cluster(&self, set: &[usize]) -> Vec<f64> {
-        let columns = (0..self.n_baseline).chain(set.iter().map(|column| self.n_baseline + column));
-        let basis = orthonormal(self.whitened.select_columns(&columns.collect::<Vec<_>>()));
-        let residual = self.whitened.column(self.whitened.ncols() - 1);
-        let left = residual - &basis * basis.tr_mul(&residual);
+        let (_, left) = self.fitted_to(set);
         let mut squares = BTreeMap::new();
         for (cluster, value) in self.clusters.iter().zip(left.iter()) {
             *squares.entry(*cluster).or_insert(0.0) += value * value;
@@ -164,12 +161,9 @@ impl Score {
     /// by beside both: the F test of one mean square against the other. A noise that was estimated without the tested columns holds
     /// what they explain, and of few rows no effect is then improbable, however large. No mean square is smaller than the `least`.
     pub fn chance_by_rows(&self, others: &[usize], tested: &[usize], rows: Range<usize>, least: f64) -> f64 {
-        let residual = self.whitened.column(self.whitened.ncols() - 1);
         // What a set leaves of the rows, and how many of their degrees of freedom it takes.
         let left_beside = |set: &[usize]| {
-            let columns = (0..self.n_baseline).chain(set.iter().map(|column| self.n_baseline + column));
-            let basis = orthonormal(self.whitened.select_columns(&columns.collect::<Vec<_>>()));
-            let left = residual - &basis * basis.tr_mul(&residual);
+            let (basis, left) = self.fitted_to(set);
             let taken = basis.rows(rows.start, rows.len()).norm_squared();
             (left.rows(rows.start, rows.len()).norm_squared(), taken)
         };
@@ -180,6 +174,15 @@ impl Score {
             return 1.0;
         }
         f_p_value((before - after) / df / (after / free).max(least), df, free)
+    }
+
+    /// An orthonormal basis of these columns and the baseline's, and what their fit leaves of the residual.
+    fn fitted_to(&self, set: &[usize]) -> (DMatrix<f64>, DVector<f64>) {
+        let columns = (0..self.n_baseline).chain(set.iter().map(|column| self.n_baseline + column));
+        let basis = orthonormal(self.whitened.select_columns(&columns.collect::<Vec<_>>()));
+        let residual = self.whitened.column(self.whitened.ncols() - 1);
+        let left = residual - &basis * basis.tr_mul(&residual);
+        (basis, left)
     }
 
     /// Steps of the baseline's parameters that imitate a unit of this column best.
