@@ -1,6 +1,6 @@
 //! The whole diagnosis, beside the fits that it consists of.
 
-use std::cell::Cell;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::Result;
 use glidepolar::diagnose::sea::{DiagnosisSettings, SeaProblem};
@@ -35,10 +35,10 @@ fn of_log(context: &Context<'_>, part: &mut Part, log: &Log, goal: f64) -> Resul
     let baseline = log.baseline(&observations)?;
     let problem = Watched {
         problem: SeaProblem::new(&observations, &baseline, DiagnosisSettings::default())?,
-        looked: Cell::new(0),
+        looked: AtomicUsize::new(0),
     };
     let (found, _) = diagnose(&problem);
-    let looked = problem.looked.get();
+    let looked = problem.looked.load(Ordering::Relaxed);
     let start = problem.start();
     let question = Question::new(baseline, log.free())?;
     let dives = by_dive(&observations);
@@ -89,7 +89,7 @@ fn of_log(context: &Context<'_>, part: &mut Part, log: &Log, goal: f64) -> Resul
 /// A problem that counts how often it is evaluated.
 struct Watched {
     problem: SeaProblem,
-    looked: Cell<usize>,
+    looked: AtomicUsize,
 }
 
 impl Problem for Watched {
@@ -106,7 +106,7 @@ impl Problem for Watched {
     }
 
     fn evidence(&self, point: &Point) -> Evidence {
-        self.looked.set(self.looked.get() + 1);
+        self.looked.fetch_add(1, Ordering::Relaxed);
         self.problem.evidence(point)
     }
 }

@@ -203,8 +203,8 @@ pub enum Headline {
     MostGained,
 }
 
-/// A model with its data.
-pub trait Problem {
+/// A model with its data. Several fits of it run at once.
+pub trait Problem: Sync {
     /// Names and units of the baseline parameters.
     fn baseline(&self) -> &[(&'static str, &'static str)];
 

@@ -1,6 +1,8 @@
 //! Starting points of the fits of a strongly nonlinear model: other starts of the baseline where it contradicts the prior, a nonlinear
 //! refit of each mechanism alone, and the start of a set of mechanisms. Does not decide which mechanism is named.
 
+use rayon::prelude::*;
+
 use super::evidence::{Evidence, Point, Problem, Quantity};
 use super::fitted::{Fitted, MAX_NOISE_ROUNDS, belief_squares, believing, noises};
 use super::holdout;
@@ -70,7 +72,7 @@ impl Fitted {
             let quicker = problem.for_first_search(&start);
             let first = quicker.as_ref().unwrap_or(problem);
             let here = first.evidence(&start);
-            for (i, _) in candidates.iter().enumerate().filter(|(_, candidate)| candidate.version.is_none()) {
+            let trial_of = |i: usize| {
                 let evidence = believing(first, here.clone(), &start, &[i]);
                 let mut trial = Fitted {
                     point: start.clone(),
@@ -88,10 +90,11 @@ impl Fitted {
                     trial.noises = plain_noises(&trial.evidence);
                 }
                 let size = trial.point.candidates[i][0];
-                if trial.is_possible(candidates) && !candidates[i].is_impossible(size) {
-                    trials.push((objective(&trial.evidence), trial));
-                }
-            }
+                let is_possible = trial.is_possible(candidates) && !candidates[i].is_impossible(size);
+                is_possible.then(|| (objective(&trial.evidence), trial))
+            };
+            let tried = (0..candidates.len()).into_par_iter().filter(|i| candidates[*i].version.is_none());
+            trials.par_extend(tried.filter_map(trial_of));
         }
         // A trial must halve the sum of squares of one quantity, or the linearisation is as good. The best trials are compared on held-out
         // data.
@@ -102,7 +105,7 @@ impl Fitted {
         };
         trials.retain(|(left, trial)| *left <= before && halves_one(trial));
         let least = trials.iter().map(|trial| trial.0).min_by(f64::total_cmp)?;
-        let converged = trials.into_iter().filter(|(left, _)| *left <= least + half).map(|(_, mut trial)| {
+        let converged = trials.into_par_iter().filter(|(left, _)| *left <= least + half).map(|(_, mut trial)| {
             trial.noises = noises(problem, &trial.evidence, &trial.included);
             trial.converge(problem);
             (trial.held_out_misfit(), trial)

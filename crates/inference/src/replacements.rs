@@ -4,6 +4,7 @@
 //! parts the two is then something else.
 
 use nalgebra::DVector;
+use rayon::prelude::*;
 
 use super::evidence::Problem;
 use super::fitted::Fitted;
@@ -89,29 +90,26 @@ fn refitted(
 ) -> Vec<(usize, Fitted)> {
     let candidates = problem.candidates();
     let refitted_within = REFITTED_WITHIN.max(REFITTED_SHARE * gain);
-    let mut tried: Vec<&str> = vec![candidates[extended.included[place]].name];
-    let mut found = Vec::new();
-    for other in iteration.search().replacements(&extended.included, place, refitted_within) {
-        let name = candidates[other].name;
-        // Of the versions of a mechanism the best by the slopes stands for all.
-        if tried.contains(&name) {
-            continue;
-        }
-        if tried.len() > MOST_REFITTED {
-            break;
-        }
-        tried.push(name);
+    let mut names: Vec<&str> = vec![candidates[extended.included[place]].name];
+    let mut others = iteration.search().replacements(&extended.included, place, refitted_within);
+    // Of the versions of a mechanism the best by the slopes stands for all.
+    others.retain(|other| {
+        let name = candidates[*other].name;
+        let is_first = !names.contains(&name);
+        names.extend(is_first.then_some(name));
+        is_first
+    });
+    others.truncate(MOST_REFITTED);
+    let refit = |other: usize| {
         let mut members = extended.included.clone();
         members[place] = other;
         members.sort_unstable();
         let mut rival = Fitted::new(problem, iteration.point_of(&members, problem), members);
         rival.converge(problem);
         let exists = |member: &usize| !candidates[*member].cannot_be(rival.point.candidates[*member][0]);
-        if rival.is_possible(candidates) && rival.included.iter().all(exists) {
-            found.push((other, rival));
-        }
-    }
-    found
+        (rival.is_possible(candidates) && rival.included.iter().all(exists)).then_some((other, rival))
+    };
+    others.into_par_iter().filter_map(refit).collect()
 }
 
 /// Whether what a rival leaves beyond what the named one leaves is a small part of what that removes: too little to act on in every
