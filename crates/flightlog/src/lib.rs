@@ -47,6 +47,7 @@ mod og1;
 mod open;
 mod plain_table;
 mod prepare;
+mod pressure;
 mod resample;
 mod row_dates;
 mod seaexplorer;

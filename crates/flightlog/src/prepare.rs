@@ -8,6 +8,7 @@ use super::clean::{Notes, OtherUnits, Share, conductivity_in_s_m, despike, fill,
 use super::density::{densities_kg_m3, practical_salinity};
 use super::motors::motors;
 use super::observation::{DBAR_PA, Observation};
+use super::pressure::{Pressures, SEA_WATER_KG_M3};
 use super::segment::{Leg, legs};
 use super::settings::PreparationSettings;
 use super::vertical_velocity::vertical_velocity;
@@ -18,9 +19,6 @@ const PITCHED_WITHIN_RAD: f64 = 0.05;
 
 /// These first minutes \[s\]: turning takes one or two of them.
 const FIRST_MINUTES_S: f64 = 300.0;
-
-/// Sea water where the log has no density: for which way a glider goes, not for how fast \[kg/m3\].
-const SEA_WATER_KG_M3: f64 = 1025.0;
 
 /// More samples than this wait for a turning point at most; a stretch without any is cut there.
 const LONGEST_WAIT: usize = 500_000;
@@ -166,7 +164,7 @@ impl Preparation {
         let n = self.waiting.len();
         let breaks = self.breaks(&self.waiting);
         let start = breaks.last().copied().unwrap_or(0);
-        let pressure = pressure_dbar(&self.waiting, &self.settings);
+        let pressure = Pressures::new(&self.waiting, &self.settings).dbar;
         let (rows, known) = known(&pressure[start..]);
         match legs(&known, self.settings.least_leg_dbar).last() {
             Some(last) if last.first > 0 => start + rows[last.first],
@@ -206,7 +204,7 @@ impl Preparation {
     /// One unbroken stretch of samples.
     fn stretch(&mut self, mut log: FlightLog, out: &mut Vec<Observation>) {
         let s = self.settings.clone();
-        let pressure = pressure_dbar(&log, &s);
+        let Pressures { dbar: pressure, by_depth_kg_m3 } = Pressures::new(&log, &s);
         let keep: Vec<bool> = pressure.iter().map(|p| p.is_finite()).collect();
         speeds_to_rows(&mut log, &keep);
         self.notes.add("rows without pressure, left out", keep.iter().filter(|&&keep| !keep).count());
@@ -249,8 +247,9 @@ impl Preparation {
             let (start_s, end_s) = pitched_between_s(&log, leg, &s);
             let first = if leg.first == 0 { 0 } else { leg.first + 1 };
             for i in first..leg.end {
-                let water_kg_m3 = if density[i].is_finite() { density[i] } else { SEA_WATER_KG_M3 };
-                let per_dbar = DBAR_PA / (water_kg_m3 * s.gravity_m_s2);
+                // Without a density: for which way the glider goes, not for how fast.
+                let here_kg_m3 = if density[i].is_finite() { density[i] } else { SEA_WATER_KG_M3 };
+                let per_dbar = DBAR_PA / (by_depth_kg_m3.unwrap_or(here_kg_m3) * s.gravity_m_s2);
                 let ballast_cc = log.at(Channel::Ballast, i);
                 let pitch_rad = log.at(Channel::Pitch, i);
                 let sink_m_s = velocity.rate_dbar_s[i] * per_dbar;
@@ -395,21 +394,6 @@ fn water_met_m_s2(log: &FlightLog) -> Vec<f64> {
 /// The rows with a pressure, and their pressures.
 fn known(pressure: &[f64]) -> (Vec<usize>, Vec<f64>) {
     pressure.iter().enumerate().filter(|(_, p)| p.is_finite()).map(|(i, &p)| (i, p)).unzip()
-}
-
-/// Pressure, or what the depth says where there is none: `rho g z` with the density of the row, 1025 kg/m3 without.
-fn pressure_dbar(log: &FlightLog, settings: &PreparationSettings) -> Vec<f64> {
-    (0..log.len())
-        .map(|i| {
-            let pressure = log.at(Channel::Pressure, i);
-            if pressure.is_finite() {
-                return pressure;
-            }
-            let density = log.at(Channel::Density, i);
-            let density = if density.is_finite() { density } else { settings.density_kg_m3.unwrap_or(1025.0) };
-            log.at(Channel::Depth, i) * density * settings.gravity_m_s2 / DBAR_PA
-        })
-        .collect()
 }
 
 /// Takes speeds on rows that are left out, as those of a sensor with a clock of its own, to the nearest row that is kept and

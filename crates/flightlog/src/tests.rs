@@ -8,6 +8,7 @@ mod interpolated_speeds;
 mod lost_speeds;
 mod netcdf_fixes;
 mod preparing;
+mod pressures;
 mod seaglider_files;
 mod segments;
 mod several_tables;

@@ -4,7 +4,7 @@ use rand::{RngExt, SeedableRng, rngs::StdRng};
 
 use super::*;
 
-const SINK_DBAR_S: f64 = 0.2;
+pub(super) const SINK_DBAR_S: f64 = 0.2;
 
 /// A saw-tooth of `yos` dives to 60 dbar at one sample a second, pitch and ballast turning with it.
 pub(super) fn saw_tooth(yos: usize) -> FlightLog {

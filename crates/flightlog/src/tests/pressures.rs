@@ -1,0 +1,60 @@
+//! Vertical velocities of logs that have a depth, alone or beside pressures.
+
+use super::preparing::saw_tooth;
+use super::*;
+
+/// Metres that a saw-tooth's pressure stands for.
+const M_PER_DBAR: f64 = 0.9945;
+
+fn prepared(log: FlightLog) -> Vec<Observation> {
+    let mut preparation = Preparation::new(PreparationSettings::default());
+    let mut out = Vec::new();
+    preparation.push(log, &mut out);
+    preparation.finish(&mut out);
+    out
+}
+
+/// The largest difference between the vertical velocity and that of the saw-tooth, in steady rows \[m/s\].
+fn largest_error(found: &[Observation], sink_m_s: f64) -> f64 {
+    let steady: Vec<&Observation> = found.iter().filter(|o| o.steady).collect();
+    assert!(steady.len() > 100, "{} steady rows", steady.len());
+    let error = |o: &&Observation| (o.sink_m_s.abs() - sink_m_s).abs();
+    steady.iter().map(error).fold(0.0, f64::max)
+}
+
+/// A saw-tooth with the depth of each row, and those pressures and densities that `keep` says.
+fn with_depth(pressure: fn(usize) -> bool, density: fn(usize) -> Option<f64>) -> FlightLog {
+    let mut log = saw_tooth(3);
+    let read = log.column(Channel::Pressure).to_vec();
+    log.set(Channel::Depth, read.iter().map(|p| p * M_PER_DBAR).collect());
+    log.set(Channel::Pressure, (0..read.len()).map(|i| if pressure(i) { read[i] } else { f64::NAN }).collect());
+    log.set(Channel::Density, (0..read.len()).map(|i| density(i).unwrap_or(f64::NAN)).collect());
+    log
+}
+
+/// Water that is light above and dense below, of which only every fourth row has a density.
+#[test]
+fn a_depth_has_its_own_velocity_whatever_density_a_row_has() {
+    let density =
+        |i: usize| i.is_multiple_of(4).then(|| 1022.0 + 6.0 * f64::from(u8::from(i % 600 > 100 && i % 600 < 500)));
+    let found = prepared(with_depth(|_| false, density));
+    assert!(largest_error(&found, preparing::SINK_DBAR_S * M_PER_DBAR) < 1e-9);
+}
+
+/// A depth between two pressures is another sensor's: mixed, the two would jump.
+#[test]
+fn depths_between_pressures_change_nothing() {
+    let expected = preparing::SINK_DBAR_S * 1e4 / (1025.0 * 9.81);
+    let found = prepared(with_depth(|i| i.is_multiple_of(3), |_| Some(1025.0)));
+    assert!(largest_error(&found, expected) < 1e-9);
+}
+
+/// Where the pressure fails for two whole ascents its depths stand in, at the ratio that they have beside pressures.
+#[test]
+fn depths_stand_in_where_the_pressure_fails_for_long() {
+    let expected = preparing::SINK_DBAR_S * 1e4 / (1025.0 * 9.81);
+    let found = prepared(with_depth(|i| i % 600 < 300 || i > 1500, |_| Some(1025.0)));
+    let ascending = found.iter().filter(|o| o.steady && o.sink_m_s < 0.0).count();
+    assert!(ascending > 3 * 180, "{ascending}");
+    assert!(largest_error(&found, expected) < 1e-9);
+}
