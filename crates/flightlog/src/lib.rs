@@ -44,6 +44,7 @@ mod names;
 mod netcdf;
 mod observation;
 mod og1;
+mod on_change;
 mod open;
 mod plain_table;
 mod prepare;

@@ -8,6 +8,7 @@ use super::clean::{Notes, OtherUnits, Share, conductivity_in_s_m, despike, fill,
 use super::density::{densities_kg_m3, practical_salinity};
 use super::motors::motors;
 use super::observation::{DBAR_PA, Observation};
+use super::on_change::{hold, is_recorded_on_change};
 use super::pressure::{Pressures, SEA_WATER_KG_M3};
 use super::segment::{Leg, legs};
 use super::settings::PreparationSettings;
@@ -43,6 +44,8 @@ pub struct Preparation {
     backward_steps: Share,
     counters: Counters,
     turns_only: Vec<Observation>,
+    holds_ballast: bool,
+    last_ballast_cc: f64,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -68,6 +71,8 @@ impl Preparation {
             backward_steps: Share::default(),
             counters: Counters::default(),
             turns_only: Vec::new(),
+            holds_ballast: false,
+            last_ballast_cc: f64::NAN,
         }
     }
 
@@ -209,11 +214,12 @@ impl Preparation {
         speeds_to_rows(&mut log, &keep);
         self.notes.add("rows without pressure, left out", keep.iter().filter(|&&keep| !keep).count());
         log.set(Channel::Pressure, pressure);
+        // Before rows without pressure go: another computer's rows may be those with the pitch.
+        self.fill_slow_channels(&mut log);
         log.retain(&keep);
         if log.len() < 5 {
             return;
         }
-        self.fill_slow_channels(&mut log);
         let has_temperature = self.has_temperature(&mut log);
         let water = teos10(&log);
         let density = density_kg_m3(&log, &water, &s);
@@ -326,9 +332,17 @@ impl Preparation {
         is_known
     }
 
-    fn fill_slow_channels(&self, log: &mut FlightLog) {
+    fn fill_slow_channels(&mut self, log: &mut FlightLog) {
         let time = log.column(Channel::Time).to_vec();
         let longest = self.settings.longest_fill_s.max(4.0 * median_step(&time));
+        // Of a short stretch the few values do not show it, and the record is one.
+        self.holds_ballast |= is_recorded_on_change(&time, log.column(Channel::Ballast), longest);
+        if self.holds_ballast {
+            self.notes.add("stretches whose ballast volume was recorded when it changed: its last value stands", 1);
+            hold(log.column_mut(Channel::Ballast), &mut self.last_ballast_cc);
+        } else if let Some(last) = log.column(Channel::Ballast).iter().rfind(|value| value.is_finite()) {
+            self.last_ballast_cc = *last;
+        }
         for channel in [
             Channel::Pitch,
             Channel::Ballast,

@@ -58,3 +58,39 @@ fn depths_stand_in_where_the_pressure_fails_for_long() {
     assert!(ascending > 3 * 180, "{ascending}");
     assert!(largest_error(&found, expected) < 1e-9);
 }
+
+/// A record of two computers, row by row in turn: pressure and water of one, attitude and ballast of the other.
+#[test]
+fn rows_of_two_computers_are_one_record() {
+    let mut log = saw_tooth(3);
+    for channel in [Channel::Pitch, Channel::Ballast] {
+        log.column_mut(channel).iter_mut().step_by(2).for_each(|value| *value = f64::NAN);
+    }
+    for channel in [Channel::Pressure, Channel::Density] {
+        log.column_mut(channel).iter_mut().skip(1).step_by(2).for_each(|value| *value = f64::NAN);
+    }
+    let found = prepared(log);
+    assert!(largest_error(&found, preparing::SINK_DBAR_S * 1e4 / (1025.0 * 9.81)) < 1e-9);
+}
+
+/// A ballast with a value only where it changes: the saw-tooth's pump turns at once.
+#[test]
+fn a_ballast_recorded_when_it_changes_stands_between() {
+    let mut log = saw_tooth(3);
+    let whole = prepared(log.clone());
+    let mut last = f64::NAN;
+    for (i, value) in log.column_mut(Channel::Ballast).iter_mut().enumerate() {
+        // The pump takes three rows.
+        let ran = *value + if i % 300 < 3 { 10.0 * (2 - i % 300) as f64 } else { 0.0 };
+        *value = if ran == last { f64::NAN } else { ran };
+        last = ran;
+    }
+    let found = prepared(log);
+    let steady = |found: &[Observation]| found.iter().filter(|o| o.steady).count();
+    // A few rows after each turn are those of a pump that runs.
+    assert!(steady(&found) + 20 > steady(&whole), "{} of {} rows", steady(&found), steady(&whole));
+    for o in found.iter().filter(|o| o.steady) {
+        let ballast_m3 = if o.sink_m_s > 0.0 { -2e-4 } else { 2e-4 };
+        assert!((o.ballast_m3 - ballast_m3).abs() < 1e-12, "{o:?}");
+    }
+}
