@@ -105,6 +105,37 @@ fn what_explains_all_of_a_misfit_is_named() {
     }
 }
 
+/// A vehicle that states the polar that flew, with errors of 4, 3 and 6 %: it is right, whatever polar the vertical velocity alone would
+/// prefer. Lift and induced drag are known together there and neither alone. `BLIND_STATED` takes more seeds than these.
+#[test]
+fn a_polar_that_is_stated_rightly_is_not_contradicted() {
+    let seeds = std::env::var("BLIND_STATED").ok().and_then(|n| n.parse().ok()).unwrap_or(6);
+    let contradicted: Vec<String> = (60_000..60_000 + seeds)
+        .into_par_iter()
+        .filter_map(|seed| {
+            let mut world = generate(seed, false);
+            let [dive, climb] = world.polars;
+            if dive != climb {
+                return None;
+            }
+            let polar = [("a_per_rad", dive.a, 0.04), ("b", dive.b, 0.03), ("c_per_rad2", dive.c, 0.06)];
+            let mut errors = String::from("\n[uncertainty]\n");
+            let mut lines: Vec<String> = world.vehicle_toml.lines().map(str::to_owned).collect();
+            for (name, value, share) in polar {
+                let line = lines.iter_mut().find(|line| line.split('=').next().is_some_and(|key| key.trim() == name));
+                *line.expect("a coefficient of the file") = format!("{name} = {value}");
+                errors += &format!("\"hydro.{name}\" = {}\n", share * value);
+            }
+            world.vehicle_toml = lines.join("\n") + &errors;
+            let found = diagnosed(&world)?;
+            let is_contradicted = found.warnings.iter().any(|warning| warning.contains("contradicts the polar"));
+            is_contradicted.then(|| format!("seed {seed}: {}; {}", verdict(Some(&found)), world.drawn))
+        })
+        .collect();
+    println!("{} of at most {seeds}", contradicted.len());
+    assert!(contradicted.len() as u64 <= seeds.div_ceil(20), "{}", contradicted.join("\n"));
+}
+
 #[test]
 #[ignore = "300 logs, a quarter of an hour"]
 fn the_table_of_false_alarms() {

@@ -4,10 +4,12 @@
 //! chosen one is fitted again in full, until the choice stands.
 
 use nalgebra::DVector;
+use rayon::prelude::*;
 
-use super::evidence::{Point, Problem};
+use super::evidence::{Point, Problem, Quantity};
 use super::findings::{Diagnosis, Why, Wrong};
-use super::fitted::Fitted;
+use super::fitted::{Fitted, weighted_squares};
+use super::holdout;
 use super::iteration::Iteration;
 use super::outcome::{Outcome, Stage};
 use super::replacements::in_place_of;
@@ -103,6 +105,34 @@ pub fn baseline(problem: &impl Problem) -> (Stage, Vec<Wrong>) {
     let baseline = Fitted::baseline(problem);
     let wrong = wrong(problem, &baseline);
     (baseline.stage(baseline.held_out()), wrong)
+}
+
+/// A baseline fitted with other beliefs about its parameters, beside that of a problem with the same data.
+pub struct Believed {
+    /// Where it was fitted.
+    pub point: Point,
+    /// By how much it is the less likely one: minus twice the logarithm of the ratio of likelihoods, with the noise of the other.
+    pub deviance: f64,
+    /// Whether what the two predict differs by enough to act on, in any quantity.
+    pub differs: bool,
+}
+
+/// The baseline of a problem fitted with each of these other beliefs, beside its own.
+pub fn believed<P: Problem>(problem: &P, others: &[P]) -> Vec<Believed> {
+    let own = Fitted::baseline(problem);
+    let limits = own.limits(problem);
+    let squares = |fitted: &Fitted| weighted_squares(&fitted.evidence, &own.noises);
+    let beside = |other: &P| {
+        let fitted = Fitted::baseline(other);
+        let difference = &fitted.evidence.residual - &own.evidence.residual;
+        let differs = |(quantity, limit): (&Quantity, &f64)| holdout::rms(&difference, quantity.rows.clone()) > *limit;
+        Believed {
+            deviance: squares(&fitted) - squares(&own),
+            differs: own.evidence.quantities.iter().zip(&limits).any(differs),
+            point: fitted.point,
+        }
+    };
+    others.par_iter().map(beside).collect()
 }
 
 /// What is said where these candidates are decided upon, beside a curve along this covariate that no name explains; fitted from this

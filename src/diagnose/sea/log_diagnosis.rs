@@ -142,7 +142,7 @@ fn with_stated_polar(
     decided: impl Fn(SeaProblem) -> (SeaProblem, Outcome),
 ) -> (SeaProblem, Outcome, bool) {
     let free = problem.with_polar_errors([None; 3]);
-    if stated == [None; 3] || !stated_polar::is_contradicted(&free, stated) {
+    if stated == [None; 3] || !stated_polar::is_contradicted(&free, &problem, stated) {
         let (problem, outcome) = decided(problem);
         return (problem, outcome, true);
     }

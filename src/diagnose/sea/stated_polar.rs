@@ -2,10 +2,10 @@
 //! fitted one would take up, a cause can explain. A log may contradict it. Knows no mechanism.
 
 use glidepolar_inference::score::chance;
-use nalgebra::{DMatrix, DVector};
 
 use super::SeaProblem;
-use crate::diagnose::{Point, Problem, engine};
+use crate::diagnose::engine::{self, Believed};
+use crate::diagnose::{Point, Problem};
 use crate::vehicle::Vehicle;
 
 /// The coefficients of a polar as the model names them.
@@ -26,18 +26,25 @@ pub(super) fn errors(vehicle: &Vehicle) -> [Option<f64>; 3] {
     })
 }
 
-/// Whether the polar that a log shows without them contradicts these stated errors: by the differences of the logarithms, with the
-/// covariance of the fit and of what is stated. `free` is the problem without them.
-pub(super) fn is_contradicted(free: &SeaProblem, stated: [Option<f64>; 3]) -> bool {
-    let (stage, _) = engine::baseline(free);
-    let known = known(free, &stage.point, stated);
-    let covariance = DMatrix::from_fn(known.len(), known.len(), |i, j| {
-        let of_fit = stage.covariance[(known[i].place, known[j].place)] / (known[i].fitted * known[j].fitted);
-        if i == j { of_fit + known[i].se.powi(2) } else { of_fit }
-    });
-    let difference = DVector::from_iterator(known.len(), known.iter().map(|one| one.difference));
-    let Some(cholesky) = covariance.cholesky() else { return true };
-    !known.is_empty() && chance(difference.dot(&cholesky.solve(&difference)), known.len()) < CONTRADICTED
+/// Shares of the stated errors with which the polar is fitted to find the one nearest to the log within the errors themselves.
+const SHARES: [f64; 4] = [0.5, 0.25, 0.12, 0.06];
+
+/// Whether a log contradicts the polar of `stated`, believed with these errors; `free` is the same problem without them.
+///
+/// It does where it is fitted so much worse that chance is no explanation, and where no polar within the errors predicts what the
+/// free one does but for less than anybody would act on: what a steady glide is by a few tenths of a millimetre per second no polar
+/// has to answer for. Lift and induced drag may be known together and neither alone, so that no covariance of `free` says how far its
+/// polar is from the stated one.
+pub(super) fn is_contradicted(free: &SeaProblem, stated: &SeaProblem, errors: [Option<f64>; 3]) -> bool {
+    let known = known(stated, &stated.start(), errors).len();
+    let is_unlikely = |believed: &Believed| chance(believed.deviance.max(0.0), known) < CONTRADICTED;
+    if !engine::believed(free, std::slice::from_ref(stated)).iter().any(is_unlikely) {
+        return false;
+    }
+    let believed_more = SHARES.map(|share| free.with_polar_errors(errors.map(|se| Some(share * se?))));
+    let nearest = engine::believed(free, &believed_more);
+    let nearest = nearest.iter().find(|believed| stays_within(stated, &believed.point, errors));
+    nearest.is_none_or(|believed| believed.differs)
 }
 
 /// Whether the polar that was fitted beside what was found lies within these stated errors.
@@ -56,9 +63,6 @@ pub(super) fn is_implausible(free: &SeaProblem, point: &Point) -> bool {
 
 /// A coefficient of which an error is stated.
 struct Known {
-    /// Its place in the baseline.
-    place: usize,
-    fitted: f64,
     /// The logarithm of the fitted over the stated value, and the standard error of the stated one.
     difference: f64,
     se: f64,
@@ -69,7 +73,7 @@ fn known(problem: &SeaProblem, point: &Point, stated: [Option<f64>; 3]) -> Vec<K
     let of = |(name, se): (&&str, Option<f64>)| {
         let place = problem.baseline().iter().position(|(known, _)| known == name)?;
         let (value, fitted) = (start[place], point.baseline[place]);
-        Some(Known { place, fitted, difference: (fitted / value).ln(), se: se? }).filter(|_| value > 0.0)
+        Some(Known { difference: (fitted / value).ln(), se: se? }).filter(|_| value > 0.0)
     };
     POLAR.iter().zip(stated).filter_map(of).collect()
 }
