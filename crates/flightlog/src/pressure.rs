@@ -4,7 +4,7 @@
 //! A depth stands for `p = rho g z` with one density for all rows. With that of each row the pressure would jump between rows with and
 //! without a density by 0.3 % of itself, which at 300 m and 4 s a row is 0.2 m/s. Where a stretch has pressures, a depth
 //! between them is left out, as another sensor's: it stands in only where the pressure fails for longer than channels are filled,
-//! times the ratio of pressure to depth at both ends.
+//! by the ratio of the two and their offset at both ends.
 
 use super::channels::{Channel, FlightLog};
 use super::clean::{fill, median_step};
@@ -13,9 +13,6 @@ use super::settings::PreparationSettings;
 
 /// Sea water where the log has no density \[kg/m3\].
 pub(super) const SEA_WATER_KG_M3: f64 = 1025.0;
-
-/// A depth from which on its ratio to the pressure is not that of two zeros \[m\].
-const LEAST_DEPTH_M: f64 = 5.0;
 
 /// Pressures of the rows of a stretch.
 pub(super) struct Pressures {
@@ -37,12 +34,12 @@ impl Pressures {
         }
         let mut dbar = pressure.to_vec();
         let time = log.column(Channel::Time);
-        if let Some(ratios) = Ratios::new(time, pressure, depth) {
+        if let Some(depths) = Depths::new(time, pressure, depth) {
             let longest_s = settings.longest_fill_s.max(4.0 * median_step(time));
             for (before, after) in gaps(time, pressure, longest_s) {
                 let first = before.map_or(0, |row| row + 1);
                 for i in first..after.unwrap_or(log.len()) {
-                    dbar[i] = depth[i] * ratios.between(before, after, time[i]);
+                    dbar[i] = depths.pressure_dbar(depth[i], [before, after], time[i]);
                 }
             }
         }
@@ -62,38 +59,43 @@ fn gaps(time_s: &[f64], pressure: &[f64], longest_s: f64) -> Vec<(Option<usize>,
     before.zip(after).filter(is_long).collect()
 }
 
-/// Pressure over depth, along a stretch.
-struct Ratios<'a> {
+/// Pressures by the depth, along a stretch: the depths' scale, and what is between the two sensors where both are known.
+struct Depths<'a> {
     time_s: &'a [f64],
-    /// In each row with a pressure, the depth being drawn straight between its own rows; NaN elsewhere and near the surface.
-    dbar_per_m: Vec<f64>,
-    median: f64,
+    dbar_per_m: f64,
+    /// Pressure less scaled depth in each row with a pressure, the depth being drawn straight between its own rows \[dbar\].
+    offset_dbar: Vec<f64>,
 }
 
-impl<'a> Ratios<'a> {
+impl<'a> Depths<'a> {
     /// None where no row has both.
     fn new(time_s: &'a [f64], pressure: &[f64], depth: &[f64]) -> Option<Self> {
-        if depth.is_empty() {
+        let deepest = depth.iter().copied().fold(0.0, f64::max);
+        let mut drawn = depth.to_vec();
+        drawn.resize(time_s.len(), f64::NAN);
+        fill(time_s, &mut drawn, f64::INFINITY);
+        // Near the surface a ratio is that of two zeros.
+        let both = pressure.iter().zip(&drawn).filter(|(_, depth)| **depth > 0.5 * deepest);
+        let mut ratios: Vec<f64> = both.map(|(p, z)| p / z).filter(|ratio| ratio.is_finite()).collect();
+        if ratios.is_empty() {
             return None;
         }
-        let mut drawn = depth.to_vec();
-        fill(time_s, &mut drawn, f64::INFINITY);
-        let ratio = |(p, z): (&f64, &f64)| if *z > LEAST_DEPTH_M && *p > 0.0 { p / z } else { f64::NAN };
-        let dbar_per_m: Vec<f64> = pressure.iter().zip(&drawn).map(ratio).collect();
-        let mut known: Vec<f64> = dbar_per_m.iter().copied().filter(|ratio| ratio.is_finite()).collect();
-        (!known.is_empty()).then(|| Ratios { time_s, dbar_per_m, median: crate::median(&mut known) })
+        let dbar_per_m = crate::median(&mut ratios);
+        let offset_dbar = pressure.iter().zip(&drawn).map(|(p, z)| p - z * dbar_per_m).collect();
+        Some(Depths { time_s, dbar_per_m, offset_dbar })
     }
 
-    /// At a time between two rows: straight from the ratio of one to that of the other, so that the pressure has no step there.
-    fn between(&self, before: Option<usize>, after: Option<usize>, time_s: f64) -> f64 {
-        let of = |row: usize| if self.dbar_per_m[row].is_finite() { self.dbar_per_m[row] } else { self.median };
-        match (before, after) {
-            (Some(before), Some(after)) => {
+    /// At a time between two rows: the offset goes straight from one to the other, so that the pressure has no step there.
+    fn pressure_dbar(&self, depth: f64, [before, after]: [Option<usize>; 2], time_s: f64) -> f64 {
+        let of = |row: usize| Some(self.offset_dbar[row]).filter(|offset| offset.is_finite());
+        let offset = match (before.and_then(of).zip(before), after.and_then(of).zip(after)) {
+            (Some((first, before)), Some((last, after))) => {
                 let (from, to) = (self.time_s[before], self.time_s[after]);
-                of(before) + (of(after) - of(before)) * (time_s - from) / (to - from)
+                first + (last - first) * (time_s - from) / (to - from)
             }
-            (Some(one), None) | (None, Some(one)) => of(one),
-            (None, None) => self.median,
-        }
+            (Some((one, _)), None) | (None, Some((one, _))) => one,
+            (None, None) => 0.0,
+        };
+        depth * self.dbar_per_m + offset
     }
 }

@@ -23,10 +23,10 @@ fn largest_error(found: &[Observation], sink_m_s: f64) -> f64 {
 }
 
 /// A saw-tooth with the depth of each row, and those pressures and densities that `keep` says.
-fn with_depth(pressure: fn(usize) -> bool, density: fn(usize) -> Option<f64>) -> FlightLog {
+fn with_depth(offset_m: f64, pressure: fn(usize) -> bool, density: fn(usize) -> Option<f64>) -> FlightLog {
     let mut log = saw_tooth(3);
     let read = log.column(Channel::Pressure).to_vec();
-    log.set(Channel::Depth, read.iter().map(|p| p * M_PER_DBAR).collect());
+    log.set(Channel::Depth, read.iter().map(|p| p * M_PER_DBAR + offset_m).collect());
     log.set(Channel::Pressure, (0..read.len()).map(|i| if pressure(i) { read[i] } else { f64::NAN }).collect());
     log.set(Channel::Density, (0..read.len()).map(|i| density(i).unwrap_or(f64::NAN)).collect());
     log
@@ -37,7 +37,7 @@ fn with_depth(pressure: fn(usize) -> bool, density: fn(usize) -> Option<f64>) ->
 fn a_depth_has_its_own_velocity_whatever_density_a_row_has() {
     let density =
         |i: usize| i.is_multiple_of(4).then(|| 1022.0 + 6.0 * f64::from(u8::from(i % 600 > 100 && i % 600 < 500)));
-    let found = prepared(with_depth(|_| false, density));
+    let found = prepared(with_depth(0.0, |_| false, density));
     assert!(largest_error(&found, preparing::SINK_DBAR_S * M_PER_DBAR) < 1e-9);
 }
 
@@ -45,18 +45,19 @@ fn a_depth_has_its_own_velocity_whatever_density_a_row_has() {
 #[test]
 fn depths_between_pressures_change_nothing() {
     let expected = preparing::SINK_DBAR_S * 1e4 / (1025.0 * 9.81);
-    let found = prepared(with_depth(|i| i.is_multiple_of(3), |_| Some(1025.0)));
+    let found = prepared(with_depth(0.0, |i| i.is_multiple_of(3), |_| Some(1025.0)));
     assert!(largest_error(&found, expected) < 1e-9);
 }
 
-/// Where the pressure fails for two whole ascents its depths stand in, at the ratio that they have beside pressures.
+/// Where the pressure fails for two whole ascents its depths stand in, though their zero is another.
 #[test]
 fn depths_stand_in_where_the_pressure_fails_for_long() {
     let expected = preparing::SINK_DBAR_S * 1e4 / (1025.0 * 9.81);
-    let found = prepared(with_depth(|i| i % 600 < 300 || i > 1500, |_| Some(1025.0)));
+    let found = prepared(with_depth(0.3, |i| i % 600 < 300 || i > 1500, |_| Some(1025.0)));
     let ascending = found.iter().filter(|o| o.steady && o.sink_m_s < 0.0).count();
     assert!(ascending > 3 * 180, "{ascending}");
-    assert!(largest_error(&found, expected) < 1e-9);
+    // A zero of 0.3 m on one of them, in depths of 30 to 60 m, is 0.7 % of the scale.
+    assert!(largest_error(&found, expected) < 0.01 * expected);
 }
 
 /// A record of two computers, row by row in turn: pressure and water of one, attitude and ballast of the other.
