@@ -1,21 +1,22 @@
 """Report pages in a real browser: they ask nothing of anyone, fit a phone, can be read in the dark, and answer the mouse.
 
 A page forbids scripts but its own, so it is measured from outside: a wrapper holds it in a frame and writes what it finds into its
-own document, which the browser then prints.
+own document, where it is read.
 """
 
 import json
 import re
-import shutil
 import subprocess
+from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
+from browser import CHROMIUM, Browser
 from conftest import counters, path_from, together
 
-CHROMIUM = next(filter(None, map(shutil.which, ["chromium", "chromium-browser", "google-chrome", "chrome"])), None)
 WIDTHS = {"desktop": 1100, "phone": 390}
-SCHEMES = {"light": 1, "dark": 0}
+SCHEMES = ["light", "dark"]
 
 ROOT = Path(__file__).parents[2]
 
@@ -105,58 +106,12 @@ def page(request, tables, tmp_path_factory) -> Path:
     return folder / "report.html"
 
 
-class Seen:
-    """What the browser did with a page."""
-
-    def __init__(self, output: str, console: list[str], requests: list[str]):
-        self.output = output
-        self.console = console
-        self.requests = requests
-
-
-def browse(page: Path, folder: Path, *flags: str, width: int = 1100, scheme: str = "light") -> Seen:
-    log = folder / "net.json"
-    done = subprocess.run(
-        [
-            CHROMIUM,
-            "--headless",
-            "--no-sandbox",
-            "--disable-gpu",
-            "--disable-quic",
-            "--no-first-run",
-            "--disable-background-networking",
-            "--disable-component-update",
-            "--disable-sync",
-            "--disable-extensions",
-            "--hide-scrollbars",
-            "--allow-file-access-from-files",
-            "--host-resolver-rules=MAP * ~NOTFOUND",
-            f"--blink-settings=preferredColorScheme={SCHEMES[scheme]}",
-            f"--user-data-dir={folder / 'profile'}",
-            f"--log-net-log={log}",
-            "--enable-logging=stderr",
-            f"--window-size={width},3000",
-            *flags,
-            page.as_uri(),
-        ],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=True,
-    )
-    console = [line for line in done.stderr.splitlines() if ":CONSOLE" in line]
-    return Seen(done.stdout, console, requests_of_pages(log))
-
-
-def requests_of_pages(log: Path) -> list[str]:
-    """Addresses that a page asked for. The browser's own requests have no origin and do not count."""
-    text = log.read_text(encoding="utf-8")
-    # The browser may stop before it has closed the list.
-    record = json.loads(text if text.rstrip().endswith("]}") or text.rstrip().endswith("}") else text.rstrip().rstrip(",") + "]}")
-    started = record["constants"]["logEventTypes"]["URL_REQUEST_START_JOB"]
-    starts = [event.get("params", {}) for event in record["events"] if event["type"] == started]
-    asked = [start["url"] for start in starts if start.get("url") and start.get("initiator") != "not an origin"]
-    return [url for url in asked if not url.startswith(("file:", "data:"))]
+@pytest.fixture(scope="session")
+def browser(tmp_path_factory) -> Iterator[Browser]:
+    """The browser for all pages. None of them has asked for anything, by the browser's own list of requests."""
+    browser = Browser(tmp_path_factory.mktemp("browser"))
+    yield browser
+    assert browser.close() == []
 
 
 MEASURE = """<!doctype html><meta charset="utf-8">
@@ -214,14 +169,27 @@ frame.addEventListener("load", async () => {
 </script>"""
 
 
-def measure(page: Path, folder: Path, width: int, scheme: str) -> dict:
-    wrapper = folder / "wrapper.html"
-    wrapper.write_text(MEASURE % {"width": width, "page": page.as_uri()}, encoding="utf-8")
-    seen = browse(wrapper, folder, "--dump-dom", "--virtual-time-budget=10000", width=max(width, 600), scheme=scheme)
-    found = re.search(r'<pre id="found">(.*?)</pre>', seen.output, re.DOTALL)
-    assert found and found[1], f"the page could not be measured: {seen.console}"
-    text = found[1].replace("&lt;", "<").replace("&gt;", ">").replace("&nbsp;", "\u00a0").replace("&amp;", "&")
-    return json.loads(text)
+@pytest.fixture(scope="session")
+def measure(browser, tmp_path_factory) -> Callable[[Path, int, str], dict]:
+    """Measures a page, once for all that is asked of it."""
+    wrapper = tmp_path_factory.mktemp("measured") / "wrapper.html"
+
+    @cache
+    def measure(page: Path, width: int, scheme: str) -> dict:
+        wrapper.write_text(MEASURE % {"width": width, "page": page.as_uri()}, encoding="utf-8")
+        return found_by(browser, wrapper, max(width, 600), scheme)
+
+    return measure
+
+
+def found_by(browser: Browser, wrapper: Path, width: int, scheme: str = "light"):
+    """What a wrapper has written into its own document."""
+    found = []
+    tab = browser.show(
+        wrapper, width, scheme, 10_000, lambda tab: found.append(tab.value("document.getElementById('found').textContent"))
+    )
+    assert found[0], f"the page could not be measured: {tab.console}"
+    return json.loads(found[0])
 
 
 def test_the_browser_reports_what_a_bad_page_does(tmp_path):
@@ -232,25 +200,30 @@ def test_the_browser_reports_what_a_bad_page_does(tmp_path):
         '<img src="http://images.invalid/a.png"><script>undefinedFunction()</script>',
         encoding="utf-8",
     )
-    seen = browse(bad, tmp_path, "--dump-dom")
-    assert {"http://styles.invalid/a.css", "http://images.invalid/a.png"} <= set(seen.requests)
-    assert any("undefinedFunction" in line for line in seen.console)
+    browser = Browser(tmp_path)
+    try:
+        tab = browser.show(bad, 1100, "light")
+    finally:
+        listed = browser.close()
+    asked = {"http://styles.invalid/a.css", "http://images.invalid/a.png"}
+    assert asked <= set(tab.requests) and asked <= set(listed)
+    assert any("undefinedFunction" in line for line in tab.console)
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("width", WIDTHS)
-def test_a_page_asks_nothing_and_reports_no_error(page, tmp_path, width, scheme):
+def test_a_page_asks_nothing_and_reports_no_error(browser, page, tmp_path, width, scheme):
     picture = tmp_path / f"{page.parent.name}-{width}-{scheme}.png"
-    seen = browse(page, tmp_path, f"--screenshot={picture}", width=WIDTHS[width], scheme=scheme)
-    assert seen.requests == []
-    assert seen.console == []
+    tab = browser.show(page, WIDTHS[width], scheme, look=lambda tab: tab.picture(picture))
+    assert tab.requests == []
+    assert tab.console == []
     assert picture.stat().st_size > 10_000
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("width", WIDTHS)
-def test_a_page_fits_and_can_be_read(page, tmp_path, width, scheme):
-    found = measure(page, tmp_path, WIDTHS[width], scheme)
+def test_a_page_fits_and_can_be_read(measure, page, width, scheme):
+    found = measure(page, WIDTHS[width], scheme)
     assert found["width"] <= WIDTHS[width], "the page scrolls sideways"
     # Commands are broken on a phone only.
     assert [moved for moved in found["beyond"] if width == "phone" or not moved.startswith("PRE")] == []
@@ -266,9 +239,9 @@ def test_a_page_fits_and_can_be_read(page, tmp_path, width, scheme):
 
 
 @pytest.mark.parametrize("width", WIDTHS)
-def test_no_text_in_a_figure_is_cut_off_or_covered_by_another(page, tmp_path, width):
+def test_no_text_in_a_figure_is_cut_off_or_covered_by_another(measure, page, width):
     """With the fonts of this machine, which are not those that the layout was measured with."""
-    for number, figure in enumerate(measure(page, tmp_path, WIDTHS[width], "light")["figures"], start=1):
+    for number, figure in enumerate(measure(page, WIDTHS[width], "light")["figures"], start=1):
         left, top, right, bottom = figure["box"]
         assert right - left > 200 and bottom - top > 60, f"figure {number} is too small"
         # The smallest letters are 12 px of a drawing's own width.
@@ -277,14 +250,14 @@ def test_no_text_in_a_figure_is_cut_off_or_covered_by_another(page, tmp_path, wi
         assert list(cut_or_covered(figure)) == [], f"figure {number}"
 
 
-def test_cut_and_covered_text_is_noticed(tmp_path):
+def test_cut_and_covered_text_is_noticed(measure, tmp_path):
     bad = tmp_path / "bad.html"
     bad.write_text(
         '<!doctype html><svg width="300" height="100"><rect fill="white"/><text x="10" y="20">one</text>'
         '<text x="12" y="22">two</text><text x="290" y="80">cut off</text><text x="100" y="80">free</text></svg>',
         encoding="utf-8",
     )
-    (figure,) = measure(bad, tmp_path, 390, "light")["figures"]
+    (figure,) = measure(bad, 390, "light")["figures"]
     assert list(cut_or_covered(figure)) == ["two on one", "cut off is cut"]
 
 
@@ -326,29 +299,26 @@ frame.addEventListener("load", () => setTimeout(() => {
 </script>"""
 
 
-def test_ticks_of_small_values_have_labels_of_their_own(page, tmp_path):
+def test_ticks_of_small_values_have_labels_of_their_own(browser, page, tmp_path):
     """uPlot's labels have three decimals: ticks at -5e-4, 0 and 5e-4 would all read 0."""
     text = page.read_text(encoding="utf-8")
     if 'id="figures"' not in text:
         return
-    ask = "document.getElementById('ticks').textContent = JSON.stringify(glidepolarPage.ticked(null, [-5e-4, 0, 5e-4, 1e-3, 0.0015, 2500, null]))"
+    ask = "document.getElementById('found').textContent = JSON.stringify(glidepolarPage.ticked(null, [-5e-4, 0, 5e-4, 1e-3, 0.0015, 2500, null]))"
     copy = tmp_path / "copy.html"
     # The page allows its own scripts alone; the question is another one.
     text = re.sub(r'<meta http-equiv="Content-Security-Policy"[^>]*>', "", text)
-    copy.write_text(text.replace("</body>", f'<pre id="ticks"></pre><script>{ask}</script></body>'), encoding="utf-8")
-    seen = browse(copy, tmp_path, "--dump-dom", "--virtual-time-budget=5000", width=1000)
-    labels = json.loads(re.search(r'<pre id="ticks">(.*?)</pre>', seen.output)[1])
-    assert labels == ["-5e-4", "0", "5e-4", "0.001", "0.0015", "2500", ""]
+    copy.write_text(text.replace("</body>", f'<pre id="found"></pre><script>{ask}</script></body>'), encoding="utf-8")
+    assert found_by(browser, copy, 1000) == ["-5e-4", "0", "5e-4", "0.001", "0.0015", "2500", ""]
 
 
 @pytest.mark.parametrize("width", WIDTHS)
-def test_a_figure_answers_the_mouse(page, tmp_path, width):
+def test_a_figure_answers_the_mouse(browser, page, tmp_path, width):
     """Pointing at a figure shows the numbers there, dragging zooms; the drawing makes room for it on the screen."""
     text = page.read_text(encoding="utf-8")
     wrapper = tmp_path / "wrapper.html"
     wrapper.write_text(POINT % {"width": WIDTHS[width], "page": page.as_uri()}, encoding="utf-8")
-    seen = browse(wrapper, tmp_path, "--dump-dom", "--virtual-time-budget=20000", width=max(WIDTHS[width], 600))
-    read = json.loads(re.search(r'<pre id="found">(.*?)</pre>', seen.output, re.DOTALL)[1])
+    read = found_by(browser, wrapper, max(WIDTHS[width], 600))
     if 'id="figures"' not in text:
         assert read["found"] == []
         return
@@ -388,13 +358,12 @@ frame.addEventListener("load", () => setTimeout(() => {
 
 
 @pytest.mark.parametrize("width", WIDTHS)
-def test_sliders_of_the_polar_show_the_glide_that_the_command_computes(tables, tmp_path, width):
+def test_sliders_of_the_polar_show_the_glide_that_the_command_computes(browser, tmp_path, width):
     program = path_from("GLIDEPOLAR_COMMAND")
     subprocess.run([program, "glide", "slocum-049", "--quiet", "--out", tmp_path / "polar"], check=True)
     wrapper = tmp_path / "wrapper.html"
     wrapper.write_text(SLIDE % {"width": WIDTHS[width], "page": (tmp_path / "polar/report.html").as_uri()}, encoding="utf-8")
-    seen = browse(wrapper, tmp_path, "--dump-dom", "--virtual-time-budget=20000", width=max(WIDTHS[width], 600))
-    read = json.loads(re.search(r'<pre id="found">(.*?)</pre>', seen.output, re.DOTALL)[1])
+    read = found_by(browser, wrapper, max(WIDTHS[width], 600))
     assert len(read) == 4 and len({tuple(state["sliders"]) for state in read}) == 4
     for state in read:
         assert state["width"] <= state["room"]
