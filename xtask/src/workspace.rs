@@ -68,6 +68,9 @@ impl Workspace {
     pub fn command(&self, program: impl AsRef<OsStr>) -> Command {
         let mut command = Command::new(program);
         command.current_dir(&self.root).stdin(Stdio::null()).envs(self.environment.iter().copied());
+        // What Python has compiled is kept, whatever this machine is set up with, and not in the checkout: hundreds of its processes
+        // begin in a run of the tests, and without it each compiles all that it imports.
+        command.env_remove("PYTHONDONTWRITEBYTECODE").env("PYTHONPYCACHEPREFIX", self.target("pycache"));
         command
     }
 
