@@ -140,11 +140,11 @@ impl Tested {
     }
 }
 
-/// The programs that tests run, and the tests in Rust.
+/// The programs that tests run, and the tests in Rust, by one command: a second one would wait for the last crate of the first,
+/// which one core builds alone. What nextest builds by itself is then there.
 fn build_programs_and_tests(workspace: &Workspace) -> Result<()> {
     let bins = ["--bin", "glidepolar", "--bin", "tank-reduce", "--bin", "virtual-sea"];
-    let examples = ["--example", "report", "--example", "log_values"];
-    run_command(workspace.cargo_for_all("build").args(bins).args(examples))?;
+    run_command(workspace.cargo_for_all("build").args(bins).args(["--examples", "--tests"]))?;
     run_command(rust_tests(workspace).arg("--no-run"))
 }
 
