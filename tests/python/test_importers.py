@@ -228,13 +228,15 @@ PATHSIM = """
 
     sources = [signal(variable) for variable in inputs]
     if interface == "CoSimulation":
-        glider, options = CoSimulationFMU(fmu, dt=STEP), {}
+        # Nothing is integrated but in the FMU: between its steps there is nothing to see.
+        glider, options = CoSimulationFMU(fmu, dt=STEP), {"dt": STEP / 8}
     else:
-        glider, options = ModelExchangeFMU(fmu), {"tolerance_lte_rel": 1e-10, "tolerance_lte_abs": 1e-12, "dt_max": 4.0}
+        glider = ModelExchangeFMU(fmu)
+        options = {"dt": 0.01, "tolerance_lte_rel": 1e-10, "tolerance_lte_abs": 1e-12, "dt_max": 4.0}
     scope = Scope(labels=flight.outputs, sampling_period=STEP)
     wires = [Connection(source, glider[i]) for i, source in enumerate(sources)]
     wires += [Connection(glider[outputs.index(name)], scope[i]) for i, name in enumerate(flight.outputs)]
-    simulation = Simulation([*sources, glider, scope], wires, dt=0.01, Solver=RKDP87, log=False, **options)
+    simulation = Simulation([*sources, glider, scope], wires, Solver=RKDP87, log=False, **options)
     simulation.run(STOP + STEP / 2)
     time, values = scope.read()
     if interface == "CoSimulation":
