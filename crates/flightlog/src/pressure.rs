@@ -33,8 +33,9 @@ impl Pressures {
             return Pressures { dbar, by_depth_kg_m3: Some(density_kg_m3) };
         }
         let mut dbar = pressure.to_vec();
-        let time = log.column(Channel::Time);
-        if let Some(depths) = Depths::new(time, pressure, depth) {
+        if !depth.is_empty() {
+            let time = log.column(Channel::Time);
+            let depths = Depths::new(time, pressure, depth, density_kg_m3 * settings.gravity_m_s2 / DBAR_PA);
             let longest_s = settings.longest_fill_s.max(4.0 * median_step(time));
             for (before, after) in gaps(time, pressure, longest_s) {
                 let first = before.map_or(0, |row| row + 1);
@@ -63,26 +64,22 @@ fn gaps(time_s: &[f64], pressure: &[f64], longest_s: f64) -> Vec<(Option<usize>,
 struct Depths<'a> {
     time_s: &'a [f64],
     dbar_per_m: f64,
-    /// Pressure less scaled depth in each row with a pressure, the depth being drawn straight between its own rows \[dbar\].
+    /// Pressure less scaled depth in each row with a pressure, the depth being drawn straight between its own rows; NaN elsewhere \[dbar\].
     offset_dbar: Vec<f64>,
 }
 
 impl<'a> Depths<'a> {
-    /// None where no row has both.
-    fn new(time_s: &'a [f64], pressure: &[f64], depth: &[f64]) -> Option<Self> {
+    /// At this scale where no row has both.
+    fn new(time_s: &'a [f64], pressure: &[f64], depth: &[f64], otherwise_dbar_per_m: f64) -> Self {
         let deepest = depth.iter().copied().fold(0.0, f64::max);
         let mut drawn = depth.to_vec();
-        drawn.resize(time_s.len(), f64::NAN);
         fill(time_s, &mut drawn, f64::INFINITY);
         // Near the surface a ratio is that of two zeros.
         let both = pressure.iter().zip(&drawn).filter(|(_, depth)| **depth > 0.5 * deepest);
         let mut ratios: Vec<f64> = both.map(|(p, z)| p / z).filter(|ratio| ratio.is_finite()).collect();
-        if ratios.is_empty() {
-            return None;
-        }
-        let dbar_per_m = crate::median(&mut ratios);
+        let dbar_per_m = if ratios.is_empty() { otherwise_dbar_per_m } else { crate::median(&mut ratios) };
         let offset_dbar = pressure.iter().zip(&drawn).map(|(p, z)| p - z * dbar_per_m).collect();
-        Some(Depths { time_s, dbar_per_m, offset_dbar })
+        Depths { time_s, dbar_per_m, offset_dbar }
     }
 
     /// At a time between two rows: the offset goes straight from one to the other, so that the pressure has no step there.

@@ -27,13 +27,13 @@ pub(super) fn errors(vehicle: &Vehicle) -> [Option<f64>; 3] {
 }
 
 /// Shares of the stated errors with which the polar is fitted to find the one nearest to the log within the errors themselves.
-const SHARES: [f64; 4] = [0.5, 0.25, 0.12, 0.06];
+const SHARES: [f64; 4] = [0.5, 0.25, 0.125, 0.0625];
 
 /// Whether a log contradicts the polar of `stated`, believed with these errors; `free` is the same problem without them.
 ///
-/// It does where it is fitted so much worse that chance is no explanation, and where no polar within the errors predicts what the
-/// free one does but for less than anybody would act on: what a steady glide is by a few tenths of a millimetre per second no polar
-/// has to answer for. Lift and induced drag may be known together and neither alone, so that no covariance of `free` says how far its
+/// It does where it fits so much worse that chance is no explanation, and where every polar within the errors predicts something else
+/// than the free one, by enough to act on. The steady glide itself is off by some tenths of a millimetre per second, for which no
+/// polar is to blame. Lift and induced drag may be known together and neither alone, so that no covariance of `free` says how far its
 /// polar is from the stated one.
 pub(super) fn is_contradicted(free: &SeaProblem, stated: &SeaProblem, errors: [Option<f64>; 3]) -> bool {
     let known = known(stated, &stated.start(), errors).len();
