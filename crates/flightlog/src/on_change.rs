@@ -11,11 +11,15 @@ const LEAST_VALUES: usize = 4;
 /// Rows from one value to the next, as a rule, while a pump runs.
 const ROWS_APART: f64 = 4.0;
 
+/// Share of the time for which a pump runs at most, on the shallowest dives. A sensor that fails for a while has more values.
+const MOST_OF_ROWS: f64 = 0.25;
+
 /// Whether these values were recorded when they changed, and rest between for longer than a channel is filled \[s\].
 pub(super) fn is_recorded_on_change(time_s: &[f64], values: &[f64], longest_fill_s: f64) -> bool {
     let known: Vec<(f64, f64)> =
         time_s.iter().copied().zip(values.iter().copied()).filter(|(_, v)| v.is_finite()).collect();
-    if known.len() < LEAST_VALUES || known.windows(2).any(|pair| pair[0].1 == pair[1].1) {
+    let is_rare = (known.len() as f64) < MOST_OF_ROWS * values.len() as f64;
+    if known.len() < LEAST_VALUES || !is_rare || known.windows(2).any(|pair| pair[0].1 == pair[1].1) {
         return false;
     }
     let times: Vec<f64> = known.iter().map(|(time_s, _)| *time_s).collect();
@@ -56,5 +60,9 @@ mod tests {
         let (_, all) = pump(|_, _| true);
         let (_, few) = pump(|i, _| i % 300 == 10);
         assert!(!is_recorded_on_change(&time_s, &all, 120.0) && !is_recorded_on_change(&time_s, &few, 120.0));
+        // A sensor whose last digits differ from row to row, out of order for ten minutes.
+        let is_read = |i: &usize| !(1000..1600).contains(i);
+        let fails: Vec<f64> = (0..3000).map(|i| if is_read(&i) { i as f64 } else { f64::NAN }).collect();
+        assert!(!is_recorded_on_change(&time_s, &fails, 120.0));
     }
 }
