@@ -8,7 +8,7 @@ use super::clean::median_step;
 /// Values from which on a record shows how it was made.
 const LEAST_VALUES: usize = 4;
 
-/// Rows from one value to the next, as a rule, while a pump runs.
+/// Median number of rows from one value to the next, at most: nearly all values are of a running pump.
 const ROWS_APART: f64 = 4.0;
 
 /// Share of the time for which a pump runs at most, on the shallowest dives. A sensor that fails for a while has more values.

@@ -335,7 +335,7 @@ impl Preparation {
     fn fill_slow_channels(&mut self, log: &mut FlightLog) {
         let time = log.column(Channel::Time).to_vec();
         let longest = self.settings.longest_fill_s.max(4.0 * median_step(&time));
-        // Of a short stretch the few values do not show it, and the record is one.
+        // Once shown it holds for the whole log: a short stretch has too few values to show it again.
         self.holds_ballast |= is_recorded_on_change(&time, log.column(Channel::Ballast), longest);
         if self.holds_ballast {
             self.notes.add("stretches whose ballast volume was recorded when it changed: its last value stands", 1);

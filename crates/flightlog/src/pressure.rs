@@ -27,15 +27,15 @@ impl Pressures {
     pub(super) fn new(log: &FlightLog, settings: &PreparationSettings) -> Pressures {
         let (pressure, depth) = (log.column(Channel::Pressure), log.column(Channel::Depth));
         let density_kg_m3 = settings.density_kg_m3.unwrap_or(SEA_WATER_KG_M3);
+        let dbar_per_m = density_kg_m3 * settings.gravity_m_s2 / DBAR_PA;
         if pressure.iter().all(|pressure| !pressure.is_finite()) {
-            let dbar_per_m = density_kg_m3 * settings.gravity_m_s2 / DBAR_PA;
             let dbar = (0..log.len()).map(|i| log.at(Channel::Depth, i) * dbar_per_m).collect();
             return Pressures { dbar, by_depth_kg_m3: Some(density_kg_m3) };
         }
         let mut dbar = pressure.to_vec();
         if !depth.is_empty() {
             let time = log.column(Channel::Time);
-            let depths = Depths::new(time, pressure, depth, density_kg_m3 * settings.gravity_m_s2 / DBAR_PA);
+            let depths = Depths::new(time, pressure, depth, dbar_per_m);
             let longest_s = settings.longest_fill_s.max(4.0 * median_step(time));
             for (before, after) in gaps(time, pressure, longest_s) {
                 let first = before.map_or(0, |row| row + 1);
@@ -60,7 +60,7 @@ fn gaps(time_s: &[f64], pressure: &[f64], longest_s: f64) -> Vec<(Option<usize>,
     before.zip(after).filter(is_long).collect()
 }
 
-/// Pressures by the depth, along a stretch: the depths' scale, and what is between the two sensors where both are known.
+/// Pressures by the depth, along a stretch: the scale of the depths, and the offset between the two sensors where both are known.
 struct Depths<'a> {
     time_s: &'a [f64],
     dbar_per_m: f64,

@@ -24,7 +24,7 @@ pub(super) fn saw_tooth(yos: usize) -> FlightLog {
     log
 }
 
-fn prepared(log: FlightLog) -> (Vec<Observation>, Vec<String>) {
+pub(super) fn prepared(log: FlightLog) -> (Vec<Observation>, Vec<String>) {
     let mut preparation = Preparation::new(PreparationSettings::default());
     let mut out = Vec::new();
     preparation.push(log, &mut out);

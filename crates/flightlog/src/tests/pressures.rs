@@ -1,18 +1,10 @@
 //! Vertical velocities of logs that have a depth, alone or beside pressures.
 
-use super::preparing::saw_tooth;
+use super::preparing::{SINK_DBAR_S, prepared, saw_tooth};
 use super::*;
 
 /// Metres that a saw-tooth's pressure stands for.
 const M_PER_DBAR: f64 = 0.9945;
-
-fn prepared(log: FlightLog) -> Vec<Observation> {
-    let mut preparation = Preparation::new(PreparationSettings::default());
-    let mut out = Vec::new();
-    preparation.push(log, &mut out);
-    preparation.finish(&mut out);
-    out
-}
 
 /// The largest difference between the vertical velocity and that of the saw-tooth, in steady rows \[m/s\].
 fn largest_error(found: &[Observation], sink_m_s: f64) -> f64 {
@@ -22,7 +14,7 @@ fn largest_error(found: &[Observation], sink_m_s: f64) -> f64 {
     steady.iter().map(error).fold(0.0, f64::max)
 }
 
-/// A saw-tooth with the depth of each row, and those pressures and densities that `keep` says.
+/// A saw-tooth with a depth in each row, off by this much, with a pressure in the rows that `pressure` says, and with this density.
 fn with_depth(offset_m: f64, pressure: fn(usize) -> bool, density: fn(usize) -> Option<f64>) -> FlightLog {
     let mut log = saw_tooth(3);
     let read = log.column(Channel::Pressure).to_vec();
@@ -37,23 +29,23 @@ fn with_depth(offset_m: f64, pressure: fn(usize) -> bool, density: fn(usize) -> 
 fn a_depth_has_its_own_velocity_whatever_density_a_row_has() {
     let density =
         |i: usize| i.is_multiple_of(4).then(|| 1022.0 + 6.0 * f64::from(u8::from(i % 600 > 100 && i % 600 < 500)));
-    let found = prepared(with_depth(0.0, |_| false, density));
-    assert!(largest_error(&found, preparing::SINK_DBAR_S * M_PER_DBAR) < 1e-9);
+    let found = prepared(with_depth(0.0, |_| false, density)).0;
+    assert!(largest_error(&found, SINK_DBAR_S * M_PER_DBAR) < 1e-9);
 }
 
 /// A depth between two pressures is another sensor's: mixed, the two would jump.
 #[test]
 fn depths_between_pressures_change_nothing() {
-    let expected = preparing::SINK_DBAR_S * 1e4 / (1025.0 * 9.81);
-    let found = prepared(with_depth(0.0, |i| i.is_multiple_of(3), |_| Some(1025.0)));
+    let expected = SINK_DBAR_S * 1e4 / (1025.0 * 9.81);
+    let found = prepared(with_depth(0.3, |i| i.is_multiple_of(3), |_| Some(1025.0))).0;
     assert!(largest_error(&found, expected) < 1e-9);
 }
 
 /// Where the pressure fails for two whole ascents its depths stand in, though their zero is another.
 #[test]
 fn depths_stand_in_where_the_pressure_fails_for_long() {
-    let expected = preparing::SINK_DBAR_S * 1e4 / (1025.0 * 9.81);
-    let found = prepared(with_depth(0.3, |i| i % 600 < 300 || i > 1500, |_| Some(1025.0)));
+    let expected = SINK_DBAR_S * 1e4 / (1025.0 * 9.81);
+    let found = prepared(with_depth(0.3, |i| i % 600 < 300 || i > 1500, |_| Some(1025.0))).0;
     let ascending = found.iter().filter(|o| o.steady && o.sink_m_s < 0.0).count();
     assert!(ascending > 3 * 180, "{ascending}");
     // A zero of 0.3 m on one of them, in depths of 30 to 60 m, is 0.7 % of the scale.
@@ -70,15 +62,15 @@ fn rows_of_two_computers_are_one_record() {
     for channel in [Channel::Pressure, Channel::Density] {
         log.column_mut(channel).iter_mut().skip(1).step_by(2).for_each(|value| *value = f64::NAN);
     }
-    let found = prepared(log);
-    assert!(largest_error(&found, preparing::SINK_DBAR_S * 1e4 / (1025.0 * 9.81)) < 1e-9);
+    let found = prepared(log).0;
+    assert!(largest_error(&found, SINK_DBAR_S * 1e4 / (1025.0 * 9.81)) < 1e-9);
 }
 
 /// A ballast with a value only where it changes: the saw-tooth's pump turns at once.
 #[test]
 fn a_ballast_recorded_when_it_changes_stands_between() {
     let mut log = saw_tooth(3);
-    let whole = prepared(log.clone());
+    let whole = prepared(log.clone()).0;
     let mut last = f64::NAN;
     for (i, value) in log.column_mut(Channel::Ballast).iter_mut().enumerate() {
         // The pump takes three rows.
@@ -86,7 +78,7 @@ fn a_ballast_recorded_when_it_changes_stands_between() {
         *value = if ran == last { f64::NAN } else { ran };
         last = ran;
     }
-    let found = prepared(log);
+    let found = prepared(log).0;
     let steady = |found: &[Observation]| found.iter().filter(|o| o.steady).count();
     // A few rows after each turn are those of a pump that runs.
     assert!(steady(&found) + 20 > steady(&whole), "{} of {} rows", steady(&found), steady(&whole));
