@@ -17,7 +17,7 @@ pub(crate) const MARGIN: f64 = 6.0;
 pub struct Regressor {
     /// Its columns in the score.
     pub columns: Vec<usize>,
-    /// Runners of one family exclude each other: versions of one mechanism.
+    /// Regressors of one family exclude each other: versions of one mechanism.
     pub family: usize,
     /// Whether it is an unnamed curve.
     pub is_curve: bool,
@@ -45,8 +45,8 @@ const BEAM: usize = 12;
 pub struct SubsetSearch<'a> {
     score: &'a Score,
     regressors: &'a [Regressor],
-    n_families: usize,
-    n_curves: usize,
+    /// What each regressor costs.
+    costs: Vec<f64>,
 }
 
 impl<'a> SubsetSearch<'a> {
@@ -56,7 +56,14 @@ impl<'a> SubsetSearch<'a> {
         families.sort_unstable();
         families.dedup();
         let n_curves = regressors.iter().filter(|r| r.is_curve).count();
-        SubsetSearch { score, regressors, n_families: families.len().max(1), n_curves: n_curves.max(1) }
+        let cost = |regressor: &Regressor| {
+            let among = if regressor.is_curve { n_curves } else { families.len() };
+            let versions = regressors.iter().filter(|r| r.family == regressor.family).count();
+            regressor.columns.len() as f64 * score.effective_rows.ln()
+                + 2.0 * (among as f64).ln()
+                + 2.0 * (versions as f64).ln()
+        };
+        SubsetSearch { score, regressors, costs: regressors.iter().map(cost).collect() }
     }
 
     /// The columns of a set.
@@ -71,32 +78,30 @@ impl<'a> SubsetSearch<'a> {
             return 0.0;
         }
         let fit = self.score.fit(&columns);
-        let mut steps = fit.step.iter();
+        self.criterion_of(members.iter().copied(), fit.gain, fit.step.as_slice())
+    }
+
+    /// The criterion of a fit, its steps in the order of the members' columns.
+    fn criterion_of(&self, members: impl Iterator<Item = usize>, gain: f64, steps: &[f64]) -> f64 {
+        let mut steps = steps.iter();
+        let mut cost = 0.0;
         for member in members {
-            let regressor = &self.regressors[*member];
+            let regressor = &self.regressors[member];
             for (place, step) in (0..regressor.columns.len()).zip(&mut steps) {
                 let bounds = regressor.bounds.get(place);
                 if bounds.is_some_and(|(low, high)| step < low || step > high) {
                     return f64::INFINITY;
                 }
             }
+            cost += self.costs[member];
         }
-        members.iter().map(|member| self.cost(*member)).sum::<f64>() - fit.gain
+        cost - gain
     }
 
     /// How much a set explains: fall of the sum of squares, in units of the noise.
     pub fn gain(&self, members: &[usize]) -> f64 {
         let columns = self.columns(members);
         if columns.is_empty() { 0.0 } else { self.score.fit(&columns).gain }
-    }
-
-    fn cost(&self, member: usize) -> f64 {
-        let regressor = &self.regressors[member];
-        let among = if regressor.is_curve { self.n_curves } else { self.n_families };
-        let versions = self.regressors.iter().filter(|r| r.family == regressor.family).count();
-        regressor.columns.len() as f64 * self.score.effective_rows.ln()
-            + 2.0 * (among as f64).ln()
-            + 2.0 * (versions as f64).ln()
     }
 
     /// The best set of mechanisms alone: all singles and pairs, larger sets grown from the best ones.
@@ -162,7 +167,9 @@ impl<'a> SubsetSearch<'a> {
         for size in 1..=max_members {
             let mut next: Vec<Choice> = Vec::new();
             let mut known: HashSet<Vec<usize>> = HashSet::new();
+            let mut steps = Vec::new();
             for choice in &level {
+                let here = self.score.solve(&self.columns(&choice.members));
                 for other in named {
                     let family = self.regressors[*other].family;
                     if choice.members.iter().any(|member| self.regressors[*member].family == family) {
@@ -174,7 +181,14 @@ impl<'a> SubsetSearch<'a> {
                     if !known.insert(members.clone()) {
                         continue;
                     }
-                    let criterion = self.criterion(&members);
+                    let gain = match self.regressors[*other].columns[..] {
+                        [column] => self.score.gain_with(&here, column, &mut steps),
+                        _ => None,
+                    };
+                    let criterion = match gain {
+                        Some(gain) => self.criterion_of(choice.members.iter().chain([other]).copied(), gain, &steps),
+                        None => self.criterion(&members),
+                    };
                     let choice = Choice { members, criterion };
                     met(&choice);
                     next.push(choice);
