@@ -70,6 +70,7 @@ pub fn joined<T: AsRef<[u8]>>(parts: &[T]) -> Vec<u8> {
 }
 
 /// A table with every `nth` row below its header: small enough to be changed a million times.
+#[cfg(any(feature = "logs", test))]
 pub fn thinned(table: &str, nth: usize) -> String {
     let (remarks, rows): (Vec<&str>, Vec<&str>) = table.lines().partition(|line| line.starts_with('#'));
     let header = rows.first().copied().unwrap_or_default();

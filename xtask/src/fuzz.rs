@@ -1,6 +1,7 @@
 //! `cargo xtask fuzz`: the targets of `fuzz/` under libFuzzer, each for a while. What is found is kept in
 //! `target/fuzz/found/TARGET/`; what reached new code in `target/fuzz/corpus/TARGET/`, where the next run goes on.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -19,11 +20,8 @@ const COVERAGE: [&str; 6] = [
     "--cfg=fuzzing",
 ];
 
-/// Targets of what reads files, and of the FMU.
-const READERS: &str = "fuzz/src/targets";
-
-/// Targets behind the commands.
-const COMMANDS: &str = "fuzz/src/targets/commands";
+/// Where the targets stand. Those of a folder below are built with the feature of its name.
+const TARGETS: &str = "fuzz/src/targets";
 
 /// Longer than this for one input is a hang \[s\].
 const PATIENCE_S: u32 = 20;
@@ -53,24 +51,23 @@ pub struct Choice {
 
 /// Builds the targets and runs them, one after the other.
 pub fn run(workspace: &Workspace, choice: &Choice) -> Result<()> {
-    let readers = targets_in(workspace, READERS)?;
-    let mut known = [readers.clone(), targets_in(workspace, COMMANDS)?].concat();
-    known.sort();
+    let known = known_targets(workspace)?;
     if choice.list {
-        known.iter().for_each(|name| println!("{name}"));
+        known.keys().for_each(|name| println!("{name}"));
         return Ok(());
     }
-    if let Some(unknown) = choice.targets.iter().find(|name| !known.contains(name)) {
-        bail!("there is no target {unknown}; the targets are {}", known.join(", "));
+    let names = || known.keys().map(String::as_str).collect::<Vec<_>>();
+    if let Some(unknown) = choice.targets.iter().find(|name| !known.contains_key(*name)) {
+        bail!("there is no target {unknown}; the targets are {}", names().join(", "));
     }
-    let targets = if choice.targets.is_empty() { &known } else { &choice.targets };
-    let with_commands = targets.iter().any(|target| !readers.contains(target));
-    let program = build(workspace, choice.quick, with_commands)?;
+    let targets = if choice.targets.is_empty() { names() } else { choice.targets.iter().map(String::as_str).collect() };
+    let features: BTreeSet<&str> = targets.iter().filter_map(|name| known[*name].as_deref()).collect();
+    let program = build(workspace, choice.quick, &features)?;
     let mut failed = Vec::new();
     for target in targets {
         if let Err(error) = fuzz(workspace, &program, target, choice) {
             eprintln!("{error:#}");
-            failed.push(target.as_str());
+            failed.push(target);
         }
     }
     if !failed.is_empty() {
@@ -79,38 +76,46 @@ pub fn run(workspace: &Workspace, choice: &Choice) -> Result<()> {
     Ok(())
 }
 
-/// The names of the targets in the files of this folder.
-fn targets_in(workspace: &Workspace, folder: &str) -> Result<Vec<String>> {
+/// The names of all targets, with the feature that each is built with.
+fn known_targets(workspace: &Workspace) -> Result<BTreeMap<String, Option<String>>> {
+    let mut known = BTreeMap::new();
+    let mut folders = vec![(workspace.path(TARGETS), None)];
+    while let Some((folder, feature)) = folders.pop() {
+        for entry in fs::read_dir(&folder).with_context(|| format!("cannot read {}", folder.display()))? {
+            let entry = entry?;
+            if entry.path().is_dir() {
+                folders.push((entry.path(), Some(entry.file_name().to_string_lossy().into_owned())));
+            } else {
+                known.extend(names_in(&entry.path())?.into_iter().map(|name| (name, feature.clone())));
+            }
+        }
+    }
+    Ok(known)
+}
+
+/// The names of the targets of a file.
+fn names_in(file: &Path) -> Result<Vec<String>> {
+    let text = fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
     let mut names = Vec::new();
-    let folder = workspace.path(folder);
-    for entry in fs::read_dir(&folder).with_context(|| format!("cannot read {}", folder.display()))? {
-        let file = entry?.path();
-        if file.is_dir() {
-            continue;
-        }
-        let text = fs::read_to_string(file)?;
-        let mut rest = text.as_str();
-        while let Some((_, after)) = rest.split_once(": Target =") {
-            let name = after.split_once("name: \"").and_then(|(_, name)| name.split_once('"'));
-            let (name, after) = name.context("an unnamed target")?;
-            names.push(name.to_owned());
-            rest = after;
-        }
+    let mut rest = text.as_str();
+    while let Some((_, after)) = rest.split_once(": Target =") {
+        let name = after.split_once("name: \"").and_then(|(_, name)| name.split_once('"'));
+        let (name, after) = name.context("an unnamed target")?;
+        names.push(name.to_owned());
+        rest = after;
     }
     Ok(names)
 }
 
-/// Builds the targets; without those of the commands in half the time.
-fn build(workspace: &Workspace, quick: bool, with_commands: bool) -> Result<PathBuf> {
+/// Builds the targets of these features.
+fn build(workspace: &Workspace, quick: bool, features: &BTreeSet<&str>) -> Result<PathBuf> {
     let host = Platform::host()?;
     let folder = workspace.target("fuzz");
     eprintln!("building the targets with coverage (for the first time this takes some minutes)");
     let mut command = workspace.cargo();
     let (profile, built) = if quick { ("dev", "debug") } else { ("release", "release") };
     command.args(["build", "--profile", profile, "--locked", "--manifest-path", "fuzz/libfuzzer/Cargo.toml"]);
-    if !with_commands {
-        command.arg("--no-default-features");
-    }
+    command.arg("--no-default-features").args(features.iter().map(|feature| format!("--features={feature}")));
     // A target of its own keeps coverage out of what runs while building.
     command.args(["--target", host.triple]).arg("--target-dir").arg(&folder);
     command.env("CARGO_ENCODED_RUSTFLAGS", COVERAGE.join("\x1f"));

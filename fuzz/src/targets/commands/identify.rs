@@ -3,7 +3,7 @@
 use super::glidepolar;
 use crate::Target;
 use crate::files::Folder;
-use crate::targets::log::logs;
+use crate::targets::logs::logs;
 
 pub const IDENTIFY: Target = Target {
     name: "identify",

@@ -6,7 +6,7 @@ use glidepolar_virtual_sea::{Options, generate};
 use crate::Target;
 use crate::files::{Folder, thinned};
 
-#[path = "../../../crates/flightlog/src/tests/classic.rs"]
+#[path = "../../../../crates/flightlog/src/tests/classic.rs"]
 mod classic;
 
 pub const CSV: Target = Target {
