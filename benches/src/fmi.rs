@@ -313,13 +313,9 @@ pub struct FmuGlider {
     pub ballast_offset: u32,
     pub x: u32,
     pub depth: u32,
+    /// How many continuous states it has.
+    pub n_states: usize,
 }
-
-/// How many continuous states the glider has.
-pub const GLIDER_STATES: usize = 15;
-
-/// How many it has in space.
-pub const SPACE_STATES: usize = 22;
 
 /// Time between two turns of the voyage \[s\]: down for one leg, up for the next.
 pub const LEG_S: f64 = 375.0;
@@ -342,10 +338,15 @@ fn description(folder: &Path, standard: Standard) -> Result<(String, String)> {
     Ok((text, token))
 }
 
-/// Loads the same library as the glider in space.
-pub fn in_space(root: &Path, library: &Path, standard: Standard) -> Result<Fmu> {
-    let (_, token) = description(&root.join("modelDescription/space"), standard)?;
-    Fmu::load(library, standard, &token)
+/// How many continuous states a model description has: each is the derivative's variable once, in either standard.
+fn states_of(description: &str) -> usize {
+    description.matches(" derivative=\"").count()
+}
+
+/// Loads the same library as the glider in space, with how many continuous states that has.
+pub fn in_space(root: &Path, library: &Path, standard: Standard) -> Result<(Fmu, usize)> {
+    let (text, token) = description(&root.join("modelDescription/space"), standard)?;
+    Ok((Fmu::load(library, standard, &token)?, states_of(&text)))
 }
 
 impl FmuGlider {
@@ -364,6 +365,7 @@ impl FmuGlider {
             ballast_offset: reference("ballast_offset_kg")?,
             x: reference("x_m")?,
             depth: reference("depth_m")?,
+            n_states: states_of(&text),
         })
     }
 

@@ -4,7 +4,7 @@
 //! which all take turns ([`contest`]), and leaves rows of medians and ratios in a [`report::Part`]. [`page`] prints them
 //! and writes docs/evidence/benchmarks.md. A part that fails, or a program that is not there, is said in its row; the rest goes on.
 //!
-//! Nothing here is a test: no time makes anything fail.
+//! Nothing here is a test: no time makes anything fail. Only a short run fails where a part cannot be measured at all.
 
 mod arguments;
 mod child;

@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use crate::arguments::{Job, Work};
 use crate::child::{memory, peak_memory};
 use crate::data;
-use crate::fmi::{FmuGlider, GLIDER_STATES, Interface, Standard, TOLERANCE};
+use crate::fmi::{FmuGlider, Interface, Standard, TOLERANCE};
 
 /// Does a job.
 pub fn run(work: &Work) -> Result<()> {
@@ -122,7 +122,7 @@ fn instances(root: &Path, library: &Path, n: usize) -> Result<Value> {
 fn rates(root: &Path, library: &Path, standard: Standard, n: usize) -> Result<Value> {
     let glider = FmuGlider::load(root, library, standard)?;
     let instance = glider.fmu.begin(Interface::ModelExchange, TOLERANCE)?;
-    let (mut states, mut rates) = ([0.0; GLIDER_STATES], [0.0; GLIDER_STATES]);
+    let (mut states, mut rates) = (vec![0.0; glider.n_states], vec![0.0; glider.n_states]);
     instance.states(&mut states)?;
     for i in 0..n {
         instance.rates(1e-3 * i as f64, black_box(&mut states), &mut rates)?;

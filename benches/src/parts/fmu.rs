@@ -15,7 +15,7 @@ use super::{Context, floor};
 use crate::arguments::Sized;
 use crate::child;
 use crate::contest::{Contender, Samples, contest};
-use crate::fmi::{Fmu, FmuGlider, GLIDER_STATES, Interface, LEG_S, LEGS_PER_DAY, SPACE_STATES, Standard, TOLERANCE};
+use crate::fmi::{Fmu, FmuGlider, Interface, LEG_S, LEGS_PER_DAY, Standard, TOLERANCE};
 use crate::peer::{Peer, number};
 use crate::report::{Goal, Part, Row, Unit, figures};
 
@@ -37,7 +37,8 @@ pub fn measure(context: &Context<'_>) -> Result<Part> {
         let oscillator = oscillator.as_ref().map_err(|e| anyhow::anyhow!("{e:#}"));
         let oscillator = oscillator.and_then(|library| Fmu::load(library, standard, "any"));
         calls(context, &mut part, name, &glider, oscillator.as_ref().ok())?;
-        space_beside_plane(context, &mut part, name, &glider, &context.in_space(standard)?)?;
+        let (space, space_states) = context.in_space(standard)?;
+        space_beside_plane(context, &mut part, name, &glider, (&space, space_states))?;
         if let Err(error) = oscillator {
             part.remark(format!("The van der Pol FMU is missing: {error:#}"));
         }
@@ -72,14 +73,14 @@ fn calls(
     let rounds = context.choice.rounds();
     let absent = || anyhow::anyhow!("the van der Pol FMU is missing");
     let exchange = glider.fmu.begin(Interface::ModelExchange, TOLERANCE)?;
-    let mut states = [0.0; GLIDER_STATES];
+    let mut states = vec![0.0; glider.n_states];
     exchange.states(&mut states)?;
     let simple = oscillator.map(|fmu| fmu.begin(Interface::ModelExchange, TOLERANCE)).transpose()?;
     let [ours, theirs] = contest(
         rounds,
         [
             Contender::timed("glider", n, || {
-                let mut rates = [0.0; GLIDER_STATES];
+                let mut rates = vec![0.0; glider.n_states];
                 for i in 0..n {
                     exchange.rates(1e-3 * i as f64, black_box(&mut states), &mut rates)?;
                     black_box(&rates);
@@ -159,7 +160,7 @@ fn space_beside_plane(
     part: &mut Part,
     name: &str,
     plane: &FmuGlider,
-    space: &Fmu,
+    (space, space_states): (&Fmu, usize),
 ) -> Result<()> {
     let n = context.choice.size(Sized { quick: 2_000, standard: 50_000, full: 200_000 });
     let instances = [&plane.fmu, space]
@@ -168,7 +169,7 @@ fn space_beside_plane(
         .collect::<Result<Vec<_>>>()?;
     let [ours, theirs] = contest(
         context.choice.rounds(),
-        [("space", &instances[1], SPACE_STATES), ("plane", &instances[0], GLIDER_STATES)].map(
+        [("space", &instances[1], space_states), ("plane", &instances[0], plane.n_states)].map(
             |(what, instance, n_states)| {
                 Contender::timed(what, n, move || {
                     let (mut states, mut rates) = (vec![0.0; n_states], vec![0.0; n_states]);

@@ -191,7 +191,7 @@ fn beside_gliderflight(context: &Context<'_>, part: &mut Part) -> Result<()> {
 fn unsteady(context: &Context<'_>, part: &mut Part, peer: Option<&mut Peer>) {
     let rounds = context.choice.size(Sized { quick: 0, standard: 5, full: 9 });
     let [ours] = contest(rounds, [Contender::timed("glidepolar", 1, || command(context, &["--unsteady"]))]);
-    let budget_s = context.choice.size(Sized { quick: 5.0, standard: 60.0, full: 1100.0 });
+    let budget_s = context.choice.size(Sized { quick: 1.0, standard: 60.0, full: 1100.0 });
     let begin = Instant::now();
     let answer = peer.map(|peer| peer.ask(&json!({"model": "dynamic", "budget_s": budget_s})));
     let answer = answer.unwrap_or_else(|| Err(anyhow::anyhow!("gliderflight or its data are missing")));

@@ -14,7 +14,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, ensure};
 
 use crate::arguments::{Choice, PartName, Run};
 use crate::contest::Samples;
@@ -47,7 +47,7 @@ pub fn run_all(run: &Run) -> Result<()> {
     std::fs::create_dir_all(&run.work).with_context(|| format!("cannot make {}", run.work.display()))?;
     let context = Context { choice: run.choice.clone(), run };
     let machine = Machine::look(run.python.as_deref());
-    let mut parts = Vec::new();
+    let (mut parts, mut lost) = (Vec::new(), Vec::new());
     for (name, heading, measure) in PARTS {
         if !run.choice.only.is_empty() && !run.choice.only.contains(&name) {
             continue;
@@ -55,16 +55,20 @@ pub fn run_all(run: &Run) -> Result<()> {
         eprintln!("measuring: {heading}");
         let begin = Instant::now();
         let measured = catch_unwind(AssertUnwindSafe(|| measure(&context)));
-        let mut part = match measured {
-            Ok(Ok(part)) => part,
-            Ok(Err(error)) => failed(heading, error),
-            Err(_) => failed(heading, anyhow::anyhow!("it panicked; the message stands above the table")),
-        };
+        let measured =
+            measured.unwrap_or_else(|_| Err(anyhow::anyhow!("it panicked; the message stands above the table")));
+        let mut part = measured.unwrap_or_else(|error| {
+            lost.push(heading);
+            failed(heading, error)
+        });
         part.seconds = begin.elapsed().as_secs_f64();
         println!("{}", page::console(&part));
         parts.push(part);
     }
-    page::write(run, &machine, &parts)
+    page::write(run, &machine, &parts)?;
+    // A short run is there to say whether everything runs.
+    ensure!(lost.is_empty() || !run.choice.quick, "not measured: {}", lost.join(", "));
+    Ok(())
 }
 
 /// A part that could not be measured at all.
@@ -109,7 +113,7 @@ impl Context<'_> {
     }
 
     /// The same library as the glider in space.
-    pub fn in_space(&self, standard: Standard) -> Result<Fmu> {
+    pub fn in_space(&self, standard: Standard) -> Result<(Fmu, usize)> {
         fmi::in_space(self.root(), self.library()?, standard)
     }
 }
