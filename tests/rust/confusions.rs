@@ -4,13 +4,13 @@
 //! `cargo test -p glidepolar-tests --release --test confusions -- --ignored --nocapture` prints it over `BLIND_SEEDS`
 //! seeds (20) from `BLIND_FIRST` (0) on; `BLIND_EFFECT` (parts of names, by commas) and `BLIND_SPEED` (`measured`, `none`)
 //! choose; with `BLIND_WORLDS=drawn` every seed has a world of its own, as in `blind_worlds`. A log counts as relevant where
-//! its misfit beside the polar alone exceeds the limit of relevance of any quantity and is significant: what noise hides
-//! cannot be named.
+//! its misfit beside the polar alone exceeds the limit of relevance of any quantity and is significant, and the same flight with
+//! nothing hidden does not miss its model in the same way: what noise hides cannot be named, and what the water does is not hidden.
 
 use std::collections::BTreeMap;
 
 use glidepolar::diagnose::sea::{Request, diagnose_vehicle};
-use glidepolar::diagnose::{Diagnosis, Verdict};
+use glidepolar::diagnose::{Diagnosis, Left, Verdict};
 use glidepolar::reading;
 use glidepolar::vehicle::Vehicle;
 use glidepolar_virtual_sea::catalogue::Drawn;
@@ -40,6 +40,9 @@ const SIGNIFICANT: f64 = 0.01;
 /// Names that a group may have beside which it is of use.
 const LARGEST_GROUP: usize = 4;
 
+/// Stands in the group of another scale and is never named: beside a fitted polar it predicts what a scale of the pressure does.
+const ALWAYS_GROUPED: &str = "speed_scale";
+
 /// Two at once; both must be named.
 const PAIRS: [&str; 3] =
     ["ballast_offset,hull_compressibility", "pitch_offset,drag_growth", "thermal_expansion,vertical_current"];
@@ -55,13 +58,19 @@ fn outside() -> Vec<&'static str> {
     catalogue::TABLE.iter().filter(|effect| !effect.is_catalogued()).map(|effect| effect.name).collect()
 }
 
+type Misfit = (String, String);
+
 /// What one log gave.
 struct Answer {
     effect: &'static str,
     seed: u64,
     causes: Vec<(String, Vec<String>)>,
     verdict: Verdict,
-    /// Whether the misfit is relevant beside the polar alone.
+    /// Whether anything is wrong beside the polar alone.
+    is_wrong: bool,
+    /// What is left beyond the limit of relevance: quantity and covariate.
+    misfits: Vec<Misfit>,
+    /// Whether what is hidden makes a relevant misfit.
     is_relevant: bool,
     /// For each true parameter whether its interval holds it, where the mechanism was named first.
     covered: Vec<bool>,
@@ -96,16 +105,36 @@ impl Answer {
             .collect();
         let causes: Vec<(String, Vec<String>)> =
             found.causes.iter().map(|cause| (cause.cause.clone(), cause.indistinguishable_from.clone())).collect();
-        let is_relevant = !found.wrong.is_empty()
-            || !causes.is_empty()
-            || found.left.iter().any(|left| left.size > left.relevant_above && left.p_value < SIGNIFICANT);
+        let is_wrong = !found.wrong.is_empty() || !causes.is_empty();
+        let is_beyond = |left: &&Left| left.size > left.relevant_above && left.p_value < SIGNIFICANT;
+        let of = |left: &Left| (left.quantity.to_string(), left.depends_on.to_string());
+        let misfits: Vec<Misfit> = found.left.iter().filter(is_beyond).map(of).collect();
+        let is_relevant = is_wrong || !misfits.is_empty();
         let said = match (causes.is_empty(), found.verdict) {
             (true, Verdict::None) => "none".to_owned(),
             (true, _) => "unexplained".to_owned(),
             _ => causes.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join("+"),
         };
         let evidence = format!("{}; {world}", evidence(&truth, &found));
-        Some(Answer { evidence, effect, seed, causes, verdict: found.verdict, is_relevant, covered, said })
+        Some(Answer {
+            evidence,
+            effect,
+            seed,
+            causes,
+            verdict: found.verdict,
+            is_wrong,
+            misfits,
+            is_relevant,
+            covered,
+            said,
+        })
+    }
+
+    /// A misfit that the same flight has with nothing hidden does not make what is hidden relevant.
+    fn beside(mut self, nothing: Option<&Answer>) -> Answer {
+        let is_of_hidden = |misfit: &Misfit| nothing.is_none_or(|nothing| !nothing.misfits.contains(misfit));
+        self.is_relevant = self.is_wrong || self.misfits.iter().any(is_of_hidden);
+        self
     }
 
     fn wanted(&self) -> Vec<&'static str> {
@@ -213,6 +242,8 @@ fn diagnosis(log: &std::path::Path, vehicle: &std::path::Path) -> Option<Diagnos
 struct Tally {
     logs: usize,
     relevant: usize,
+    /// Of these, with an effect that has a name of its own.
+    to_name: usize,
     right: usize,
     in_group: usize,
     wrong: usize,
@@ -230,6 +261,7 @@ impl Tally {
         for answer in answers {
             sum.logs += 1;
             sum.relevant += usize::from(answer.is_relevant);
+            sum.to_name += usize::from(answer.is_relevant && answer.effect != ALWAYS_GROUPED);
             sum.right += usize::from(answer.is_right() && answer.is_relevant);
             sum.in_group += usize::from(answer.is_in_group() && answer.is_relevant);
             sum.wrong += usize::from(answer.wrong_names() > 0);
@@ -246,9 +278,10 @@ impl Tally {
     fn row(&self, name: &str) {
         let said: Vec<String> = self.said.iter().map(|(name, n)| format!("{name} {n}")).collect();
         println!(
-            "{name:<38} logs {:>3} relevant {:>3} first {:>3} group {:>3} wrong {:>3} large {:>2} partly {:>2} size {:>3} of {:<3} {}",
+            "{name:<38} logs {:>3} relevant {:>3} to name {:>3} first {:>3} group {:>3} wrong {:>3} large {:>2} partly {:>2} size {:>3} of {:<3} {}",
             self.logs,
             self.relevant,
+            self.to_name,
             self.right,
             self.in_group,
             self.wrong,
@@ -324,7 +357,7 @@ fn below(part: &str, sum: &Tally, floors: &Floors) -> Vec<String> {
     };
     match part {
         "catalogue" => {
-            at_least("true name first", sum.right, sum.relevant, floors.first);
+            at_least("true name first", sum.right, sum.to_name, floors.first);
             at_least("name or group", sum.in_group, sum.relevant, floors.in_group);
             at_least("size in its interval", sum.covered, sum.sized, floors.covered);
             at_least("groups of at most four names", sum.named - sum.large, sum.named, 1.0 - floors.large_groups);
@@ -339,8 +372,11 @@ fn below(part: &str, sum: &Tally, floors: &Floors) -> Vec<String> {
 fn answers(effects: &[&'static str], seeds: std::ops::Range<u64>, speed: bool, drawn: bool) -> Vec<Answer> {
     let tasks: Vec<(&'static str, u64)> =
         effects.iter().flat_map(|effect| seeds.clone().map(|seed| (*effect, seed))).collect();
+    let diagnosed = |(effect, seed)| Answer::diagnose(effect, seed, speed, drawn);
+    let nothing: BTreeMap<u64, Answer> =
+        seeds.clone().into_par_iter().filter_map(|seed| Some((seed, diagnosed(("none", seed))?))).collect();
     let mut found: Vec<Answer> =
-        tasks.into_par_iter().filter_map(|(effect, seed)| Answer::diagnose(effect, seed, speed, drawn)).collect();
+        tasks.into_par_iter().filter_map(|task| Some(diagnosed(task)?.beside(nothing.get(&task.1)))).collect();
     found.sort_by_key(|answer| (answer.effect, answer.seed));
     found
 }

@@ -59,7 +59,7 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
         present = alone;
     }
     // What was found in full, alone, stands where the slopes' choice does no better: in the place of one of its mechanisms,
-    // or of them all where it was thinned out to no more than one.
+    // or of them all where backward elimination left no more than one.
     for mut rival in single.iter().flat_map(|single| present.rivals(single, problem)) {
         let of_rival = rival.eliminate_backward(problem, &baseline, &mut dropped);
         if !rival.included.is_empty() {

@@ -157,7 +157,7 @@ impl Fitted {
                 *value += step;
             }
         }
-        debug_assert_eq!(problem.baseline().len(), point.baseline.len());
+        assert_eq!(problem.baseline().len(), point.baseline.len());
         point
     }
 

@@ -32,7 +32,7 @@ impl Gram {
     /// Adds one residual with its slopes; `row` holds the slopes, then the residual.
     pub fn add_row(&mut self, row: &[f64]) {
         let width = self.n + 1;
-        debug_assert_eq!(row.len(), width);
+        assert_eq!(row.len(), width);
         let mut rest = &mut self.packed[..];
         for i in 0..width {
             let (line, after) = rest.split_at_mut(width - i);
