@@ -4,8 +4,8 @@
 //! `cargo test -p glidepolar-tests --release --test confusions -- --ignored --nocapture` prints it over `BLIND_SEEDS`
 //! seeds (20) from `BLIND_FIRST` (0) on; `BLIND_EFFECT` (parts of names, by commas) and `BLIND_SPEED` (`measured`, `none`)
 //! choose; with `BLIND_WORLDS=drawn` every seed has a world of its own, as in `blind_worlds`. A log counts as relevant where
-//! its misfit beside the polar alone exceeds the limit of relevance of any quantity and is significant, and the same flight with
-//! nothing hidden does not miss its model in the same way: what noise hides cannot be named, and what the water does is not hidden.
+//! its misfit beside the polar alone, less that of the same flight with nothing hidden, exceeds the limit of relevance of any
+//! quantity and is significant: what noise hides cannot be named, and what the water does is not hidden.
 
 use std::collections::BTreeMap;
 
@@ -58,7 +58,13 @@ fn outside() -> Vec<&'static str> {
     catalogue::TABLE.iter().filter(|effect| !effect.is_catalogued()).map(|effect| effect.name).collect()
 }
 
-type Misfit = (String, String);
+/// What is left of a quantity, and what it must exceed to be worth acting on.
+struct Misfit {
+    quantity: String,
+    size: f64,
+    relevant_above: f64,
+    is_significant: bool,
+}
 
 /// What one log gave.
 struct Answer {
@@ -68,7 +74,7 @@ struct Answer {
     verdict: Verdict,
     /// Whether anything is wrong beside the polar alone.
     is_wrong: bool,
-    /// What is left beyond the limit of relevance: quantity and covariate.
+    /// What is left of each quantity.
     misfits: Vec<Misfit>,
     /// Whether what is hidden makes a relevant misfit.
     is_relevant: bool,
@@ -106,10 +112,13 @@ impl Answer {
         let causes: Vec<(String, Vec<String>)> =
             found.causes.iter().map(|cause| (cause.cause.clone(), cause.indistinguishable_from.clone())).collect();
         let is_wrong = !found.wrong.is_empty() || !causes.is_empty();
-        let is_beyond = |left: &&Left| left.size > left.relevant_above && left.p_value < SIGNIFICANT;
-        let of = |left: &Left| (left.quantity.to_string(), left.depends_on.to_string());
-        let misfits: Vec<Misfit> = found.left.iter().filter(is_beyond).map(of).collect();
-        let is_relevant = is_wrong || !misfits.is_empty();
+        let of = |left: &Left| Misfit {
+            quantity: left.quantity.clone(),
+            size: left.size,
+            relevant_above: left.relevant_above,
+            is_significant: left.p_value < SIGNIFICANT,
+        };
+        let misfits = found.left.iter().map(of).collect();
         let said = match (causes.is_empty(), found.verdict) {
             (true, Verdict::None) => "none".to_owned(),
             (true, _) => "unexplained".to_owned(),
@@ -124,15 +133,23 @@ impl Answer {
             verdict: found.verdict,
             is_wrong,
             misfits,
-            is_relevant,
+            is_relevant: is_wrong,
             covered,
             said,
         })
     }
 
-    /// A misfit that the same flight has with nothing hidden does not make what is hidden relevant.
+    /// What is left is relevant where it exceeds what the same flight leaves with nothing hidden, the squares of independent
+    /// misfits adding up.
     fn beside(mut self, nothing: Option<&Answer>) -> Answer {
-        let is_of_hidden = |misfit: &Misfit| nothing.is_none_or(|nothing| !nothing.misfits.contains(misfit));
+        let of_water = |quantity: &str| {
+            let misfits = nothing.iter().flat_map(|nothing| &nothing.misfits);
+            misfits.filter(|misfit| misfit.quantity == quantity).map(|misfit| misfit.size.powi(2)).sum::<f64>()
+        };
+        let is_of_hidden = |misfit: &Misfit| {
+            let hidden = misfit.size.powi(2) - of_water(&misfit.quantity);
+            misfit.is_significant && hidden > misfit.relevant_above.powi(2)
+        };
         self.is_relevant = self.is_wrong || self.misfits.iter().any(is_of_hidden);
         self
     }
