@@ -104,18 +104,31 @@ fn install(workspace: &Workspace, python: &Python, requirements: &Path, first: O
         command.args(["-m", "pip", "--disable-pip-version-check", "--no-input", "install", "--quiet", "--no-compile"]);
         command
     };
-    // The pinned pip first: it is what reads the rest.
+    let uv = || {
+        let mut command = workspace.command(python.tool("uv"));
+        command.args(["pip", "install", "--quiet", "--python"]).arg(python.interpreter());
+        command
+    };
+    let packages = |mut installer: Command| {
+        installer.arg("--only-binary=:all:");
+        installer.arg(if first.is_some() { "--constraint" } else { "--requirement" }).arg(requirements);
+        run(installer.args(first.unwrap_or_default()))
+    };
+    // The pinned installers first: they read the rest.
     let text = fs::read_to_string(requirements)?;
-    let pinned_pip =
-        text.lines().find(|line| line.starts_with("pip==")).context("the list of packages does not pin pip")?;
-    let mut packages = pip();
-    packages.arg("--only-binary=:all:");
-    packages.arg(if first.is_some() { "--constraint" } else { "--requirement" }).arg(requirements);
-    packages.args(first.unwrap_or_default());
-    run(pip().arg(pinned_pip))
-        .and_then(|()| run(&mut packages))
+    let installers: Vec<&str> = INSTALLERS
+        .iter()
+        .map(|name| text.lines().find(|line| line.strip_prefix(name).is_some_and(|rest| rest.starts_with("=="))))
+        .collect::<Option<_>>()
+        .with_context(|| format!("the list of packages does not pin {}", INSTALLERS.join(" and ")))?;
+    run(pip().args(installers))
+        // uv takes a quarter of the time. It does not read pip's settings: where they are needed, pip installs.
+        .and_then(|()| packages(uv()).or_else(|_| packages(pip())))
         .context("the packages could not be installed; is the package index reachable (`python3 -m pip download pip`)?")
 }
+
+/// What installs packages.
+const INSTALLERS: [&str; 2] = ["pip", "uv"];
 
 struct Interpreter {
     program: String,
