@@ -38,7 +38,7 @@ pub fn run(workspace: Workspace, choice: &Choice) -> Result<()> {
     let (profile, folder) = if choice.quick { ("dev", "debug") } else { ("release", "release") };
     run_command(workspace.cargo_for_all("build").args(["--profile", profile]).args(programs))?;
     let fmus = or_say("the FMU", fmu::run(&workspace, &[], fmu::Scope::Host));
-    let python = or_say("the other programs", python::ensure_peers(&workspace));
+    let python = or_say("the other programs", python::ensure(&workspace));
     or_say("gliderflight's data", fetch_data::run(&workspace));
     eprintln!("built in {:.0} s", begin.elapsed().as_secs_f64());
 

@@ -1,5 +1,4 @@
-//! The project's own Python environments: target/python, with the packages that tests/python/requirements.txt pins, and
-//! target/bench-python, with the programs that the bench measures beside this one.
+//! The project's own Python environment: target/python, with the packages that tests/python/requirements.txt pins.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -11,14 +10,9 @@ use glidepolar_archive::write_whole;
 use crate::requirements::stamp;
 use crate::workspace::{Workspace, capture, run};
 
-/// An environment's folder below target/, and the file that lists its packages.
-struct Wanted {
-    folder: &'static str,
-    requirements: &'static str,
-}
-
-const TESTS: Wanted = Wanted { folder: "python", requirements: "tests/python/requirements.txt" };
-const PEERS: Wanted = Wanted { folder: "bench-python", requirements: "benches/peers/requirements.txt" };
+/// The environment's folder below target/, and the file that lists its packages.
+const FOLDER: &str = "python";
+const REQUIREMENTS: &str = "tests/python/requirements.txt";
 
 /// What simulates an FMU and links one, with what these bring along: a third of the work of installing all.
 const FIRST: &[&str] = if cfg!(target_os = "linux") { &["fmpy", "cargo-zigbuild", "ziglang"] } else { &["fmpy"] };
@@ -50,23 +44,18 @@ impl Python {
 
 /// Returns the environment, made anew if it is missing or was made from something else than what is wanted now.
 pub fn ensure(workspace: &Workspace) -> Result<Python> {
-    make(workspace, &TESTS, None)
+    make(workspace, None)
 }
 
 /// The same environment as far as packing and simulating an FMU need it. What else belongs to it may be there or not.
 pub fn ensure_begun(workspace: &Workspace) -> Result<Python> {
-    make(workspace, &TESTS, Some(FIRST))
+    make(workspace, Some(FIRST))
 }
 
-/// The same for the environment of the bench.
-pub fn ensure_peers(workspace: &Workspace) -> Result<Python> {
-    make(workspace, &PEERS, None)
-}
-
-fn make(workspace: &Workspace, wanted: &Wanted, first: Option<&[&str]>) -> Result<Python> {
-    let folder = workspace.target(wanted.folder);
-    let requirements = workspace.path(wanted.requirements);
-    let wanted = fs::read(&requirements).with_context(|| format!("cannot read {}", wanted.requirements))?;
+fn make(workspace: &Workspace, first: Option<&[&str]>) -> Result<Python> {
+    let folder = workspace.target(FOLDER);
+    let requirements = workspace.path(REQUIREMENTS);
+    let wanted = fs::read(&requirements).with_context(|| format!("cannot read {REQUIREMENTS}"))?;
     let base = find_interpreter(workspace)?;
     let wanted = stamp(&wanted, &base.version, &folder);
 
