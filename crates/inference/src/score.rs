@@ -222,9 +222,9 @@ impl Score {
         Solved { gain: step.dot(&moments), set: set.to_vec(), inverse, step }
     }
 
-    /// The gain with one more column, from the fit of the others: that of [`Score::fit`] for a tenth of the work. The steps
-    /// from the point of linearisation are written to `steps`, the new column's last. None where a direction is not
-    /// identifiable, and only the whole fit will do.
+    /// Returns the gain with one more column, from the fit of the others: that of [`Score::fit`] without factorising anew. Writes
+    /// the steps from the point of linearisation to `steps`, the new column's last. None where a direction is not identifiable:
+    /// then only the whole fit will do.
     pub fn gain_with(&self, others: &Solved, column: usize, steps: &mut Vec<f64>) -> Option<f64> {
         let set = &others.set;
         let product = |i: usize| self.gram[(set[i], column)];
@@ -240,8 +240,8 @@ impl Score {
         }
         let moment = self.moments[column] - (0..k).map(|i| product(i) * others.step[i]).sum::<f64>();
         let step = moment / outside;
-        for (i, imitated) in steps.iter_mut().enumerate() {
-            *imitated = (others.step[i] - *imitated * step) / self.sizes[set[i]];
+        for (i, absorbed) in steps.iter_mut().enumerate() {
+            *absorbed = (others.step[i] - *absorbed * step) / self.sizes[set[i]];
         }
         steps.push(step / self.sizes[column]);
         Some(others.gain + moment * step)
@@ -261,7 +261,7 @@ pub struct Solved {
 fn inverse_where_identifiable(gram: DMatrix<f64>) -> DMatrix<f64> {
     let least = UNIDENTIFIABLE * UNIDENTIFIABLE;
     // The smallest eigenvalue is no less than one over the trace of the inverse: most sets need no eigenvectors, which take
-    // ten times as long.
+    // longer.
     let inverse = gram.clone().cholesky().map(|cholesky| cholesky.inverse());
     if let Some(inverse) = inverse.filter(|inverse| inverse.trace() * least < 1.0) {
         return inverse;
