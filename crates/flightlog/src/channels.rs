@@ -1,5 +1,7 @@
 //! The columns of a flight log, in one table: what each is called in files, in which unit it is kept, what it is.
 
+use std::ops::Range;
+
 /// One column of [`FlightLog`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChannelInfo {
@@ -161,14 +163,23 @@ impl FlightLog {
         self.rows = kept;
     }
 
-    /// The rows from `first` on.
-    pub fn tail(&self, first: usize) -> FlightLog {
-        let mut tail = FlightLog { rows: self.rows - first, ..FlightLog::default() };
-        for (mine, theirs) in tail.columns.iter_mut().zip(&self.columns) {
+    /// These rows, copied.
+    ///
+    /// # Panics
+    /// Where the log has fewer.
+    pub fn part(&self, rows: Range<usize>) -> FlightLog {
+        let mut part = FlightLog { rows: rows.len(), ..FlightLog::default() };
+        for (mine, theirs) in part.columns.iter_mut().zip(&self.columns) {
             if !theirs.is_empty() {
-                mine.extend_from_slice(&theirs[first..]);
+                mine.extend_from_slice(&theirs[rows.clone()]);
             }
         }
-        tail
+        part
+    }
+
+    /// Drops all rows but the first `rows`.
+    pub fn truncate(&mut self, rows: usize) {
+        self.columns.iter_mut().for_each(|column| column.truncate(rows));
+        self.rows = self.rows.min(rows);
     }
 }

@@ -190,19 +190,15 @@ impl Preparation {
         if rows == 0 {
             return;
         }
-        let rest = self.waiting.tail(rows);
+        let rest = self.waiting.part(rows..self.waiting.len());
         let mut log = std::mem::replace(&mut self.waiting, rest);
-        let keep: Vec<bool> = (0..log.len()).map(|i| i < rows).collect();
-        log.retain(&keep);
+        log.truncate(rows);
 
         let breaks = self.breaks(&log);
         self.notes.add("gaps in the record, the legs cut there", breaks.len());
         let bounds: Vec<usize> = std::iter::once(0).chain(breaks).chain([log.len()]).collect();
         for pair in bounds.windows(2) {
-            let mut stretch = log.tail(pair[0]);
-            let keep: Vec<bool> = (0..stretch.len()).map(|i| i < pair[1] - pair[0]).collect();
-            stretch.retain(&keep);
-            self.stretch(stretch, out);
+            self.stretch(log.part(pair[0]..pair[1]), out);
         }
     }
 

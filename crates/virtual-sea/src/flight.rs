@@ -4,7 +4,7 @@ use crate::effects::{Flow, Hidden, Memory};
 pub use crate::hidden::Instant;
 use crate::lateral::{Lateral, LateralFigures};
 use crate::motion::{Imposed, Inertia, Load, Motion, State};
-use crate::ocean::{Ocean, Wander};
+use crate::ocean::{Ocean, Wander, WavesByStep};
 use crate::pilot::{Leg, Orders, Pilot, Readings};
 use crate::random::{Part, between, stream};
 use crate::vehicle::{ATTACHED_RAD, Vehicle, attached_angle};
@@ -60,6 +60,7 @@ struct SimulatedGlider<'a> {
     imposed: Imposed,
     motion: Motion,
     heave_m: f64,
+    waves: WavesByStep<'a>,
     turbulence: [Wander; 2],
     roll_wander: Wander,
     rudder_wander: Wander,
@@ -93,6 +94,7 @@ impl<'a> SimulatedGlider<'a> {
             imposed,
             motion: inertia.motion(&state, &imposed, 0.0),
             heave_m: 0.0,
+            waves: voyage.ocean.waves_by_step(STEP_S),
             turbulence,
             roll_wander: Wander::new(&mut random, 0.012, 120.0, STEP_S),
             rudder_wander: Wander::new(&mut random, 0.03, 60.0, STEP_S),
@@ -189,8 +191,8 @@ impl<'a> SimulatedGlider<'a> {
     /// The water's velocity at the end of the step, reached by a steady acceleration.
     fn meet_water(&mut self, now: &Instant) {
         let Voyage { ocean, hidden, .. } = *self.voyage;
-        let waves = ocean.waves(now.time_s);
-        let (wave_m_s, heave_m) = ocean.heave(&waves, now.depth_m);
+        let (wave_m_s, heave_m) = ocean.heave(&self.waves.waves(), now.depth_m);
+        self.waves.advance();
         self.heave_m = heave_m + hidden.internal_tide(now.depth_m, now.time_s).1;
         let [eddies_x, eddies_z] = &mut self.turbulence;
         let quiet = (now.depth_m / 2.0).tanh().max(0.0);

@@ -58,6 +58,21 @@ fn waves_are_still_at_the_surface_and_have_their_rms_below() {
 }
 
 #[test]
+fn waves_step_by_step_are_those_of_the_time() {
+    for ocean in oceans().take(3) {
+        let mut by_step = ocean.waves_by_step(0.25);
+        for step in 0..172_800 {
+            if step % 1440 == 0 {
+                let (velocity, heave) = ocean.heave(&ocean.waves(f64::from(step) * 0.25), 70.0);
+                let (stepped_velocity, stepped_heave) = ocean.heave(&by_step.waves(), 70.0);
+                assert!((stepped_velocity - velocity).abs() < 1e-12 && (stepped_heave - heave).abs() < 1e-9, "{step}");
+            }
+            by_step.advance();
+        }
+    }
+}
+
+#[test]
 fn heave_is_the_integral_of_the_waves_velocity() {
     for ocean in oceans().take(5) {
         for time in (0..200).map(|i| f64::from(i) * 211.0) {

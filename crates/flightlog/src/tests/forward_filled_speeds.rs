@@ -22,9 +22,8 @@ fn kept(mut log: FlightLog, rows: usize) -> (Vec<f64>, Option<String>) {
     let mut filter = ForwardFilled::default();
     let mut speeds = Vec::new();
     while !log.is_empty() {
-        let rest = log.tail(rows.min(log.len()));
-        let keep: Vec<bool> = (0..log.len()).map(|i| i < rows).collect();
-        log.retain(&keep);
+        let rest = log.part(rows.min(log.len())..log.len());
+        log.truncate(rows);
         filter.take_out(&mut log);
         speeds.extend_from_slice(log.column(Channel::Speed));
         log = rest;

@@ -58,10 +58,7 @@ fn pieces_of_any_size_give_the_same_observations() {
         let mut preparation = Preparation::new(PreparationSettings::default());
         let mut out = Vec::new();
         for first in (0..log.len()).step_by(rows) {
-            let mut piece = log.tail(first);
-            let keep: Vec<bool> = (0..piece.len()).map(|i| i < rows).collect();
-            piece.retain(&keep);
-            preparation.push(piece, &mut out);
+            preparation.push(log.part(first..log.len().min(first + rows)), &mut out);
         }
         preparation.finish(&mut out);
         // A cut leg loses the turning point to the next one, and with it a steady sample or two beside the turns.
@@ -124,8 +121,8 @@ fn values_in_another_unit_are_counted_before_they_are_taken_out() {
     let shares = |change: fn(usize, &mut FlightLog)| {
         let mut preparation = Preparation::new(PreparationSettings::default());
         for first in [0, 600] {
-            let mut piece = saw_tooth(2).tail(first);
-            piece.retain(&(0..piece.len()).map(|i| i < 600).collect::<Vec<_>>());
+            let log = saw_tooth(2);
+            let mut piece = log.part(first..log.len().min(first + 600));
             change(first, &mut piece);
             preparation.push(piece, &mut Vec::new());
         }
