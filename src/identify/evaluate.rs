@@ -124,7 +124,7 @@ pub fn evaluate(
     every: usize,
 ) -> Tally {
     // Fewer than six slopes are no quicker: two and three take twice as long, as the compiler lays them out.
-    by_size!(free.len(), [6, 8, 10, 12, 16, 24, 32], N => {
+    by_size!(free.len(), [6, 10, 16, 32], N => {
         let lifted = SteadyGlider::new(with_derivatives::<N>(parameters, free));
         by_block(dives, grams, |dive, gram| dive_rows(&lifted, free.len(), weights, dive, gram, every))
     })

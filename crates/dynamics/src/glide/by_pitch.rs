@@ -1,10 +1,11 @@
 //! Net mass and pitch given, as a glider measures them: angle of attack and speed by Newton's method.
 //!
-//! The unknowns are the angle of attack and the logarithm of the dynamic pressure, the residuals the balances along and
-//! across the vertical:
+//! The unknowns are the angle of attack and the dynamic pressure, the residuals the balances along and across the vertical:
 //! ```text
-//! CD cos xi + CL sin xi = 0,      q A (CL cos xi - CD sin xi) / |W| = sign W,      xi = pitch - alpha
+//! CD cos xi + CL sin xi = 0,      q A (CL cos xi - CD sin xi) / W = 1,      xi = pitch - alpha
 //! ```
+//! Steps of the pressure are relative to it. Without a Reynolds exponent the second balance is linear in it.
+//!
 //! Solved in plain numbers; derivatives follow by one more step with the dual numbers in place (the implicit function
 //! theorem), at the cost of a single evaluation.
 
@@ -39,7 +40,7 @@ pub struct Flight<T> {
     pub angle_of_attack_rad: T,
     /// Speed through the water \[m/s\].
     pub speed_m_s: T,
-    /// The solution as a first guess for one nearby: angle of attack and logarithm of the dynamic pressure.
+    /// The solution as a first guess for one nearby: angle of attack \[rad\] and dynamic pressure \[Pa\].
     pub guess: [f64; 2],
 }
 
@@ -106,16 +107,16 @@ impl<T: Number> SteadyGlider<T> {
             })?;
 
         let parameters = &self.parameters;
-        let [mut alpha, mut log_q] = solution.unknowns.map(T::constant);
+        let [mut alpha, mut q] = solution.unknowns.map(T::constant);
         if T::HAS_DERIVATIVES {
             let asked = Asked { parameters, water: *water, attitude, deflection };
-            let residual = balance(&asked, alpha, &Push::new(parameters, log_q));
-            let [step_alpha, step_log_q] = solve_2(solution.jacobian, residual);
+            let residual = balance(&asked, alpha, &Push::new(parameters, q));
+            let [step_alpha, step_q] = solve_2(solution.jacobian, residual);
             alpha -= step_alpha;
-            log_q -= step_log_q;
+            q -= q * step_q;
         }
         let density = parameters.true_density_kg_m3(water.density_kg_m3);
-        let speed_m_s = (functions::exp(log_q) * 2.0 / density).sqrt();
+        let speed_m_s = (q * 2.0 / density).sqrt();
         Ok(Flight { angle_of_attack_rad: alpha, speed_m_s, guess: solution.unknowns })
     }
 }
@@ -130,6 +131,7 @@ struct Asked<'a, T> {
 
 struct Solution {
     unknowns: [f64; 2],
+    /// By the angle of attack, and by the relative change of the dynamic pressure.
     jacobian: [[f64; 2]; 2],
 }
 
@@ -161,21 +163,25 @@ fn solve(asked: &Asked<'_, f64>, with_slopes: &Parameters<Dual64>, guess: [f64; 
     let mut last = f64::INFINITY;
     for _ in 0..MAX_STEPS {
         // One slope at a time: two short passes are quicker than one with both. What the speed alone decides is the same in both.
-        let [alpha, log_q] = unknowns;
-        let push = Push::new(with_slopes, Dual64::from(log_q).derivative());
+        let [alpha, q] = unknowns;
+        let push = Push::new(with_slopes, Dual64::new(q, q));
         let by_alpha = balance(&lifted, Dual64::from(alpha).derivative(), &push.held());
-        let by_log_q = balance(&lifted, alpha.into(), &push);
-        let jacobian = [[by_alpha[0].eps, by_log_q[0].eps], [by_alpha[1].eps, by_log_q[1].eps]];
-        let [step_alpha, step_log_q] = solve_2(jacobian, by_alpha.map(|r| r.re));
-        let size = step_alpha.abs().max(step_log_q.abs());
+        let residual = by_alpha.map(|r| r.re);
+        let by_q = match asked.parameters.drag_exponent == 0.0 {
+            true => [0.0, residual[1] + 1.0],
+            false => balance(&lifted, alpha.into(), &push).map(|r| r.eps),
+        };
+        let jacobian = [[by_alpha[0].eps, by_q[0]], [by_alpha[1].eps, by_q[1]]];
+        let [step_alpha, step_q] = solve_2(jacobian, residual);
+        let size = step_alpha.abs().max(step_q.abs());
         if !size.is_finite() {
             return None;
         }
         // A step at the rounding of the residuals no longer shrinks: that, too, is the end.
         let converged = size < TOLERANCE || (size < 1e-9 && size >= last);
-        // A long step would leave the branch of small angles.
-        let damping = (0.2 / step_alpha.abs()).min(1.0 / step_log_q.abs()).min(1.0);
-        unknowns = [unknowns[0] - damping * step_alpha, unknowns[1] - damping * step_log_q];
+        // A long step would leave the branch of small angles, or the pressures above zero.
+        let damping = (0.2 / step_alpha.abs()).min(0.5 / step_q.abs()).min(1.0);
+        unknowns = [alpha - damping * step_alpha, q - damping * step_q * q];
         if converged {
             let xi = pitch_rad - unknowns[0];
             // A glide goes down when heavy; the other roots fly backwards.
@@ -198,7 +204,7 @@ fn first_guess(asked: &Asked<'_, f64>) -> Option<[f64; 2]> {
     let coefficients = p.coefficients(alpha, q, &flow);
     let resultant = (coefficients.lift * coefficients.lift + coefficients.drag * coefficients.drag).sqrt();
     let q = attitude.net_mass_kg.abs() * p.gravity_m_s2 / (p.frontal_area_m2 * resultant);
-    (q > 0.0 && q.is_finite()).then(|| [alpha, functions::ln(q)])
+    (q > 0.0 && q.is_finite()).then_some([alpha, q])
 }
 
 /// What the speed alone decides.
@@ -209,8 +215,7 @@ struct Push<T> {
 }
 
 impl<T: Number> Push<T> {
-    fn new(parameters: &Parameters<T>, log_q: T) -> Self {
-        let dynamic_pressure_Pa = functions::exp(log_q);
+    fn new(parameters: &Parameters<T>, dynamic_pressure_Pa: T) -> Self {
         Push { dynamic_pressure_Pa, reynolds_factor: parameters.reynolds_factor(dynamic_pressure_Pa) }
     }
 
