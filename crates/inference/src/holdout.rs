@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng, rngs::StdRng};
 
 use super::covariance::unit_columns;
 use super::evidence::Evidence;
-use super::score::whiten_with_prior;
+use super::score::{whiten, whiten_with_prior};
 use crate::noise::Noise;
 
 /// In how many parts the blocks are split; each is held out once.
@@ -120,19 +120,18 @@ pub fn rms(values: &DVector<f64>, rows: impl IntoIterator<Item = usize>) -> f64 
     (sum / f64::from(n.max(1))).sqrt()
 }
 
-/// How sure it is that a model predicts better than another: the mean over blocks of the fall in squared error (in units
-/// of the noise), over its standard error.
+/// How sure it is that a model predicts better than another: the mean over blocks of the fall in squared error, over its standard
+/// error. Errors are whitened: what rows of a block miss together, as where the water sinks, counts once and not for each row.
 pub fn advantage(evidence: &Evidence, noises: &[Noise], without: &DVector<f64>, with: &DVector<f64>) -> f64 {
+    let mut left = DMatrix::from_columns(&[without.clone(), with.clone()]);
+    whiten(evidence, noises, &mut left);
     let mut blocks: Vec<(usize, f64)> = Vec::new();
-    for (quantity, noise) in evidence.quantities.iter().zip(noises) {
-        for row in quantity.rows.clone() {
-            let variance = noise.sd(evidence.stated_sd[row]).powi(2);
-            let fall = (without[row] * without[row] - with[row] * with[row]) / variance;
-            let block = evidence.block[row];
-            match blocks.iter_mut().find(|(known, _)| *known == block) {
-                Some((_, sum)) => *sum += fall,
-                None => blocks.push((block, fall)),
-            }
+    for row in evidence.quantities.iter().flat_map(|quantity| quantity.rows.clone()) {
+        let fall = left[(row, 0)].powi(2) - left[(row, 1)].powi(2);
+        let block = evidence.block[row];
+        match blocks.iter_mut().find(|(known, _)| *known == block) {
+            Some((_, sum)) => *sum += fall,
+            None => blocks.push((block, fall)),
         }
     }
     let n = blocks.len() as f64;

@@ -199,7 +199,7 @@ impl Fitted {
         let cannot_be = |fitted: &Fitted, place: usize| {
             let member = fitted.included[place];
             let (candidate, values) = (&problem.candidates()[member], &fitted.point.candidates[member]);
-            candidate.is_impossible(values[0]) && fitted.is_impossible_for_certain(problem, place)
+            fitted.is_impossible_for_certain(problem, place)
                 || !problem.exists(member, values)
                 || candidate.is_unusual(values[0]) && !fitted.is_the_only_explanation(problem, baseline, place)
         };
@@ -209,7 +209,7 @@ impl Fitted {
     }
 
     /// Whether a size lies further beyond those that nature has than its error explains.
-    fn is_impossible_for_certain(&self, problem: &impl Problem, place: usize) -> bool {
+    pub(super) fn is_impossible_for_certain(&self, problem: &impl Problem, place: usize) -> bool {
         let candidates = problem.candidates();
         let member = self.included[place];
         let ([low, high], value) = (candidates[member].possible, self.point.candidates[member][0]);

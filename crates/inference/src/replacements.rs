@@ -79,8 +79,8 @@ fn equal_to<'a, P: Problem>(
     }
 }
 
-/// The set with one member exchanged for each mechanism that comes near by the slopes, fitted in full where nature has such a
-/// size, with that candidate. `gain` is what the member explains in units of the noise.
+/// The set with one member exchanged for each mechanism that comes near by the slopes, fitted in full, with that candidate; not
+/// where a size lies beyond those that nature has by more than its error explains. `gain` is what the member explains in units of the noise.
 fn refitted(
     problem: &impl Problem,
     extended: &Fitted,
@@ -106,8 +106,13 @@ fn refitted(
         members.sort_unstable();
         let mut rival = Fitted::new(problem, iteration.point_of(&members, problem), members);
         rival.converge(problem);
-        let exists = |member: &usize| !candidates[*member].cannot_be(rival.point.candidates[*member][0]);
-        (rival.is_possible(candidates) && rival.included.iter().all(exists)).then_some((other, rival))
+        let cannot_be = |place: usize| {
+            let candidate = &candidates[rival.included[place]];
+            candidate.is_unusual(rival.point.candidates[rival.included[place]][0])
+                || rival.is_impossible_for_certain(problem, place)
+        };
+        let exists = rival.is_possible(candidates) && !(0..rival.included.len()).any(cannot_be);
+        exists.then_some((other, rival))
     };
     others.into_par_iter().filter_map(refit).collect()
 }

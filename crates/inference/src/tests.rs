@@ -357,6 +357,48 @@ fn what_looks_alike_is_declared_as_a_group() {
     assert_eq!(group, ["compression", "expansion"]);
 }
 
+/// Nature's limit for a rival is known no better than the rival's size.
+#[test]
+fn a_rival_beyond_what_nature_has_by_less_than_its_error_stands_in_the_group() {
+    let toy = || Toy::new(300, |i, toy| 4.0 * toy.columns[1][i]);
+    let named = diagnose(&toy()).0.causes.swap_remove(0);
+    let size = &named.parameters[named.cause.as_str()];
+    let rival = if named.cause == "compression" { 3 } else { 1 };
+    let is_grouped = |beyond: f64| {
+        let mut toy = toy();
+        toy.candidates[rival].possible = [size.value + beyond * size.se, f64::INFINITY];
+        let cause = diagnose(&toy).0.causes.swap_remove(0);
+        assert_eq!(cause.cause, named.cause);
+        cause.indistinguishable_from.contains(&toy.candidates[rival].name.to_owned())
+    };
+    assert!(is_grouped(0.5));
+    assert!(!is_grouped(4.0));
+}
+
+/// Two models leave as much of the water's slow motion, each of its own, and the better one less beside it.
+#[test]
+fn what_neighbouring_rows_miss_together_counts_once() {
+    const KEPT: f64 = 0.9875; // From row to row, 75 s apart, in a correlation time of 6000 s.
+    let slow = |variance, correlation_time_s| crate::noise::Slow { variance, correlation_time_s };
+    let noise = crate::noise::Noise { white: 1.0, slow: [slow(4.0, 6000.0), slow(0.0, 1.0)] };
+    let is_seen = |seed: &u64| {
+        let toy = Toy::new(*seed, |_, _| 0.0);
+        let mut rng = StdRng::seed_from_u64(*seed);
+        let mut normal = || rng.sample::<f64, _>(StandardNormal);
+        let mut water = [2.0 * normal(), 2.0 * normal()];
+        let (mut without, mut with) = (DVector::zeros(ROWS), DVector::zeros(ROWS));
+        for row in 0..ROWS {
+            water = water.map(|water| KEPT * water + 2.0 * (1.0 - KEPT * KEPT).sqrt() * normal());
+            let measured = 0.5 * normal();
+            without[row] = water[0] + measured + 0.5 * normal();
+            with[row] = water[1] + measured;
+        }
+        crate::holdout::advantage(&toy.evidence(&toy.start()), &[noise], &without, &with) > 2.0
+    };
+    let seen = (500..520).filter(is_seen).count();
+    assert!(seen >= 18, "{seen} of 20");
+}
+
 /// Two laws that differ by three hundredths of themselves, the first at work in the first half of the data and something between them in
 /// the second: by all data the first predicts better for certain, by one half the other one does.
 #[test]
