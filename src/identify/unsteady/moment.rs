@@ -62,50 +62,33 @@ pub(super) fn sink<T: Number>(parameters: &Parameters<T>, at: &Moment, [v1, v3]:
 
 /// Rates of change of the velocities.
 pub(super) fn rates<T: Number>(p: &Parameters<T>, at: &Moment, [v1, v3]: [T; 2]) -> [T; 2] {
-    let zero = T::constant(0.0);
     let pressure_Pa =
         p.pressure_scale * (p.pressure_lag_s * at.pressure_rate_dbar_s + at.pressure_dbar) * crate::log::DBAR_PA;
     let read = density_there(at.density_kg_m3, pressure_Pa, at.pressure_dbar);
     let density = p.true_density_kg_m3(read);
     let depth_m = (pressure_Pa / (density * p.gravity_m_s2)).at_least(0.0);
+    // What moves the masses and the memory rests: constants, in which no slope is.
     let state = State {
-        x_m: zero,
         depth_m,
         pitch_rad: true_pitch_rad(p, at.pitch_rad),
         pitch_rate_rad_s: p.pitch_scale * at.pitch_rate_rad_s,
         v1_m_s: v1,
         v3_m_s: v3,
-        moving_mass_1_m: zero,
         moving_mass_3_m: p.moving_mass_height_m,
-        momentum_1_kg_m_s: zero,
-        momentum_3_kg_m_s: zero,
         ballast_mass_kg: p.ballast_mass_kg(T::constant(at.ballast_m3)),
-        creep_pressure_Pa: zero,
-        carried_density_kg_m3: zero,
-        late_temperature_K: zero,
-        leaked_back_m3: zero,
-        energy_J: zero,
+        ..State::default().map(T::constant)
     };
     let inputs = Inputs {
-        ballast_command_m3: zero,
-        moving_mass_command_m: zero,
-        u1_N: zero,
-        u3_N: zero,
-        u4_kg_s: zero,
         water_density_kg_m3: read,
         water_temperature_C: if at.temperature_C.is_finite() {
             T::constant(at.temperature_C)
         } else {
             p.reference_temperature_C
         },
-        current_x_m_s: zero,
-        current_z_m_s: zero,
         seabed_depth_m: T::constant(f64::MAX),
         roll_rad: T::constant(at.roll_rad),
         rudder_rad: T::constant(at.rudder_rad),
-        current_x_shear_1_s: zero,
-        current_x_rate_m_s2: zero,
-        current_z_rate_m_s2: zero,
+        ..Inputs::default().map(T::constant)
     };
-    accelerations(p, T::constant(at.time_s), &state, &inputs, zero)
+    accelerations(p, T::constant(at.time_s), &state, &inputs, T::constant(0.0))
 }
