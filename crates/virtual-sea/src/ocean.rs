@@ -85,8 +85,8 @@ struct Shear {
     direction_rad: f64,
 }
 
-/// The internal waves from one step of the integration to the next: their sines are turned by a step's angle, since eighteen of
-/// them anew for each step were a third of a flight's time.
+/// The internal waves from one step of the integration to the next: their sines are turned by a step's angle. Eighteen of them
+/// computed anew for each step were a fifth of a flight's time.
 #[derive(Debug, Clone)]
 pub struct WavesByStep<'a> {
     ocean: &'a Ocean,
@@ -102,7 +102,7 @@ impl WavesByStep<'_> {
         self.ocean.waves_with(|mode, place| self.phases[mode][place][0])
     }
 
-    /// Goes on by one step. The phases have turned by 2e-11 too much or too little, at most, after the 180 000 steps of half a day.
+    /// Goes on by one step. Rounding adds up: after half a day of steps of 0.25 s the heave is within 1e-9 m (a test).
     pub fn advance(&mut self) {
         for [(sin, cos), (step_sin, step_cos)] in self.phases.as_flattened_mut() {
             (*sin, *cos) = (*sin * *step_cos + *cos * *step_sin, *cos * *step_cos - *sin * *step_sin);

@@ -167,9 +167,10 @@ fn solve(asked: &Asked<'_, f64>, with_slopes: &Parameters<Dual64>, guess: [f64; 
         let push = Push::new(with_slopes, Dual64::new(q, q));
         let by_alpha = balance(&lifted, Dual64::from(alpha).derivative(), &push.held());
         let residual = by_alpha.map(|r| r.re);
-        let by_q = match asked.parameters.drag_exponent == 0.0 {
-            true => [0.0, residual[1] + 1.0],
-            false => balance(&lifted, alpha.into(), &push).map(|r| r.eps),
+        let by_q = if asked.parameters.drag_exponent == 0.0 {
+            [0.0, residual[1] + 1.0]
+        } else {
+            balance(&lifted, alpha.into(), &push).map(|r| r.eps)
         };
         let jacobian = [[by_alpha[0].eps, by_q[0]], [by_alpha[1].eps, by_q[1]]];
         let [step_alpha, step_q] = solve_2(jacobian, residual);
