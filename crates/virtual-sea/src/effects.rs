@@ -59,7 +59,8 @@ impl Hidden {
     pub fn mass_kg(&self, mass_kg: f64, time_s: f64, memory: &Memory, pressure_pa: f64) -> f64 {
         let hanging_kg = if time_s < self.lost_or_caught_at_s { 0.0 } else { self.lost_or_caught_kg };
         let taken_in_kg = self.leak_kg_per_hour * time_s / 3600.0;
-        let dry_kg = mass_kg + self.ballast_offset_kg + taken_in_kg + hanging_kg + memory.outside.mud_kg;
+        let dry_kg = mass_kg + self.ballast_offset_kg + taken_in_kg + hanging_kg + memory.outside.mud_kg
+            - self.about.net_mass_kg;
         if self.carried_water_m3 == 0.0 {
             return dry_kg;
         }
@@ -141,13 +142,13 @@ impl Hidden {
     /// Pitch that a perfect instrument would read, rad.
     pub fn pitch_reading(&self, pitch_rad: f64, roll_rad: f64, heading_rad: f64) -> f64 {
         (pitch_rad - self.pitch_offset_rad) / self.pitch_scale
-            + self.compass_pitch_rad * heading_rad.sin()
+            + self.compass_pitch_rad * (heading_rad.sin() - self.about.sine_of_heading)
             + self.pitch_per_roll * roll_rad
     }
 
     /// Ballast volume that the engine reads when its own count is `engine_cc`.
     pub fn ballast_reading_cc(&self, engine_cc: f64, temperature_c: f64) -> f64 {
-        engine_cc * (1.0 + self.reading_per_k * (temperature_c - 10.0))
+        engine_cc * (1.0 + self.reading_per_k * (temperature_c - self.about.temperature_c))
     }
 
     /// Pressure that a prompt instrument would read, dbar.

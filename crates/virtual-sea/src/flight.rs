@@ -141,6 +141,7 @@ impl<'a> SimulatedGlider<'a> {
             pressure_pa,
             water,
             net_mass_kg: mass_kg - water.density_kg_m3 * volume_m3,
+            outside_kg: hidden.outside_kg(&self.memory.outside, pressure_pa, water.density_kg_m3),
         }
     }
 

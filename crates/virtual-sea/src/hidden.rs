@@ -16,6 +16,7 @@ macro_rules! hidden {
         #[derive(Debug, Clone, PartialEq)]
         pub struct Hidden {
             pub(crate) density_at_zero_pressure: bool,
+            pub(crate) about: About,
             $(pub(crate) $field: f64,)*
         }
 
@@ -23,7 +24,7 @@ macro_rules! hidden {
             /// Nothing hidden: the vehicle is what its file says.
             pub fn nothing(vehicle: &Vehicle) -> Self {
                 let neutral = |value: fn(&Vehicle) -> f64| value(vehicle);
-                Self { density_at_zero_pressure: false, $($field: neutral($neutral),)* }
+                Self { density_at_zero_pressure: false, about: About::default(), $($field: neutral($neutral),)* }
             }
 
             fn slot(&mut self, parameter: &str) -> Option<&mut f64> {
@@ -112,6 +113,23 @@ hidden! {
     pod_m3 = "yaw_asymmetry_m3", |_| 0.0;
 }
 
+/// What effects outside the catalogue count from: the conditions in which the glider was ballasted and its instruments adjusted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct About {
+    /// Temperature at which the instruments read right, degrees Celsius.
+    pub temperature_c: f64,
+    /// Sine of the heading at which the pitch is read right.
+    pub sine_of_heading: f64,
+    /// What of the net mass that these effects add was ballasted away, kg.
+    pub net_mass_kg: f64,
+}
+
+impl Default for About {
+    fn default() -> Self {
+        Self { temperature_c: 10.0, sine_of_heading: 0.0, net_mass_kg: 0.0 }
+    }
+}
+
 /// How the glider meets the water, as far as drag and lift depend on it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Flow {
@@ -188,6 +206,8 @@ pub struct Instant {
     pub water: Water,
     /// True net mass, kg, + = heavy.
     pub net_mass_kg: f64,
+    /// What of it effects outside the catalogue add before any of it is ballasted away, kg.
+    pub outside_kg: f64,
 }
 
 /// 0 below, 1 above, over some units about zero.

@@ -1,7 +1,7 @@
 //! Effects that gliders and instruments have and that the diagnosis has no name for. What each is stands in
 //! [`crate::catalogue::TABLE`]; they test that nothing is named for them.
 
-use crate::hidden::{ATMOSPHERE_PA, Flow, Hidden, Instant, TIDE_S, smooth_step};
+use crate::hidden::{ATMOSPHERE_PA, About, Flow, Hidden, Instant, TIDE_S, smooth_step};
 use crate::ocean::Water;
 use std::f64::consts::{PI, TAU};
 
@@ -11,8 +11,8 @@ const FOAM_PA: f64 = 0.5e6;
 const WASHED_S: f64 = 600.0;
 /// Depth scale of the internal tide: half of its vertical wave length, m.
 const MODE_M: f64 = 400.0;
-/// Temperature to which instruments were adjusted, degrees Celsius.
-const ADJUSTED_C: f64 = 10.0;
+/// Depth above which a glider is at the surface, m.
+const SURFACED_M: f64 = 3.0;
 /// How late the pressure sensor and the electronics follow the water's temperature, s.
 const SENSOR_LAG_S: f64 = 60.0;
 const INSIDE_LAG_S: f64 = 1800.0;
@@ -84,7 +84,49 @@ impl Felt {
     }
 }
 
+/// Means over the part of a flight that is under water: what an effect outside the catalogue does on average an offset of the catalogue
+/// does, and would rightly be named.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Means {
+    steps: f64,
+    temperature_c: f64,
+    sine_of_heading: f64,
+    net_mass_kg: f64,
+}
+
+impl Means {
+    /// Sees the next instant.
+    pub fn see(&mut self, now: &Instant) {
+        if now.depth_m <= SURFACED_M {
+            return;
+        }
+        self.steps += 1.0;
+        let share = 1.0 / self.steps;
+        self.temperature_c += share * (now.water.temperature_c - self.temperature_c);
+        self.sine_of_heading += share * (now.heading_rad.sin() - self.sine_of_heading);
+        self.net_mass_kg += share * (now.outside_kg - self.net_mass_kg);
+    }
+
+    /// What effects count from that have no mean over this flight.
+    pub fn about(&self) -> About {
+        let Means { temperature_c, sine_of_heading, net_mass_kg, .. } = *self;
+        About { temperature_c, sine_of_heading, net_mass_kg }
+    }
+}
+
+impl About {
+    /// By how much a part is warmer than where instruments read right, K; 0 before it has felt the water.
+    fn warmer_k(&self, part_c: Option<f64>) -> f64 {
+        part_c.map_or(0.0, |part_c| part_c - self.temperature_c)
+    }
+}
+
 impl Hidden {
+    /// Net mass that these effects add in water of this density, kg.
+    pub(crate) fn outside_kg(&self, kept: &Kept, pressure_pa: f64, density_kg_m3: f64) -> f64 {
+        kept.mud_kg - 1e-6 * density_kg_m3 * self.outside_cc(kept, pressure_pa)
+    }
+
     /// Volume beyond that of hull, engine and carried water, cc.
     pub(crate) fn outside_cc(&self, kept: &Kept, pressure_pa: f64) -> f64 {
         let air =
@@ -118,12 +160,12 @@ impl Hidden {
 
     /// Zero of the pressure sensor, dbar.
     pub(crate) fn pressure_zero_dbar(&self, felt: &Felt) -> f64 {
-        self.zero_dbar_per_k * (felt.sensor_c.unwrap_or(ADJUSTED_C) - ADJUSTED_C)
+        self.zero_dbar_per_k * self.about.warmer_k(felt.sensor_c)
     }
 
     /// Pitch as it is shown when `pitch_rad` is felt, rad.
     pub(crate) fn pitch_shown(&self, pitch_rad: f64, felt: &Felt) -> f64 {
-        let warm = pitch_rad + self.pitch_rad_per_k * (felt.inside_c.unwrap_or(ADJUSTED_C) - ADJUSTED_C);
+        let warm = pitch_rad + self.pitch_rad_per_k * self.about.warmer_k(felt.inside_c);
         if self.pitch_step_rad > 0.0 { (warm / self.pitch_step_rad).round() * self.pitch_step_rad } else { warm }
     }
 }

@@ -479,6 +479,7 @@ pub fn fly(voyage: &Voyage, random: &mut Stream, mut observe: impl FnMut(&Instan
                 pressure_pa,
                 water,
                 net_mass_kg,
+                outside_kg: hidden.outside_kg(&memory.outside, pressure_pa, water.density_kg_m3),
             });
             time_s += STEP_S;
         }

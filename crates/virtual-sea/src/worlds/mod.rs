@@ -7,6 +7,9 @@
 //! Masses, volumes and instruments are as the vehicle file says, effects apart. Its coefficients may be off, by one factor
 //! for both legs, since a fit of the polar is no diagnosis. No rudder moves here and the roll is constant: drag that goes
 //! with either cannot show.
+//!
+//! Effects outside the catalogue on weight, ballast and pitch have no mean over the log: a compass that errs by the heading is an
+//! offset of the pitch on one heading, and an offset has a name. Such a log is flown twice, the second time about the means of the first.
 
 mod colour;
 mod flight;
@@ -17,6 +20,7 @@ use crate::catalogue::{self, Drawn, Request};
 use crate::effects::Hidden;
 use crate::log::Log;
 use crate::ocean::{GRAVITY_M_S2, Water};
+use crate::outside::Means;
 use crate::random::{Part, Stream, between, chance, stream};
 use crate::shown::{Row, Shown};
 use crate::truth::effects_json;
@@ -113,7 +117,13 @@ pub fn generate_with(seed: u64, speed: bool, effects: &[Request]) -> World {
 
     let vehicle = glider.as_vehicle(&glider.descent);
     let effects = catalogue::draw(effects, &vehicle, seed, plan.hours());
-    let hidden = Hidden::new(&effects, &vehicle);
+    let mut hidden = Hidden::new(&effects, &vehicle);
+    if effects.iter().any(|drawn| !drawn.effect.is_catalogued()) {
+        let mut means = Means::default();
+        let voyage = Voyage { sea: &sea, glider: &glider, hidden: &hidden, motion, plan: &plan };
+        flight::fly(&voyage, &mut stream(seed, Part::Path), |now| means.see(now));
+        hidden.about = means.about();
+    }
 
     let mut log = Log { speed_through_water_m_s: speed.then(Vec::new), ..Log::default() };
     let mut shown = Shown::new(&hidden, flight::STEP_S);
