@@ -1,13 +1,20 @@
 //! Flexible curves in a covariate: what an unknown effect could look like.
 //!
-//! A natural cubic spline with knots at quantiles, or a short Fourier series where the covariate is an angle. A spline is
-//! centred: its level belongs to the model. A wave is not: what goes as the sine of a heading has its zero where the
+//! A natural cubic spline with knots at quantiles, straight pieces between more levels where thin layers matter, or a short Fourier series
+//! where the covariate is an angle. A spline is centred: its level belongs to the model. A wave is not: what goes as the sine of a heading has its zero where the
 //! sine has it, whatever headings happened to be steered. Where the model has no level of its own a level is a curve as well.
 
 use nalgebra::DMatrix;
 
 /// Bends of a spline.
 const KNOTS: usize = 6;
+
+/// Levels of the finer curve, with a fifteenth of the values between two: what is thinner than an eighth of a water column is over before a
+/// glider follows.
+const LEVELS: usize = 16;
+
+/// Fewest rows to a level.
+const ROWS_OF_A_LEVEL: usize = 8;
 
 /// Harmonics of an angle.
 const HARMONICS: usize = 2;
@@ -17,6 +24,8 @@ const HARMONICS: usize = 2;
 pub enum Kind {
     /// Along a line.
     Line,
+    /// Along a line, as finely as layers of water are.
+    Layers,
     /// Round a circle, in radians.
     Angle,
     /// Not at all: one level wherever it is a number.
@@ -37,6 +46,7 @@ pub fn basis(kind: Kind, values: &[f64]) -> DMatrix<f64> {
             })
             .collect(),
         Kind::Line => spline(values),
+        Kind::Layers => layers(values),
         Kind::Level => {
             return DMatrix::from_fn(values.len(), 1, |row, _| if values[row].is_finite() { 1.0 } else { 0.0 });
         }
@@ -47,7 +57,7 @@ pub fn basis(kind: Kind, values: &[f64]) -> DMatrix<f64> {
     };
     let kept: Vec<Vec<f64>> = columns
         .into_iter()
-        .filter_map(|column: Vec<f64>| standardised(meaningful(column), kind == Kind::Line))
+        .filter_map(|column: Vec<f64>| standardised(meaningful(column), kind != Kind::Angle))
         .collect();
     DMatrix::from_fn(values.len(), kept.len(), |row, column| kept[column][row])
 }
@@ -80,6 +90,25 @@ fn spline(values: &[f64]) -> Vec<Vec<f64>> {
     columns
 }
 
+/// Piecewise linear, between levels with as many values between each two; nothing where the rows are too few for them.
+fn layers(values: &[f64]) -> Vec<Vec<f64>> {
+    let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    if sorted.len() < ROWS_OF_A_LEVEL * LEVELS {
+        return Vec::new();
+    }
+    let mut levels: Vec<f64> = (0..LEVELS).map(|i| sorted[(sorted.len() - 1) * i / (LEVELS - 1)]).collect();
+    levels.dedup_by(|a, b| *a - *b <= 0.0);
+    // The last level is the rest: a curve has no mean.
+    (0..levels.len().saturating_sub(1))
+        .map(|i| {
+            let rising = |v: f64| if i == 0 { 1.0 } else { (v - levels[i - 1]) / (levels[i] - levels[i - 1]) };
+            let falling = |v: f64| (levels[i + 1] - v) / (levels[i + 1] - levels[i]);
+            values.iter().map(|v| rising(*v).min(falling(*v)).clamp(0.0, 1.0)).collect()
+        })
+        .collect()
+}
+
 fn standardised(mut column: Vec<f64>, centred: bool) -> Option<Vec<f64>> {
     let present = || column.iter().copied().filter(|v| v.is_finite());
     let n = present().count() as f64;
@@ -103,7 +132,7 @@ mod tests {
     fn left_over(kind: Kind, f: impl Fn(f64) -> f64, values: &[f64]) -> f64 {
         let columns = basis(kind, values);
         let y = DVector::from_iterator(values.len(), values.iter().map(|v| f(*v)));
-        let y = if kind == Kind::Line { y.add_scalar(-y.mean()) } else { y };
+        let y = if kind == Kind::Angle { y } else { y.add_scalar(-y.mean()) };
         let solution = columns.clone().svd(true, true).solve(&y, 1e-10).unwrap();
         (&y - columns * solution).norm() / y.norm()
     }
@@ -118,8 +147,19 @@ mod tests {
         assert!(left_over(Kind::Line, |v| (v * 40.0).sin(), &values) > 0.9, "but not noise");
     }
 
+    /// A tenth of the column moves. A spline of six knots runs through it.
+    #[test]
+    fn a_layer_is_followed_between_levels_alone() {
+        let values: Vec<f64> = (0..500).map(|i| 3.0 + i as f64 * 0.01).collect();
+        let layer = |v: f64| f64::from((v - 4.5).abs() < 0.25);
+        assert!(left_over(Kind::Line, layer, &values) > 0.7);
+        assert!(left_over(Kind::Layers, layer, &values) < 0.5);
+        assert!(left_over(Kind::Layers, |v| 2.0 * v, &values) < 1e-9);
+    }
+
     #[test]
     fn what_does_not_vary_has_no_curve() {
+        assert_eq!(basis(Kind::Layers, &[2.0; 10]).ncols(), 0);
         assert_eq!(basis(Kind::Line, &[2.0; 10]).ncols(), 0);
         assert_eq!(basis(Kind::Line, &[0.0, 1.0, 0.0, 1.0]).ncols(), 1);
     }

@@ -22,6 +22,8 @@ pub fn from_bins(bins: &[&Bin]) -> Vec<Covariate> {
         }
     };
     add("depth", Kind::Line, |bin| bin.mean.pressure_dbar);
+    // Water that moves in a layer is met by every leg, and a smooth curve passes it by.
+    add("depth", Kind::Layers, |bin| bin.mean.pressure_dbar);
     add("time", Kind::Line, |bin| bin.mean.time_s);
     add("pitch", Kind::Line, |bin| bin.mean.pitch_rad.abs());
     add("ballast", Kind::Line, |bin| bin.mean.ballast_m3);
