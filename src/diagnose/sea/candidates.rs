@@ -113,7 +113,8 @@ pub fn list(bins: &[Bin], channels: &Channels, tried: &Tried, parameters: &Param
             (super::MOST_USUAL, [least, f64::INFINITY])
         } else {
             let most = super::MOST_USUAL * prior_sd;
-            (f64::INFINITY, [least.max(neutral - most), neutral + most])
+            let lowest = if mechanism.size.is_ratio { neutral / (1.0 + most) } else { neutral - most };
+            (f64::INFINITY, [least.max(lowest), neutral + most])
         };
         let possible = match mechanism.name {
             // No more comes late than expands at all.

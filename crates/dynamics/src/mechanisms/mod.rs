@@ -29,6 +29,9 @@ pub struct Size {
     /// Whether nothing bounds it: what accumulates, what is carried or caught, what is late, what the water does. Others are
     /// bounded by design and calibration.
     pub is_open_ended: bool,
+    /// Whether it is a ratio that may as well be taken the other way round: one leg to the other, what is to what is read. Its least is then
+    /// the reciprocal of its most.
+    pub is_ratio: bool,
 }
 
 impl Size {
@@ -38,11 +41,15 @@ impl Size {
 }
 
 const fn bounded(prior_sd: f64) -> Size {
-    Size { prior_sd, least: f64::NEG_INFINITY, is_open_ended: false }
+    Size { prior_sd, least: f64::NEG_INFINITY, is_open_ended: false, is_ratio: false }
+}
+
+const fn ratio(prior_sd: f64) -> Size {
+    Size { is_ratio: true, ..bounded(prior_sd) }
 }
 
 const fn open_ended(prior_sd: f64) -> Size {
-    Size { prior_sd, least: f64::NEG_INFINITY, is_open_ended: true }
+    Size { is_open_ended: true, ..bounded(prior_sd) }
 }
 
 /// Of what has no parameter to fit.
@@ -107,7 +114,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "ballast_scale",
         Motion,
         ["ballast_scale"],
-        bounded(0.15),
+        ratio(0.15),
         "The buoyancy engine moves more or less than it reads",
         "calibration of the engine",
         "grows with the ballast volume"
@@ -126,7 +133,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "pitch_scale",
         Instruments,
         ["pitch_scale"],
-        bounded(0.15),
+        ratio(0.15),
         "The attitude sensor reads angles too large or too small",
         "Merckelbach et al. 2019",
         "steep glides most, alike on the two legs"
@@ -135,7 +142,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "pressure_scale",
         Instruments,
         ["pressure_scale"],
-        bounded(0.1),
+        ratio(0.1),
         "The pressure sensor reads too much or too little",
         "calibration of the pressure sensor",
         "in proportion to vertical velocity"
@@ -145,7 +152,7 @@ pub const AT_SEA: &[Mechanism] = &[
         Instruments,
         ["speed_scale"],
         // Acoustic speeds go with the angle at which the sensor is mounted and the speed of sound that is set: some per cent.
-        bounded(0.1),
+        ratio(0.1),
         "The measured speed reads too much or too little",
         "calibration of the speed sensor",
         "in proportion to speed"
@@ -209,7 +216,7 @@ pub const AT_SEA: &[Mechanism] = &[
         "climb_dive_asymmetry",
         Motion,
         ["climb_dive_drag_ratio"],
-        bounded(0.5),
+        ratio(0.5),
         "The drag differs between ascents and descents",
         "Williams, Bachmayer, deYoung 2007",
         "one leg against the other"
@@ -238,7 +245,7 @@ pub const AT_SEA: &[Mechanism] = &[
         Motion,
         ["climb_dive_lift_ratio"],
         // The legs of slocum-049, 4.7 and 4.0 1/rad (Williams, Bachmayer, deYoung 2007), differ by a seventh; twice that.
-        bounded(0.3),
+        ratio(0.3),
         "The lift slope differs between ascents and descents",
         "Williams, Bachmayer, deYoung 2007: lift by leg",
         "one leg against the other, at large angles of attack"
