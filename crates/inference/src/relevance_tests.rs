@@ -3,10 +3,14 @@
 use nalgebra::DVector;
 
 use super::evidence::{Problem, Quantity};
-use super::fitted::Fitted;
+use super::fitted::{Fitted, weighted};
 use super::holdout;
 use super::iteration::Iteration;
 use super::score::{CLEARLY_WRONG, SIGNIFICANT};
+
+/// Share of what several mechanisms explain that one of them must explain alone. Of two that do not oppose each other one explains a half, at
+/// least; with a half of that they mostly cancel.
+const OPPOSED: f64 = 0.25;
 
 impl Fitted {
     /// Drops mechanisms whose effect on every quantity is below the limit of relevance, the smallest first.
@@ -64,8 +68,9 @@ impl Fitted {
         fitted_again.find(|other| !self.leaves_less_than(other, limits))
     }
 
-    /// Drops mechanisms that cancel each other: each is relevant beside the others, but neither one alone nor all together are relevant
-    /// beside the baseline.
+    /// Drops mechanisms that cancel each other: neither one alone nor all together are relevant beside the baseline, or no one alone explains
+    /// a fair share of what all of them do. One unknown law that large opposite effects imitate is more frequent than independent faults
+    /// that happen to cancel.
     fn drop_what_only_undoes_each_other(&mut self, problem: &impl Problem, baseline: &Fitted) {
         if self.included.len() < 2 {
             return;
@@ -74,11 +79,27 @@ impl Fitted {
         let iteration = Iteration::new(problem.candidates(), baseline);
         let limits = self.limits(problem);
         let is_relevant = |sizes: Vec<f64>| sizes.iter().zip(&limits).any(|(size, limit)| size > limit);
-        let any_alone = self.included.iter().any(|member| is_relevant(iteration.size_where_it_acts(&[], *member)));
-        let together = self.leaves_less_than(baseline, &limits);
-        if !any_alone && !together {
+        let any_alone = || self.included.iter().any(|member| is_relevant(iteration.size_where_it_acts(&[], *member)));
+        let together = || self.leaves_less_than(baseline, &limits);
+        let left_by = |fitted: &Fitted| weighted(&fitted.evidence, &self.noises, &fitted.evidence.residual);
+        let (by_none, by_all) = (left_by(baseline), left_by(self));
+        let explains_a_share =
+            |place: usize| by_none - left_by(&self.alone(problem, place)) > OPPOSED * (by_none - by_all);
+        if !(any_alone() || together()) || !(0..self.included.len()).any(explains_a_share) {
             *self = baseline.clone();
         }
+    }
+
+    /// The fit of one member alone.
+    fn alone(&self, problem: &impl Problem, place: usize) -> Fitted {
+        let member = self.included[place];
+        let mut point = self.point.clone();
+        for other in self.included.iter().filter(|other| **other != member) {
+            point.candidates[*other].clone_from(&problem.candidates()[*other].neutral);
+        }
+        let mut alone = Fitted::new(problem, point, vec![member]);
+        alone.converge(problem);
+        alone
     }
 
     /// Whether the rms of what is left falls by more than the limit of a quantity, in quadrature, from another fit to this one.
@@ -92,10 +113,11 @@ impl Fitted {
     }
 
     /// By how much held-out readings of each quantity are missed more in the second of two fits, as read, over the rows in which a member
-    /// acts: in quadrature, zero where they are missed less.
+    /// acts, or over all of a quantity in which it does not but by what else is fitted: in quadrature, zero where they are missed less.
     pub(super) fn missed(&self, iteration: &Iteration<'_>, member: usize, held_out: [&DVector<f64>; 2]) -> Vec<f64> {
         let of_quantity = |quantity: &Quantity| {
-            let rows = iteration.rows_of(member, quantity);
+            let acts_on = iteration.rows_of(member, quantity);
+            let rows = if acts_on.is_empty() { quantity.rows.clone().collect() } else { acts_on };
             let [here, there] = held_out.map(|held_out| holdout::rms(held_out, rows.iter().copied()).powi(2));
             (there - here).max(0.0).sqrt()
         };
