@@ -40,7 +40,8 @@ const SIGNIFICANT: f64 = 0.01;
 /// Names that a group may have beside which it is of use.
 const LARGEST_GROUP: usize = 4;
 
-/// Stands in the group of another scale and is never named: beside a fitted polar it predicts what a scale of the pressure does.
+/// Stands in the group of another scale, and is named where nothing else stands: beside a fitted polar it predicts what a scale of the
+/// pressure does. Counted in groups alone.
 const ALWAYS_GROUPED: &str = "speed_scale";
 
 /// Two at once; both must be named.
@@ -278,8 +279,9 @@ impl Tally {
         for answer in answers {
             sum.logs += 1;
             sum.relevant += usize::from(answer.is_relevant);
-            sum.to_name += usize::from(answer.is_relevant && answer.effect != ALWAYS_GROUPED);
-            sum.right += usize::from(answer.is_right() && answer.is_relevant);
+            let is_to_name = answer.is_relevant && answer.effect != ALWAYS_GROUPED;
+            sum.to_name += usize::from(is_to_name);
+            sum.right += usize::from(answer.is_right() && is_to_name);
             sum.in_group += usize::from(answer.is_in_group() && answer.is_relevant);
             sum.wrong += usize::from(answer.wrong_names() > 0);
             sum.named += usize::from(!answer.causes.is_empty());
@@ -321,6 +323,20 @@ fn an_effect_outside_the_catalogue_gets_no_name() {
         .map(|answer| format!("{} was called {}", answer.effect, answer.said))
         .collect();
     assert!(wrong.is_empty(), "{}", wrong.join("; "));
+}
+
+/// A layer of 57 m that sinks at 29 mm/s, in dives to 529 m: the smooth curves pass it by, and a pitch offset was named.
+#[test]
+fn water_that_moves_in_a_layer_gets_no_name() {
+    let answer = Answer::diagnose("uncatalogued-layer", 54_702, false, true).expect("a diagnosis");
+    assert!(answer.causes.is_empty() && answer.verdict == Verdict::Unexplained, "{}", answer.said);
+}
+
+/// In dives to 614 m a scale of the speed is told from one of the pressure, which would compress the hull otherwise.
+#[test]
+fn a_scale_of_the_speed_is_named_in_deep_water() {
+    let answer = Answer::diagnose("speed_scale", 54_606, true, true).expect("a diagnosis");
+    assert_eq!(answer.said, "speed_scale", "{}", answer.evidence);
 }
 
 #[test]

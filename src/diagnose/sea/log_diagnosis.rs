@@ -8,8 +8,8 @@ use super::{
     unknown_temperature,
 };
 use crate::diagnose::findings::{Checked, Verdict};
-use crate::diagnose::holdout;
 use crate::diagnose::{Evidence, Outcome, Problem};
+use crate::diagnose::{engine, holdout};
 use crate::dynamics::Parameters;
 use crate::identify::Trim;
 use crate::log::Observation;
@@ -75,11 +75,11 @@ pub fn diagnose_log(
     let (problem, outcome, uses_stated_polar) = with_stated_polar(problem, settings.polar_se, decided);
     let polar_se = if uses_stated_polar { settings.polar_se } else { [None; 3] };
     let held = || as_read(&used, assumed, Lift::Held).ok().map(|(held, _)| decided(held.with_polar_errors(polar_se)));
-    let (problem, mut outcome, slope_is_held) = match is_hidden_by_a_far_slope(&problem, &outcome).then(held).flatten()
-    {
+    let (problem, outcome, slope_is_held) = match is_hidden_by_a_far_slope(&problem, &outcome).then(held).flatten() {
         Some((held, of_held)) if explains_as_well(&held, &of_held, &outcome) => (held, of_held, true),
         _ => (problem, outcome, false),
     };
+    let (problem, mut outcome) = with_speed_scale_if_it_explains(problem, outcome, most_trim_kg);
     match error {
         Some(error) => {
             let raw = as_read(observations, false, settings.lift).ok().map(|(raw, _)| raw);
@@ -157,6 +157,16 @@ fn with_stated_polar(
         }
     }
     (free, of_free, false)
+}
+
+/// A diagnosis, or where it leaves something unexplained one that asks for a scale of the speed as well, if that explains it.
+fn with_speed_scale_if_it_explains(problem: SeaProblem, outcome: Outcome, most_trim_kg: f64) -> (SeaProblem, Outcome) {
+    let is_left = outcome.diagnosis.verdict == Verdict::Unexplained;
+    let Some(asking) = is_left.then(|| problem.with_speed_scale()).flatten() else { return (problem, outcome) };
+    let of_asking = engine::diagnose_in_full(&asking);
+    let (asking, of_asking) = asking.with_trim_as_cause(of_asking, most_trim_kg);
+    let names_it = of_asking.diagnosis.causes.iter().any(|cause| cause.cause == "speed_scale");
+    if names_it && of_asking.diagnosis.verdict == Verdict::Explained { (asking, of_asking) } else { (problem, outcome) }
 }
 
 #[cfg(test)]
@@ -241,6 +251,20 @@ mod tests {
         assert!(found.warnings.iter().any(|warning| warning == unknown_temperature::WARNING));
         // A vehicle that is not known to expand has its fault named: the log does not fit it.
         assert_ne!(diagnose(&slocum, &without).verdict, Verdict::None);
+    }
+
+    /// Half the lift on ascents is twice the lift on descents.
+    #[test]
+    fn a_ratio_has_the_same_limit_either_way() {
+        let slocum = Vehicle::load("slocum-049").expect("a vehicle").glide_parameters();
+        let found = diagnose_log(&slocum, Trim::Vehicle, &flight(&slocum, 0.0), DiagnosisSettings::default());
+        let problem = found.expect("a diagnosis").problem;
+        for name in ["lift_asymmetry", "climb_dive_asymmetry", "ballast_scale", "pressure_scale"] {
+            let of_name = problem.candidates().iter().find(|candidate| candidate.name == name);
+            let [least, most] = of_name.expect("a candidate").possible;
+            let neutral = of_name.expect("a candidate").neutral[0];
+            assert!(((least / neutral) * (1.0 + most - neutral) - 1.0).abs() < 1e-12, "{name}: {least} to {most}");
+        }
     }
 
     /// Four times the drag in a day, four prior standard deviations: seldom seen, and what the log shows.

@@ -118,6 +118,8 @@ pub struct SeaProblem {
     shear: UnknownShear,
     /// What other channels of the log show.
     channels: candidates::Channels,
+    /// Whether the scale of the speed is a candidate, beside that of the pressure.
+    asks_speed_scale: bool,
 }
 
 /// What happens inside each bin: with inertia as it is, and where the share of the inertia is fitted without any.
@@ -145,6 +147,8 @@ enum Slopes {
     },
     /// For the clock of the attitude: the rate of the pitch in each bin, times the slopes along an offset of the pitch.
     PitchRate(Vec<f64>),
+    /// For the scale of the measured speed: the speed itself.
+    Speed,
 }
 
 impl SeaProblem {
@@ -230,6 +234,7 @@ impl SeaProblem {
             past,
             shear,
             channels: candidates::Channels::new(observations),
+            asks_speed_scale: false,
         };
         problem.look_for(Tried { jumps: Jump::between_legs(&problem.bins), ..Tried::default() });
         Ok(problem)
@@ -256,6 +261,16 @@ impl SeaProblem {
         let mut finer = self.clone();
         finer.look_for(tried);
         Some(finer)
+    }
+
+    /// The same problem with the scale of the speed among the candidates; none where no speed was measured.
+    ///
+    /// Beside a polar that is fitted it does nearly what a scale of the pressure does, and stands in the group of that. In deep water the
+    /// two differ: one changes the pressure that compresses the hull, the other does not.
+    pub(super) fn with_speed_scale(&self) -> Option<SeaProblem> {
+        let mut asking = SeaProblem { asks_speed_scale: self.has_speed(), ..self.clone() };
+        asking.look_for(self.tried.clone());
+        self.has_speed().then_some(asking)
     }
 
     /// The same problem without inertia, diagnosed, where that is the better account of held-out glides.
@@ -319,14 +334,14 @@ impl SeaProblem {
             if self.fits_expansion() && ["thermal_expansion", "thermal_lag"].contains(&candidate.name) {
                 continue;
             }
-            // Beside a polar that is fitted it does what a scale of the pressure does, and stands in the group of that.
-            if candidate.name == "speed_scale" {
+            if candidate.name == "speed_scale" && !self.asks_speed_scale {
                 continue;
             }
             let slopes = match history::acts(candidate.name) {
                 None if candidate.name == late_attitude::MECHANISM => {
                     Slopes::PitchRate(self.late_attitude.pitch_rates(&self.bins))
                 }
+                None if candidate.name == "speed_scale" => Slopes::Speed,
                 // The model's slope along a step is zero before it. Behind any other time it is the slope along the offset.
                 None if candidate.name == "net_mass_step" => Slopes::Direction(self.directions.index_of(offset_row)),
                 None => Slopes::Direction(self.directions.index_of(index)),

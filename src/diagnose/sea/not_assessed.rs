@@ -19,6 +19,7 @@ pub(super) fn add_speed_scale(outcome: &mut Outcome) {
 /// Returns the mechanisms that no steady glide can show, and those that the consistency checks decide.
 pub(super) fn rejections(checks: &[Check], outcome: &Outcome, problem: &SeaProblem) -> Vec<Rejected> {
     let density = checks.iter().find(|check| check.check == consistency::DENSITY);
+    let is_named = |name: &str| outcome.diagnosis.causes.iter().any(|cause| cause.cause == name);
     let reject = |cause: &str, remark: String| Rejected {
         cause: cause.to_owned(),
         p_value: None,
@@ -36,14 +37,15 @@ pub(super) fn rejections(checks: &[Check], outcome: &Outcome, problem: &SeaProbl
         "the log has no current (columns current_east_m_s and current_north_m_s): an unknown steady one whose velocity changes with depth as currents usually do is part of the model"
     };
     found.push(reject("shear", why.to_owned()));
-    let why = "beside a polar that is fitted it does what a scale of the pressure does";
-    found.push(reject("speed_scale", why.to_owned()));
+    if !is_named("speed_scale") {
+        let why = "beside a polar that is fitted it does what a scale of the pressure does";
+        found.push(reject("speed_scale", why.to_owned()));
+    }
     if !problem.has_speed() {
         let why = "without a measured speed lift slope and drag take up what a scale of the pitch would do";
         found.push(reject("pitch_scale", why.to_owned()));
     }
-    let is_named = outcome.diagnosis.causes.iter().any(|cause| cause.cause == "density_at_zero_pressure");
-    if let Some(check) = density.filter(|_| !is_named) {
+    if let Some(check) = density.filter(|_| !is_named("density_at_zero_pressure")) {
         let why = match check.outcome {
             Checked::NotChecked => format!("not checked: {}", check.says),
             _ => check.says.clone(),

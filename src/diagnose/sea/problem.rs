@@ -216,6 +216,9 @@ impl Problem for SeaProblem {
                     let rates = shifted.as_ref().map_or(read, |shifted| &shifted.pitch_rates);
                     DMatrix::from_fn(n, 1, |row, _| rates[bin_of(row)] * slopes[(row, self.pitch_direction)])
                 }
+                Slopes::Speed => {
+                    DMatrix::from_fn(n, 1, |row, _| if row < n_w { 0.0 } else { flown[bin_of(row)].speed.value })
+                }
                 Slopes::Past { column, carrier: Some(direction) } => {
                     DMatrix::from_fn(n, 1, |row, _| column[bin_of(row)] * slopes[(row, *direction)])
                 }
