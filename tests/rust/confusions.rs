@@ -332,7 +332,7 @@ fn water_that_moves_in_a_layer_gets_no_name() {
     assert!(answer.causes.is_empty() && answer.verdict == Verdict::Unexplained, "{}", answer.said);
 }
 
-/// In dives to 614 m a scale of the speed is told from one of the pressure, which would compress the hull otherwise.
+/// In dives to 614 m a scale of the speed and one of the pressure are distinguishable: the latter changes the pressure that compresses the hull.
 #[test]
 fn a_scale_of_the_speed_is_named_in_deep_water() {
     let answer = Answer::diagnose("speed_scale", 54_606, true, true).expect("a diagnosis");
