@@ -1,8 +1,9 @@
 //! Flexible curves in a covariate: what an unknown effect could look like.
 //!
-//! A natural cubic spline with knots at quantiles, straight pieces between more levels where thin layers matter, or a short Fourier series
-//! where the covariate is an angle. A spline is centred: its level belongs to the model. A wave is not: what goes as the sine of a heading has its zero where the
-//! sine has it, whatever headings happened to be steered. Where the model has no level of its own a level is a curve as well.
+//! A natural cubic spline with knots at quantiles, a piecewise linear curve between more levels where thin layers matter, or a short
+//! Fourier series where the covariate is an angle. A spline is centred: its level belongs to the model. A wave is not: what goes as the
+//! sine of a heading has its zero where the sine has it, whatever headings happened to be steered. Where the model has no level of its own
+//! a level is a curve as well.
 
 use nalgebra::DMatrix;
 
