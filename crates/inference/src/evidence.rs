@@ -360,6 +360,11 @@ pub trait Problem: Sync {
 
     /// Residuals and sensitivities at a point. Rows, blocks and covariates are the same at every point.
     fn evidence(&self, point: &Point) -> Evidence;
+
+    /// The same with the sensitivities of these candidates; those of others may be zero. The steps of a fit ask for no more.
+    fn evidence_of(&self, point: &Point, _included: &[usize]) -> Evidence {
+        self.evidence(point)
+    }
 }
 
 /// The names of the candidates, each once.

@@ -66,7 +66,7 @@ impl Fitted {
             *quicker = quicker.take().or_else(|| problem.for_first_search(&self.point));
             let Some(about_here) = quicker else { break };
             let mut trial = self.clone();
-            if trial.step(about_here) < LEAST_FALL {
+            if trial.walk(about_here) < LEAST_FALL {
                 break;
             }
             // At the point about which it was made a quicker problem equals the problem itself.
@@ -88,9 +88,23 @@ impl Fitted {
         fallen + by_problem
     }
 
-    /// Gauss and Newton's steps, shortened where a whole one makes things worse; returns by how much the weighted sum of
-    /// squares fell.
+    /// Gauss and Newton's steps, and the evidence of all candidates where they end; returns by how much the weighted sum of squares fell.
     fn step(&mut self, problem: &impl Problem) -> f64 {
+        let fallen = self.walk(problem);
+        if fallen > 0.0 {
+            self.look_about(problem);
+        }
+        fallen
+    }
+
+    /// The evidence of all candidates at this point.
+    pub(super) fn look_about(&mut self, problem: &impl Problem) {
+        self.evidence = believing(problem, problem.evidence(&self.point), &self.point, &self.included);
+    }
+
+    /// Gauss and Newton's steps, shortened where a whole one makes things worse; returns by how much the weighted sum of
+    /// squares fell. Leaves the evidence with the sensitivities of the included candidates alone.
+    pub(super) fn walk(&mut self, problem: &impl Problem) -> f64 {
         let mut fallen = 0.0;
         for _ in 0..MAX_FIT_STEPS {
             let columns = self.columns();
@@ -105,7 +119,8 @@ impl Fitted {
                 if !problem.admits(&point) {
                     continue;
                 }
-                let evidence = believing(problem, problem.evidence(&point), &point, &self.included);
+                let evidence = problem.evidence_of(&point, &self.included);
+                let evidence = believing(problem, evidence, &point, &self.included);
                 let after = weighted_squares(&evidence, &self.noises);
                 if after < before {
                     (self.point, self.evidence, fall) = (point, evidence, before - after);

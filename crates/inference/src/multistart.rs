@@ -32,7 +32,8 @@ impl Fitted {
         if first.agrees_with_prior() {
             return first;
         }
-        let start_of = |point: Point| (objective(&believing(problem, problem.evidence(&point), &point, &[])), point);
+        let start_of =
+            |point: Point| (objective(&believing(problem, problem.evidence_of(&point, &[]), &point, &[])), point);
         let mut starts: Vec<(f64, Point)> = problem.other_starts().into_iter().map(start_of).collect();
         starts.sort_by(|a, b| a.0.total_cmp(&b.0));
         let others = starts.into_iter().take(MOST_STARTS).map(|(_, point)| from(point));
@@ -84,14 +85,17 @@ impl Fitted {
                 // At first all of the misfit counts as noise, and the prior has too much weight. The noise is estimated again from the
                 // residuals until the objective no longer falls, or this mechanism clearly explains almost nothing.
                 for _ in 0..MAX_NOISE_ROUNDS {
-                    if trial.descend(first) < 1e-2 || objective(&trial.evidence) > before - PROMISING * half {
+                    if trial.walk(first) < 1e-2 || objective(&trial.evidence) > before - PROMISING * half {
                         break;
                     }
                     trial.noises = plain_noises(&trial.evidence);
                 }
                 let size = trial.point.candidates[i][0];
                 let is_possible = trial.is_possible(candidates) && !candidates[i].is_impossible(size);
-                is_possible.then(|| (objective(&trial.evidence), trial))
+                is_possible.then(|| {
+                    trial.look_about(first);
+                    (objective(&trial.evidence), trial)
+                })
             };
             let tried = (0..candidates.len()).into_par_iter().filter(|i| candidates[*i].version.is_none());
             trials.par_extend(tried.filter_map(trial_of));
@@ -139,7 +143,8 @@ impl Fitted {
             }
             let at_prior = |point: &Point| Point { baseline: problem.start().baseline, ..point.clone() };
             let starts = [at_prior(&linearised), at_prior(&current), linearised, current];
-            let of = |point: Point| (objective(&believing(problem, problem.evidence(&point), &point, &members)), point);
+            let evidence = |point: &Point| believing(problem, problem.evidence_of(point, &members), point, &members);
+            let of = |point: Point| (objective(&evidence(&point)), point);
             let best =
                 starts.into_iter().filter(|point| problem.admits(point)).map(of).min_by(|a, b| a.0.total_cmp(&b.0));
             start = best.map_or(start, |(_, point)| point);

@@ -14,42 +14,65 @@ const MOST_ROUNDS: usize = 2;
 /// Diagnoses a problem, and again on a finer grid where a mechanism with a gridded time was found.
 pub(super) fn diagnose(problem: SeaProblem) -> (SeaProblem, Outcome) {
     let outcome = engine::diagnose_in_full(&problem);
-    let found = problem.without_inertia_if_better(&outcome).unwrap_or((problem, outcome));
-    jumps::MECHANISMS
-        .into_iter()
-        .chain(WITH_A_CONSTANT)
-        .fold(found, |(problem, outcome), mechanism| refined(problem, outcome, mechanism))
+    let (problem, outcome) = problem.without_inertia_if_better(&outcome).unwrap_or((problem, outcome));
+    let (problem, outcome) = refined_where_named(problem, outcome);
+    match refined_where_refused(&problem, &outcome) {
+        Some((finer, again)) => refined_where_named(finer, again),
+        None => (problem, outcome),
+    }
 }
 
-/// Returns the diagnosis with a finer grid for one mechanism, refined again while one grid point covers the whole interval of the time.
-///
-/// A grid point may be too far from the true time for one magnitude to fit everywhere. Where a misfit remains, a rejected mechanism is
-/// therefore refined as well, and counts if it is then named. A step is always refined, since its first grid lies between legs.
-fn refined(mut problem: SeaProblem, mut outcome: Outcome, mechanism: &str) -> (SeaProblem, Outcome) {
-    for _ in 0..MOST_ROUNDS {
-        let is_version = |member: &usize| problem.candidates()[*member].name == mechanism;
-        let named = outcome.named.iter().copied().find(is_version);
-        let is_left = matches!(outcome.diagnosis.verdict, Verdict::Unexplained | Verdict::PartlyExplained);
-        let refused = || outcome.refused.iter().rev().copied().find(is_version);
-        let found = named.or_else(|| refused().filter(|_| is_left || jumps::MECHANISMS.contains(&mechanism)));
-        let Some(found) = found else { break };
-        // Those that the data do not tell from it have a time of their own: on a coarse grid they would seem to explain less.
-        let place = outcome.named.iter().position(|member| *member == found);
-        let with_rivals: Vec<usize> =
-            place.iter().flat_map(|place| &outcome.groups[*place]).chain([&found]).copied().collect();
-        let Some(finer) = problem.with_versions_about(&with_rivals) else { break };
-        let again = engine::diagnose_in_full(&finer);
-        let names_it = again.named.iter().find(|member| finer.candidates()[**member].name == mechanism);
-        let covers_all = names_it.is_some_and(|member| cell_covers_interval(&finer, *member, &again));
-        if named.is_none() && names_it.is_none() {
-            break;
-        }
-        (problem, outcome) = (finer, again);
-        if !covers_all {
-            break;
+/// Returns the diagnosis with a finer grid for each named mechanism, refined again while one grid point covers the whole interval of
+/// the time.
+fn refined_where_named(mut problem: SeaProblem, mut outcome: Outcome) -> (SeaProblem, Outcome) {
+    for mechanism in with_a_gridded_time() {
+        for _ in 0..MOST_ROUNDS {
+            let Some(place) = named(&problem, &outcome, mechanism) else { break };
+            // Those that the data do not tell from it have a time of their own: on a coarse grid they would seem to explain less.
+            let with_rivals: Vec<usize> =
+                outcome.groups[place].iter().chain([&outcome.named[place]]).copied().collect();
+            let Some(finer) = problem.with_versions_about(&with_rivals) else { break };
+            let again = engine::diagnose_in_full(&finer);
+            let covers_all = named(&finer, &again, mechanism)
+                .is_some_and(|place| cell_covers_interval(&finer, again.named[place], &again));
+            (problem, outcome) = (finer, again);
+            if !covers_all {
+                break;
+            }
         }
     }
     (problem, outcome)
+}
+
+/// Returns the diagnosis with a finer grid for all refused mechanisms at once, if one of them is then named.
+///
+/// A grid point may be too far from the true time for one magnitude to fit everywhere. Where a misfit remains, rejected mechanisms are
+/// therefore refined as well. A step is always refined, since its first grid lies between legs.
+fn refined_where_refused(problem: &SeaProblem, outcome: &Outcome) -> Option<(SeaProblem, Outcome)> {
+    let is_left = matches!(outcome.diagnosis.verdict, Verdict::Unexplained | Verdict::PartlyExplained);
+    let refused = |mechanism: &str| {
+        let is_version = |member: &usize| problem.candidates()[*member].name == mechanism;
+        outcome.refused.iter().rev().copied().find(is_version)
+    };
+    let asked = with_a_gridded_time()
+        .filter(|mechanism| is_left || jumps::MECHANISMS.contains(mechanism))
+        .filter(|mechanism| named(problem, outcome, mechanism).is_none());
+    let asked: Vec<(&str, usize)> = asked.filter_map(|mechanism| Some((mechanism, refused(mechanism)?))).collect();
+    let members: Vec<usize> = asked.iter().map(|(_, member)| *member).collect();
+    let finer = problem.with_versions_about(&members)?;
+    let again = engine::diagnose_in_full(&finer);
+    let is_named = asked.iter().any(|(mechanism, _)| named(&finer, &again, mechanism).is_some());
+    is_named.then_some((finer, again))
+}
+
+/// Returns the mechanisms with a time that is selected from a grid.
+fn with_a_gridded_time() -> impl Iterator<Item = &'static str> {
+    jumps::MECHANISMS.into_iter().chain(WITH_A_CONSTANT)
+}
+
+/// Returns the place of a mechanism among those that are named.
+fn named(problem: &SeaProblem, outcome: &Outcome, mechanism: &str) -> Option<usize> {
+    outcome.named.iter().position(|member| problem.candidates()[*member].name == mechanism)
 }
 
 /// Returns whether the 95 % interval of the time lies within the cell of the selected grid point.

@@ -9,9 +9,13 @@ use crate::identify::{Bin, Inside, felt_density_kg_m3, median_step_s, turns_by_r
 use crate::log::{Observation, median};
 
 /// Parameters that are varied in one pass; more take another pass.
-const DIRECTIONS_OF_A_PASS: usize = 24;
+const WIDE: usize = 24;
 
-type Dual = DualSVec64<DIRECTIONS_OF_A_PASS>;
+/// The same where few are varied, as in the steps of a fit.
+const NARROW: usize = 8;
+
+/// Passes of [`NARROW`] that take less time than one of [`WIDE`].
+const MOST_NARROW_PASSES: usize = 2;
 
 /// Which rows of the table of parameters are varied, in order.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,22 +52,35 @@ pub struct Sloped {
 pub struct Vehicle {
     /// Its parameters there.
     pub parameters: Parameters<f64>,
-    passes: Vec<Pass>,
+    passes: Passes,
     /// Without slopes, before and after the jump.
     plain: [SteadyGlider<f64>; 2],
     n_directions: usize,
     jump_s: f64,
 }
 
+/// The vehicle with the directions in it that are varied, in passes of one width.
+enum Passes {
+    Narrow(Vec<Pass<NARROW>>),
+    Wide(Vec<Pass<WIDE>>),
+}
+
 /// The vehicle with some of the directions in it.
-struct Pass {
-    before: SteadyGlider<Dual>,
-    after: SteadyGlider<Dual>,
+struct Pass<const N: usize> {
+    before: SteadyGlider<DualSVec64<N>>,
+    after: SteadyGlider<DualSVec64<N>>,
+    /// Which directions they are.
+    directions: Vec<usize>,
 }
 
 impl Vehicle {
-    pub fn new(parameters: &Parameters<f64>, directions: &Directions) -> Self {
-        let passes = directions.rows.chunks(DIRECTIONS_OF_A_PASS).map(|rows| Pass::new(parameters, rows)).collect();
+    /// The vehicle with slopes in the directions that are `varied`; those in others are zero.
+    pub fn new(parameters: &Parameters<f64>, directions: &Directions, varied: &[usize]) -> Self {
+        let passes = if varied.len() <= MOST_NARROW_PASSES * NARROW {
+            Passes::Narrow(Pass::all(parameters, directions, varied))
+        } else {
+            Passes::Wide(Pass::all(parameters, directions, varied))
+        };
         let at = |step_time_s: f64| SteadyGlider::new(Parameters { step_time_s, ..*parameters });
         let plain = [at(f64::INFINITY), at(f64::NEG_INFINITY)];
         Vehicle {
@@ -84,36 +101,50 @@ impl Vehicle {
     /// Vertical velocity and speed as the instruments would read them. Where no glide balances the glider stands still:
     /// no velocity, no slope.
     pub fn fly(&self, bin: &Bin, inside: &Inside) -> (Sloped, Sloped) {
-        let still = || Sloped { value: 0.0, slopes: Vec::with_capacity(self.n_directions) };
+        let still = || Sloped { value: 0.0, slopes: vec![0.0; self.n_directions] };
         let (mut sink, mut speed) = (still(), still());
-        for pass in &self.passes {
-            let glider = if bin.mean.time_s < self.jump_s { &pass.before } else { &pass.after };
-            if let Some(read) = inside.predict(glider, bin, None) {
-                sink.take(read.sink_m_s);
-                speed.take(read.speed_m_s);
+        let is_before = bin.mean.time_s < self.jump_s;
+        match &self.passes {
+            Passes::Narrow(passes) => {
+                passes.iter().for_each(|pass| pass.fly(is_before, bin, inside, [&mut sink, &mut speed]));
+            }
+            Passes::Wide(passes) => {
+                passes.iter().for_each(|pass| pass.fly(is_before, bin, inside, [&mut sink, &mut speed]));
             }
         }
-        sink.slopes.resize(self.n_directions, 0.0);
-        speed.slopes.resize(self.n_directions, 0.0);
         (sink, speed)
     }
 }
 
-impl Pass {
-    fn new(parameters: &Parameters<f64>, rows: &[usize]) -> Self {
-        let mut p = parameters.map(Dual::from);
-        for (direction, row) in rows.iter().enumerate() {
-            let value = p.at(*row).re;
-            *p.at(*row) = Dual::new(value, Derivative::derivative_generic(Const, U1, direction));
+impl<const N: usize> Pass<N> {
+    fn all(parameters: &Parameters<f64>, directions: &Directions, varied: &[usize]) -> Vec<Self> {
+        varied.chunks(N).map(|varied| Pass::new(parameters, directions, varied)).collect()
+    }
+
+    fn new(parameters: &Parameters<f64>, directions: &Directions, varied: &[usize]) -> Self {
+        let mut p = parameters.map(DualSVec64::<N>::from);
+        for (place, direction) in varied.iter().enumerate() {
+            let row = directions.rows[*direction];
+            let value = p.at(row).re;
+            *p.at(row) = DualSVec64::new(value, Derivative::derivative_generic(Const, U1, place));
         }
         // The slope along a jump is wanted on both sides of it: the caller knows which rows a jump reaches.
-        p.step_time_s = Dual::from(f64::NEG_INFINITY);
+        p.step_time_s = f64::NEG_INFINITY.into();
         let after = SteadyGlider::new(p);
         if let Some(row) = parameter_index("drag_step") {
             let step = *p.at(row);
             *p.at(row) = step - step.re;
         }
-        Pass { before: SteadyGlider::new(p), after }
+        Pass { before: SteadyGlider::new(p), after, directions: varied.to_vec() }
+    }
+
+    /// Sets the value and the slopes of this pass, where a glide balances.
+    fn fly(&self, is_before: bool, bin: &Bin, inside: &Inside, [sink, speed]: [&mut Sloped; 2]) {
+        let glider = if is_before { &self.before } else { &self.after };
+        if let Some(read) = inside.predict(glider, bin, None) {
+            sink.take(&read.sink_m_s, &self.directions);
+            speed.take(&read.speed_m_s, &self.directions);
+        }
     }
 }
 
@@ -124,11 +155,12 @@ impl Sloped {
         self.slopes.iter_mut().for_each(|slope| *slope *= factor);
     }
 
-    /// The value of a pass, its slopes behind those of the passes before.
-    fn take(&mut self, value: Dual) {
+    /// Takes the value of a pass, and its slopes in these directions.
+    fn take<const N: usize>(&mut self, value: &DualSVec64<N>, directions: &[usize]) {
         self.value = value.re;
-        let slopes = value.eps.0.map_or([0.0; DIRECTIONS_OF_A_PASS], |eps| std::array::from_fn(|i| eps[i]));
-        self.slopes.extend(slopes);
+        if let Some(slopes) = &value.eps.0 {
+            directions.iter().zip(slopes).for_each(|(direction, slope)| self.slopes[*direction] = *slope);
+        }
     }
 }
 
@@ -305,13 +337,23 @@ mod tests {
         let mean = observation(&parameters);
         let bin = Bin { mean, first: 0, samples: 10, speeds: 10, sink_sd_m_s: 0.002, speed_sd_m_s: 0.03 };
         let rows: Vec<usize> = (0..PARAMETERS.len()).collect();
-        assert!(rows.len() > DIRECTIONS_OF_A_PASS, "the test needs more than one pass");
-        let (sink, speed) = Vehicle::new(&parameters, &Directions::new(&rows)).fly(&bin, &Inside::NOTHING);
+        assert!(rows.len() > WIDE, "the test needs more than one pass");
+        let fly = |directions: &[usize], varied: &[usize]| {
+            Vehicle::new(&parameters, &Directions::new(directions), varied).fly(&bin, &Inside::NOTHING)
+        };
+        let (sink, speed) = fly(&rows, &rows);
         assert!(sink.value.is_finite() && sink.value != 0.0 && sink.slopes.len() == rows.len());
-        for row in rows {
-            let (alone, speed_alone) = Vehicle::new(&parameters, &Directions::new(&[row])).fly(&bin, &Inside::NOTHING);
+        for row in rows.clone() {
+            let (alone, speed_alone) = fly(&[row], &[0]);
             assert_eq!(sink.slopes[row], alone.slopes[0], "{}", PARAMETERS[row].name);
             assert_eq!(speed.slopes[row], speed_alone.slopes[0], "{}", PARAMETERS[row].name);
+            // Alone among all directions.
+            let (one, speed_one) = fly(&rows, &[row]);
+            assert_eq!((one.value, speed_one.value), (sink.value, speed.value));
+            for (among, all) in [(one, &sink), (speed_one, &speed)] {
+                let expected = |place: usize| if place == row { all.slopes[row] } else { 0.0 };
+                assert!(among.slopes.iter().enumerate().all(|(place, slope)| *slope == expected(place)));
+            }
         }
         let moving = |name: &str| sink.slopes[parameter_index(name).unwrap()] != 0.0;
         assert!(moving("b") && moving("ballast_offset_kg"), "{sink:?}");

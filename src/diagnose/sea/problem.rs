@@ -7,8 +7,8 @@ use rayon::prelude::*;
 use super::flown::Flown;
 use super::model::{self, Vehicle};
 use super::{
-    LEAST_KNOWN, LEAST_RELEVANT, Lift, SPEED, SeaProblem, Shape, Slopes, VERTICAL_VELOCITY, candidates, covariates,
-    trim, unknown_temperature,
+    LEAST_KNOWN, LEAST_RELEVANT, Lift, SPEED, SeaProblem, Slopes, VERTICAL_VELOCITY, candidates, covariates, trim,
+    unknown_temperature,
 };
 use crate::diagnose::evidence::{Candidate, Evidence, Point, Problem, Quantity};
 use crate::dynamics::PARAMETERS;
@@ -151,6 +151,11 @@ impl Problem for SeaProblem {
     }
 
     fn evidence(&self, point: &Point) -> Evidence {
+        let all: Vec<usize> = (0..self.candidates.len()).collect();
+        self.evidence_of(point, &all)
+    }
+
+    fn evidence_of(&self, point: &Point, included: &[usize]) -> Evidence {
         glidepolar_progress::one_more("flights of the model");
         let parameters = self.parameters_at(point);
         let (n_w, n_u) = (self.bins.len(), self.with_speed.len());
@@ -165,7 +170,7 @@ impl Problem for SeaProblem {
         let mut residual = DVector::zeros(n);
         let mut slopes = DMatrix::zeros(n, self.directions.len());
         let mut speed_row = n_w;
-        let vehicle = Vehicle::new(&parameters, &self.directions);
+        let vehicle = Vehicle::new(&parameters, &self.directions, &self.varied(included));
         let past = self.effects(point, &parameters);
         // What the whole of the inertia changes in each row.
         let mut by_inertia = DVector::zeros(n);
@@ -206,7 +211,9 @@ impl Problem for SeaProblem {
             .shapes
             .iter()
             .zip(&self.candidates)
-            .map(|(shape, candidate)| match &shape.slopes {
+            .enumerate()
+            .map(|(index, (shape, candidate))| match &shape.slopes {
+                _ if !included.contains(&index) => DMatrix::zeros(n, 1),
                 Slopes::Direction(direction) => {
                     let after =
                         |row: usize| candidate.version.is_none_or(|jump| row_bins[row].mean.time_s >= jump.value);
@@ -231,13 +238,9 @@ impl Problem for SeaProblem {
         if n_u > 0 {
             quantities.push(Quantity { name: SPEED, unit: "m/s", rows: n_w..n });
         }
-        let ballast =
-            self.shapes.iter().zip(&self.candidates).find(|(_, candidate)| candidate.name == "ballast_offset");
-        let shared = match ballast {
-            Some((Shape { slopes: Slopes::Direction(direction), .. }, _)) => {
-                model::WEIGHING_ERROR_KG * slopes.columns(*direction, 1)
-            }
-            _ => DMatrix::zeros(n, 0),
+        let shared = match self.ballast_direction() {
+            Some(direction) => model::WEIGHING_ERROR_KG * slopes.columns(direction, 1),
+            None => DMatrix::zeros(n, 0),
         };
         Evidence {
             quantities,
@@ -263,6 +266,31 @@ impl Problem for SeaProblem {
 }
 
 impl SeaProblem {
+    /// The directions in which the slopes of the baseline, of what the rows share and of these candidates lie.
+    fn varied(&self, included: &[usize]) -> Vec<usize> {
+        let of_candidate = |member: &usize| match self.shapes[*member].slopes {
+            Slopes::Direction(direction) | Slopes::Past { carrier: Some(direction), .. } => Some(direction),
+            Slopes::Past { carrier: None, .. } | Slopes::PitchRate(_) | Slopes::Speed => None,
+        };
+        let mut varied: Vec<usize> = (0..self.baseline_index.len())
+            .chain([self.pitch_direction])
+            .chain(self.ballast_direction())
+            .chain(included.iter().filter_map(of_candidate))
+            .collect();
+        varied.sort_unstable();
+        varied.dedup();
+        varied
+    }
+
+    /// The direction of an offset of the net mass, where it is a candidate.
+    fn ballast_direction(&self) -> Option<usize> {
+        let place = self.candidates.iter().position(|candidate| candidate.name == "ballast_offset")?;
+        match self.shapes[place].slopes {
+            Slopes::Direction(direction) => Some(direction),
+            _ => None,
+        }
+    }
+
     /// The same problem with other standard errors of the vehicle's polar, over its values; none where nothing is stated.
     pub(super) fn with_polar_errors(&self, polar_se: [Option<f64>; 3]) -> SeaProblem {
         SeaProblem { polar_se, ..self.clone() }

@@ -161,6 +161,7 @@ fn solve(asked: &Asked<'_, f64>, with_slopes: &Parameters<Dual64>, guess: [f64; 
 
     let mut unknowns = guess;
     let mut last = f64::INFINITY;
+    let mut along_path_before: Option<AlongPath> = None;
     for _ in 0..MAX_STEPS {
         // One slope at a time: two short passes are quicker than one with both. What the speed alone decides is the same in both.
         let [alpha, q] = unknowns;
@@ -173,6 +174,14 @@ fn solve(asked: &Asked<'_, f64>, with_slopes: &Parameters<Dual64>, guess: [f64; 
             balance(&lifted, alpha.into(), &push).map(|r| r.eps)
         };
         let jacobian = [[by_alpha[0].eps, by_q[0]], [by_alpha[1].eps, by_q[1]]];
+        let along_path = AlongPath { alpha, residual: residual[0], slope: by_alpha[0].eps };
+        if let Some(between) = along_path_before.and_then(|before| before.turning_point(&along_path)) {
+            let there = balance(&lifted, between.into(), &push.held());
+            if there[0].re * residual[0] > 0.0 {
+                return None;
+            }
+        }
+        along_path_before = Some(along_path);
         let [step_alpha, step_q] = solve_2(jacobian, residual);
         let size = step_alpha.abs().max(step_q.abs());
         if !size.is_finite() {
@@ -191,6 +200,24 @@ fn solve(asked: &Asked<'_, f64>, with_slopes: &Parameters<Dual64>, guess: [f64; 
         last = size;
     }
     None
+}
+
+/// The balance along the path at one angle of attack.
+#[derive(Clone, Copy)]
+struct AlongPath {
+    alpha: f64,
+    residual: f64,
+    slope: f64,
+}
+
+impl AlongPath {
+    /// The angle of attack between two at which the balance turns back, where they lie on the same side of zero and on both sides of that
+    /// angle. The balance of lift and drag along the path is a parabola in the angle of attack to first order: if it has not
+    /// reached zero there it never does, as at a pitch too shallow to fly.
+    fn turning_point(&self, next: &AlongPath) -> Option<f64> {
+        let turns = self.residual * next.residual > 0.0 && self.slope * next.slope < 0.0;
+        turns.then(|| self.alpha + (next.alpha - self.alpha) * self.slope / (self.slope - next.slope))
+    }
 }
 
 /// Drag over lift at the path angle that the pitch alone suggests, then the speed that carries the weight.
