@@ -16,7 +16,7 @@ use crate::window::{self, Found, NoWindow, Window};
 #[derive(Debug, Clone)]
 pub struct Readings {
     /// The part at rest before the run-up, or the whole of a zero run.
-    pub rest: Option<Mean3>,
+    pub rest: Option<Rest>,
     /// The useful part.
     pub useful: Useful,
     /// The run in some hundred points, to be drawn.
@@ -25,6 +25,15 @@ pub struct Readings {
     pub notices: Vec<String>,
     /// Columns that are not used.
     pub unused: Vec<String>,
+}
+
+/// Means over a part at rest.
+#[derive(Debug, Clone, Copy)]
+pub struct Rest {
+    /// Mean readings.
+    pub readings: Mean3,
+    /// Middle of the part since the run's begin \[s\].
+    pub middle_s: f64,
 }
 
 /// The useful part of a run.
@@ -86,6 +95,8 @@ const DRIFT_T: f64 = 27.0;
 const SLOWEST_INTERVAL_S: f64 = 0.5;
 /// Other units of speed, and how many of them are 1 m/s.
 const SPEED_UNITS: [(&str, f64); 4] = [("km/h", 3.6), ("knots", 1.9438), ("feet per second", 3.2808), ("mm/s", 1000.0)];
+/// Fewest samples at rest that have a mean.
+const LEAST_AT_REST: usize = 16;
 /// Over this long the speed is averaged at both ends of a window \[s\].
 const END_S: f64 = 0.5;
 
@@ -121,15 +132,23 @@ pub fn read(run: &Run, hull_length_m: f64, history: &mut History) -> Result<Read
         }
     };
     Ok(Readings {
-        rest: rest
-            .ok()
-            .filter(|window| window.len() >= 16)
-            .map(|w| Mean3::new(w.of3(history.channels()), history.interval_s())),
+        rest: rest.ok().filter(|window| window.len() >= LEAST_AT_REST).map(|window| at_rest(history, &window)),
         trace: trace(history, window),
         unused: history.unused.clone(),
         useful,
         notices,
     })
+}
+
+fn at_rest(history: &History, window: &Window) -> Rest {
+    Rest {
+        readings: Mean3::new(window.of3(history.channels()), history.interval_s()),
+        middle_s: middle_s(window.slice(history.time_s())),
+    }
+}
+
+fn middle_s(time: &[f64]) -> f64 {
+    0.5 * (time[0] + time[time.len() - 1])
 }
 
 fn steady(history: &History, found: Found) -> Steady {
@@ -153,7 +172,7 @@ fn steady(history: &History, found: Found) -> Steady {
         yaw_deg: mean(window.slice(history.yaw_deg())),
         found,
         duration_s,
-        middle_s: 0.5 * (time[0] + time[n - 1]),
+        middle_s: middle_s(time),
     }
 }
 

@@ -105,7 +105,7 @@ fn share_noise(readings: &mut [Option<Readings>]) {
     let mut at_rest: Vec<&mut Mean3> = Vec::new();
     let mut under_way: Vec<&mut Mean3> = Vec::new();
     for read in readings.iter_mut().flatten() {
-        at_rest.extend(read.rest.as_mut());
+        at_rest.extend(read.rest.as_mut().map(|rest| &mut rest.readings));
         if let Useful::Steady(steady) = &mut read.useful {
             under_way.push(&mut steady.readings);
         }
@@ -304,7 +304,7 @@ impl<'a> Reduction<'a> {
                 return None;
             }
             let rest = readings.rest?;
-            Some((rest.mean - self.zeros.at(run, readings, 0.0)?.reading).into())
+            Some((rest.readings.mean - self.zeros.at(run, readings, rest.middle_s)?.reading).into())
         };
         self.usable()
             .map(|(run, readings)| RunResults {

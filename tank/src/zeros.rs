@@ -36,7 +36,7 @@ pub struct Zero {
     pub run_id: String,
     /// Hull below the balance.
     pub hull: Option<usize>,
-    /// When: time \[s\] or place in the order.
+    /// When, in the middle of what was averaged: time \[s\] or place in the order.
     pub when: f64,
     /// AF, SF, YM.
     pub reading: Vector3<f64>,
@@ -64,9 +64,10 @@ impl Zeros {
             .filter(|(run, _)| run.kind == Kind::Zero)
             .filter_map(|(run, readings)| {
                 let rest = readings.rest.filter(|_| matches!(readings.useful, Useful::Rest))?;
-                let zero =
-                    Zero { run_id: run.id.clone(), hull: run.hull, when: when(run, in_time, 0.0), reading: rest.mean };
-                Some((zero, rest))
+                // A drift is where it is in the middle of what was averaged.
+                let when = when(run, in_time, rest.middle_s);
+                let zero = Zero { run_id: run.id.clone(), hull: run.hull, when, reading: rest.readings.mean };
+                Some((zero, rest.readings))
             })
             .collect();
         let mut covariance = Matrix3::zeros();
@@ -115,7 +116,7 @@ impl Zeros {
                 vec![(only, 1.0)]
             }
             (None, None) => {
-                let rest = readings.rest?;
+                let rest = readings.rest?.readings;
                 return Some(ZeroOfRun { reading: rest.mean, parts: vec![], bridge, own_covariance: rest.covariance });
             }
         };

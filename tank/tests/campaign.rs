@@ -35,6 +35,33 @@ fn a_campaign_without_noise_gives_the_truth_itself() {
     }
 }
 
+/// A zero that drifts is interpolated between the middles of the zero runs: where it drifts steadily, each run has the zero of the
+/// middle of its window, to what the files print.
+#[test]
+fn a_steady_drift_of_the_zeros_is_taken_from_their_middles() {
+    let (_folder, results, truth) = support::campaign_with_noise(2, &["LDR8.5"], &[], 0.0);
+    let zeros: Vec<(f64, [f64; 3], &str)> = truth
+        .runs
+        .iter()
+        .filter_map(|truth| {
+            let run = results.runs.iter().find(|run| run.run.id == truth.id)?;
+            Some((run.run.start_time_s?, truth.zero, truth.id.as_str()))
+        })
+        .collect();
+    let mut largest: f64 = 0.0;
+    for pair in zeros.windows(2) {
+        let [(before_s, before, _), (start_s, zero, id)] = [pair[0], pair[1]];
+        let run = results.runs.iter().find(|run| run.run.id == id).unwrap();
+        let Some(steps) = run.steps else { continue };
+        let middle_s = 0.5 * (run.trace.window_s.0 + run.trace.window_s.1);
+        for channel in 0..3 {
+            let per_s = (zero[channel] - before[channel]) / (start_s - before_s);
+            largest = largest.max((steps.zero[channel] - zero[channel] - middle_s * per_s).abs());
+        }
+    }
+    assert!(largest > 0.0 && largest < 5e-5, "{largest} N or N m");
+}
+
 /// The useful window lies within the part that was truly steady, and takes most of it.
 #[test]
 fn windows_lie_within_the_steady_part() {
