@@ -5,9 +5,11 @@
 
 use super::change_point;
 use super::evidence::Problem;
-use super::findings::{Alternative, Cause};
+use super::findings::Alternative;
 use super::fitted::Fitted;
 use super::iteration::Iteration;
+use super::replacements::Replacement;
+use super::report::{self, Named};
 use super::subset_search::MARGIN;
 
 /// Most sets that are reported.
@@ -22,11 +24,11 @@ pub(super) fn alternatives(
     problem: &impl Problem,
     extended: &Fitted,
     iteration: &Iteration<'_>,
-    causes: &[Cause],
+    named: &[Named],
 ) -> Vec<Vec<Alternative>> {
     // What could stand in the place of a single mechanism has a size of its own; any two explain more than one.
-    if let (&[_], [cause]) = (extended.included.as_slice(), causes) {
-        return in_place_of(problem, iteration, &cause.indistinguishable_from);
+    if let (&[_], [cause]) = (extended.included.as_slice(), named) {
+        return cause.group.iter().take(MOST_SETS).map(|rival| alone(problem, rival)).collect();
     }
     if extended.included.len() < 2 {
         return Vec::new();
@@ -51,14 +53,13 @@ pub(super) fn alternatives(
     reported.iter().map(|members| sizes(problem, iteration, members)).collect()
 }
 
-/// The members of a group, each alone, in its best version.
-fn in_place_of(problem: &impl Problem, iteration: &Iteration<'_>, group: &[String]) -> Vec<Vec<Alternative>> {
-    let search = iteration.search();
-    let best = |name: &String| {
-        let versions = (0..problem.candidates().len()).filter(|i| problem.candidates()[*i].name == name.as_str());
-        versions.min_by(|a, b| search.criterion(&[*a]).total_cmp(&search.criterion(&[*b])))
-    };
-    group.iter().filter_map(best).take(MOST_SETS).map(|member| sizes(problem, iteration, &[member])).collect()
+/// A mechanism alone, with its size.
+fn alone(problem: &impl Problem, rival: &Replacement) -> Vec<Alternative> {
+    let Replacement { candidate, fitted } = rival;
+    let iteration = Iteration::new(problem.candidates(), fitted);
+    let stage = fitted.stage(fitted.held_out());
+    let parameters = report::sizes(problem, fitted, &iteration, 0, &stage);
+    vec![Alternative { cause: problem.candidates()[*candidate].name.to_owned(), parameters }]
 }
 
 fn has_family(iteration: &Iteration<'_>, members: &[usize], member: usize) -> bool {

@@ -1,13 +1,14 @@
 //! Mechanisms that could stand in the place of a named one: each is fitted in full in its place, and belongs to the group
 //! where it predicts data that were held out no worse by one standard error, or no worse by anything that counts: with much
 //! data the model's own small errors decide between laws that are nearly one. So does a law that one half of the data prefers: what
-//! parts the two is then something else.
+//! parts the two is then something else. So does one whose likelihood is nearly as large: of a few glides held-out errors have
+//! standard errors that are hardly known themselves.
 
 use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::evidence::Problem;
-use super::fitted::Fitted;
+use super::fitted::{Fitted, weighted_squares};
 use super::holdout;
 use super::iteration::Iteration;
 use super::subset_search::MARGIN;
@@ -19,8 +20,9 @@ const REFITTED_WITHIN: f64 = 3.0 * MARGIN;
 /// Most mechanisms that are fitted in full in the place of one.
 const MOST_REFITTED: usize = 8;
 
-/// The same where a named mechanism explains much, as a share of what it explains.
-const REFITTED_SHARE: f64 = 0.05;
+/// The same where a named mechanism explains much, as a share of what it explains. The slope of a ratio of a half is off by a third: what is
+/// left of the effect is a ninth of its square, and of two such rivals a fifth.
+const REFITTED_SHARE: f64 = 0.2;
 
 /// Share of the squared error that the named one removes which a rival may leave: a fifth of the effect itself, as a size may change
 /// from regime to regime and still be one.
@@ -32,8 +34,15 @@ const EQUAL_ON_A_HALF: f64 = 0.1;
 /// Standard errors by which a rival may predict worse and still count as equal.
 const EQUAL: f64 = 1.0;
 
-/// The candidates that could stand in the place of a member, each mechanism in its best version, the best by the slopes first.
-/// `without` is what is left of held-out rows without the member, `gain` what it explains in units of the noise.
+/// A mechanism that could stand in the place of a named one, in its best version.
+pub(super) struct Replacement {
+    pub(super) candidate: usize,
+    /// The set with it in that place, fitted in full.
+    pub(super) fitted: Fitted,
+}
+
+/// What could stand in the place of a member, the best by the slopes first. `without` is what is left of held-out rows without the
+/// member, `gain` what it explains in units of the noise.
 pub(super) fn replacements(
     problem: &impl Problem,
     extended: &Fitted,
@@ -41,10 +50,10 @@ pub(super) fn replacements(
     place: usize,
     without: &DVector<f64>,
     gain: f64,
-) -> Vec<usize> {
+) -> Vec<Replacement> {
     let is_equal = equal_to(problem, extended, without);
     let refitted = refitted(problem, extended, iteration, place, gain).into_iter();
-    refitted.filter(|(_, rival)| is_equal(rival)).map(|(candidate, _)| candidate).collect()
+    refitted.filter(|rival| is_equal(&rival.fitted) || is_nearly_as_likely(extended, &rival.fitted)).collect()
 }
 
 /// The sets with a refused member exchanged that predict held-out data as well as the set with it, the best first.
@@ -59,7 +68,7 @@ pub(super) fn in_place_of(problem: &impl Problem, baseline: &Fitted, refused: &F
     let without = refused.without(problem, baseline, place).held_out();
     let is_equal = equal_to(problem, refused, &without);
     let refitted = refitted(problem, refused, &iteration, place, gain).into_iter();
-    let mut equal: Vec<Fitted> = refitted.map(|(_, rival)| rival).filter(is_equal).collect();
+    let mut equal: Vec<Fitted> = refitted.map(|rival| rival.fitted).filter(is_equal).collect();
     equal.sort_by(|a, b| a.held_out_misfit().total_cmp(&b.held_out_misfit()));
     equal
 }
@@ -87,7 +96,7 @@ fn refitted(
     iteration: &Iteration<'_>,
     place: usize,
     gain: f64,
-) -> Vec<(usize, Fitted)> {
+) -> Vec<Replacement> {
     let candidates = problem.candidates();
     let refitted_within = REFITTED_WITHIN.max(REFITTED_SHARE * gain);
     let mut names: Vec<&str> = vec![candidates[extended.included[place]].name];
@@ -112,9 +121,16 @@ fn refitted(
                 || rival.is_impossible_for_certain(problem, place)
         };
         let exists = rival.is_possible(candidates) && !(0..rival.included.len()).any(cannot_be);
-        exists.then_some((other, rival))
+        exists.then_some(Replacement { candidate: other, fitted: rival })
     };
     others.into_par_iter().filter_map(refit).collect()
+}
+
+/// Whether twice the logarithm of the ratio of likelihoods is no strong evidence for the named one against a rival: below 6 (Kass and
+/// Raftery 1995, J. Am. Stat. Assoc. 90, 773).
+fn is_nearly_as_likely(named: &Fitted, rival: &Fitted) -> bool {
+    let squares = |fitted: &Fitted| weighted_squares(&fitted.evidence, &named.noises);
+    squares(rival) - squares(named) < MARGIN
 }
 
 /// Whether what a rival leaves beyond what the named one leaves is a small part of what that removes: too little to act on in every

@@ -1,16 +1,19 @@
 //! What is said of a fit: causes with their stand-ins, what was rejected and why, where the baseline misses the data.
 
+use std::collections::BTreeMap;
+
 use nalgebra::DVector;
 
 use super::alternatives::alternatives;
 use super::change_point;
+use super::estimate::Estimate;
 use super::evidence::{Headline, Problem, Quantity, names};
 use super::findings::{Cause, Diagnosis, Judged, Left, Rejected, Unexplained, Verdict, Why, Wrong};
 use super::fitted::Fitted;
 use super::holdout;
 use super::iteration::Iteration;
 use super::outcome::{Outcome, Stage, gains};
-use super::replacements::replacements;
+use super::replacements::{Replacement, replacements};
 use super::score::{CLEARLY_WRONG, SIGNIFICANT, chance};
 use super::subset_search::SubsetSearch;
 
@@ -71,7 +74,7 @@ pub(super) fn report(
         consistency: Vec::new(),
         warnings: Vec::new(),
         wrong,
-        alternatives: alternatives(problem, extended, &iteration, &causes),
+        alternatives: alternatives(problem, extended, &iteration, &named),
         trim: None,
         empirical: None,
         left,
@@ -88,7 +91,7 @@ pub(super) fn report(
         after: after_stage,
         fitted: extended.included.clone(),
         named: named.iter().map(|named| named.candidate).collect(),
-        groups: named.iter().map(|named| named.group.clone()).collect(),
+        groups: named.iter().map(|named| named.group.iter().map(|rival| rival.candidate).collect()).collect(),
         gains: named.iter().map(|named| named.gain).collect(),
         refused: dropped.iter().map(|(member, _)| *member).collect(),
         without: named.into_iter().map(|named| named.without).collect(),
@@ -133,7 +136,7 @@ pub(super) fn headline(problem: &impl Problem, fitted: &Fitted, before: &DVector
 pub(super) struct Named {
     pub(super) cause: Cause,
     pub(super) candidate: usize,
-    pub(super) group: Vec<usize>,
+    pub(super) group: Vec<Replacement>,
     pub(super) gain: f64,
     pub(super) without: DVector<f64>,
 }
@@ -154,13 +157,7 @@ pub(super) fn cause(
     let others: Vec<usize> = extended.included.iter().copied().filter(|other| *other != member).collect();
     let gain = fit.gain - if others.is_empty() { 0.0 } else { iteration.score.fit(&search.columns(&others)).gain };
     let df = iteration.regressors[member].columns.len();
-    let first = extended.first_parameter(candidates, place);
-    let mut parameters = change_point::estimates(problem, iteration, &extended.included, place, &extended.point);
-    for (i, (name, _)) in candidate.parameters.iter().enumerate() {
-        if let Some(size) = parameters.get_mut(*name) {
-            *size = stage.with_scatter(size, first + i);
-        }
-    }
+    let parameters = sizes(problem, extended, iteration, place, stage);
 
     // Fitted anew: where the model bends, slopes taken at this size say little of what is left without it.
     let (before, after) = (extended.without(problem, baseline, place).held_out(), extended.held_out());
@@ -176,9 +173,28 @@ pub(super) fn cause(
         holdout_rms_before: holdout::rms(&as_read(&before), quantity.rows.clone()),
         holdout_rms_after: holdout::rms(&as_read(&after), quantity.rows.clone()),
         stability: extended.halves(problem, place),
-        indistinguishable_from: group.iter().map(|rival| candidates[*rival].name.to_owned()).collect(),
+        indistinguishable_from: group.iter().map(|rival| candidates[rival.candidate].name.to_owned()).collect(),
     };
     Named { cause, candidate: member, group, gain, without: as_read(&before) }
+}
+
+/// The parameters of an included mechanism, with errors that allow for the scatter between glides or runs.
+pub(super) fn sizes(
+    problem: &impl Problem,
+    fitted: &Fitted,
+    iteration: &Iteration<'_>,
+    place: usize,
+    stage: &Stage,
+) -> BTreeMap<String, Estimate> {
+    let candidates = problem.candidates();
+    let first = fitted.first_parameter(candidates, place);
+    let mut parameters = change_point::estimates(problem, iteration, &fitted.included, place, &fitted.point);
+    for (i, (name, _)) in candidates[fitted.included[place]].parameters.iter().enumerate() {
+        if let Some(size) = parameters.get_mut(*name) {
+            *size = stage.with_scatter(size, first + i);
+        }
+    }
+    parameters
 }
 
 pub(super) fn rejected(

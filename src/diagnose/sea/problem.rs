@@ -10,7 +10,7 @@ use super::{
     LEAST_KNOWN, LEAST_RELEVANT, Lift, SPEED, SeaProblem, Slopes, VERTICAL_VELOCITY, candidates, covariates, trim,
     unknown_temperature,
 };
-use crate::diagnose::evidence::{Candidate, Evidence, Point, Problem, Quantity};
+use crate::diagnose::evidence::{Candidate, Evidence, Point, Problem, Quantity, nuisance_prior};
 use crate::dynamics::PARAMETERS;
 use crate::identify::Bin;
 
@@ -319,7 +319,7 @@ impl SeaProblem {
                     _ => (belief - value, sd_ln * belief.abs().max(LEAST_PRIOR)),
                 }
             })
-            .chain(self.shear_coefficients(point).iter().map(|value| (-value, 1.0)))
+            .chain(self.shear_coefficients(point).iter().map(|value| nuisance_prior(*value, 1.0)))
             .chain(self.inertia_share(point).map(|share| (1.0 - share, INERTIA_SHARE_SD)))
             .collect()
     }

@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use glidepolar_inference::decorrelation::{Decorrelation, RunErrors};
+use glidepolar_inference::evidence::nuisance_prior;
 use glidepolar_inference::noise::Lasting;
 use glidepolar_inference::relevance::Relevance;
 use glidepolar_inference::smooth::Kind;
@@ -23,6 +24,8 @@ use crate::sweep::NAMES;
 const RELATIVE_BELIEF: f64 = 3.0;
 /// The least value that this is relative to: a, b, c, d.
 const LEAST: [f64; 4] = [0.5, 0.05, 0.5, 0.5];
+/// A hull's coefficients and their units.
+const NAMES_OF_HULL: [(&str, &str); 4] = [("a", "1/rad"), ("b", "1"), ("c", "1/rad^2"), ("d", "1/rad")];
 /// The place of a moment centre is known to this share of the length.
 const MOMENT_CENTRE_BELIEF: f64 = 0.02;
 /// A strut that was never tared has this axial and side force, over the dynamic pressure, as a share of the frontal area.
@@ -97,9 +100,8 @@ impl<'a> TankProblem<'a> {
         let coefficients: Vec<[f64; 4]> = hulls.iter().map(start_of).collect();
         let mut baseline = Vec::new();
         let (mut start, mut belief) = (Vec::new(), Vec::new());
-        let names = [("a", "1/rad"), ("b", "1"), ("c", "1/rad^2"), ("d", "1/rad")];
         for hull in &coefficients {
-            baseline.extend(names);
+            baseline.extend(NAMES_OF_HULL);
             start.extend(hull);
             belief.extend(hull.iter().zip(LEAST).map(|(value, least)| RELATIVE_BELIEF * value.abs().max(least)));
         }
@@ -187,6 +189,16 @@ impl<'a> TankProblem<'a> {
         let mut column = DMatrix::from_column_slice(residual.len(), 1, residual.as_slice());
         self.decorrelation.apply(&mut column);
         column.column(0).into_owned()
+    }
+
+    /// What is believed of the hulls' coefficients, and of what the rig adds.
+    fn prior(&self, point: &Point) -> Vec<(f64, f64)> {
+        let n_coefficients = NAMES_OF_HULL.len() * self.data.hulls.len();
+        let of = |(j, value): (usize, &f64)| {
+            let (distance, sd) = (value - self.start[j], self.belief[j]);
+            if j < n_coefficients { (-distance, sd) } else { nuisance_prior(distance, sd) }
+        };
+        point.baseline.iter().enumerate().map(of).collect()
     }
 
     fn covariates(&self) -> Vec<Covariate> {
@@ -390,7 +402,7 @@ impl Problem for TankProblem<'_> {
             residual,
             baseline,
             baseline_without,
-            prior: (0..self.baseline.len()).map(|j| (self.start[j] - point.baseline[j], self.belief[j])).collect(),
+            prior: self.prior(point),
             candidates,
             // What runs share of the errors of zeros, tare and calibration is in their covariance.
             shared: DMatrix::zeros(3 * n, 0),
