@@ -48,7 +48,7 @@ impl<'a> IndependentRows<'a> {
 
     /// The same by the runs' own records alone, over it.
     pub fn stated_share(&self) -> f64 {
-        let stated = &self.problem.own_sd(&self.evidence.stated_sd)[self.quantity.rows.clone()];
+        let stated = &self.evidence.stated_sd[self.quantity.rows.clone()];
         stated.iter().map(|sd| sd * sd).sum::<f64>().sqrt() / self.sd.norm()
     }
 

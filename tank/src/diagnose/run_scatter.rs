@@ -27,8 +27,9 @@ pub fn warnings(outcome: &Outcome, data: &Data, problem: &TankProblem<'_>) -> Ve
     };
     let evidence = problem.evidence(&outcome.after.point);
     let of = |quantity: &glidepolar_inference::Quantity| {
-        // Of the middle run: one of which hardly anything is known says nothing of the others.
-        let left: Vec<f64> = quantity.rows.clone().map(|row| outcome.after.residual[row].abs()).collect();
+        // Of independent rows: an error that runs share, as of a strut, is no scatter. Of the middle run: one of which hardly
+        // anything is known says nothing of the others.
+        let left: Vec<f64> = quantity.rows.clone().map(|row| evidence.residual[row].abs()).collect();
         let scatter = median(&left) / MEDIAN_OF_NORMAL;
         let allowed = median(&evidence.stated_sd[quantity.rows.clone()]);
         let is_relevant = scatter > problem.relevance(quantity, 0.0);

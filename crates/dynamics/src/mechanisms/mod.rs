@@ -325,8 +325,8 @@ pub const AT_SEA: &[Mechanism] = &[
         "pressure_hysteresis",
         Instruments,
         ["pressure_hysteresis"],
-        // Strain gauges: 0.1 % of the range, of which a dive uses a half.
-        open_ended(0.002),
+        // Strain gauges: 0.1 % of the range, of which a dive uses a third.
+        bounded(0.0033),
         "The pressure sensor reads more on the way up than on the way down",
         "hysteresis of strain-gauge transducers",
         "ascents, opposite above and below the middle of the dive"
