@@ -108,9 +108,10 @@ pub fn list(bins: &[Bin], channels: &Channels, tried: &Tried, parameters: &Param
         // A channel that shows less than is believed anyhow says nothing.
         let shown = channels.shown(mechanism.name).filter(|shown| shown.se < prior_sd);
         let neutral = *parameters.clone().at(index);
-        let least = mechanism.size.least;
+        let furthest = mechanism.size.furthest;
+        let least = mechanism.size.least.max(neutral - furthest);
         let (usual_sds, [least, most]) = if mechanism.size.is_open_ended {
-            (super::MOST_USUAL, [least, f64::INFINITY])
+            (super::MOST_USUAL, [least, neutral + furthest])
         } else {
             let most = super::MOST_USUAL * prior_sd;
             let lowest = if mechanism.size.is_ratio { neutral / (1.0 + most) } else { neutral - most };

@@ -29,6 +29,8 @@ pub struct Size {
     /// Whether nothing bounds it: what accumulates, what is carried or caught, what is late, what the water does. Others are
     /// bounded by design and calibration.
     pub is_open_ended: bool,
+    /// How far from neutral it may lie at most, whatever bounds it.
+    pub furthest: f64,
     /// Whether it is a ratio that may as well be taken the other way round: one leg to the other, what is to what is read. Its least is then
     /// the reciprocal of its most.
     pub is_ratio: bool,
@@ -38,10 +40,14 @@ impl Size {
     const fn no_less_than(self, least: f64) -> Size {
         Size { least, ..self }
     }
+
+    const fn no_further_than(self, furthest: f64) -> Size {
+        Size { furthest, ..self }
+    }
 }
 
 const fn bounded(prior_sd: f64) -> Size {
-    Size { prior_sd, least: f64::NEG_INFINITY, is_open_ended: false, is_ratio: false }
+    Size { prior_sd, least: f64::NEG_INFINITY, is_open_ended: false, furthest: f64::INFINITY, is_ratio: false }
 }
 
 const fn ratio(prior_sd: f64) -> Size {
@@ -325,8 +331,8 @@ pub const AT_SEA: &[Mechanism] = &[
         "pressure_hysteresis",
         Instruments,
         ["pressure_hysteresis"],
-        // Strain gauges: 0.1 % of the range, of which a dive uses a third.
-        bounded(0.0033),
+        // Strain gauges: 0.1 % of the range, of which a dive uses a half. Ten times that is no hysteresis but a broken gauge.
+        open_ended(0.002).no_further_than(0.02),
         "The pressure sensor reads more on the way up than on the way down",
         "hysteresis of strain-gauge transducers",
         "ascents, opposite above and below the middle of the dive"
