@@ -3,7 +3,7 @@
 mod moving_water;
 
 use super::*;
-use crate::glide::{at_path, start};
+use crate::glide::{Attitude, at_path, start};
 use nalgebra::SMatrix;
 use num_dual::Dual64;
 
@@ -415,4 +415,27 @@ fn the_kinks_of_the_servos_are_predicted_where_they_are() {
     }
     // A servo that gets a constant force has no bends.
     assert_eq!(next_bend_s(&p, Actuation::Raw, 0.0, &start.state, &glider.inputs), None);
+}
+
+/// With `CL = a alpha` and `CD = b + c alpha^2` the balance along the path is `tan xi = -CD/CL`, so that a descent at the angle of attack
+/// `alpha` has the pitch `alpha - atan((b + c alpha^2) / (a alpha))`. Where drag grows faster than lift this turns back at an angle
+/// short of the stall: no shallower pitch flies.
+#[test]
+fn a_pitch_flies_up_to_the_shallowest_that_balances() {
+    for (a, b, c) in [(9.5, 0.125, 16.2), (6.0, 0.2, 15.0), (4.0, 0.1, 20.0)] {
+        let parameters = Parameters { a_per_rad: a, b, c_per_rad2: c, ..slocum() };
+        let pitch = |alpha: f64| alpha - ((b + c * alpha * alpha) / (a * alpha)).atan();
+        let grown = |i: &i32| pitch(1e-6 * f64::from(i + 1)) > pitch(1e-6 * f64::from(*i));
+        let turns = (1..800_000).take_while(grown).last().expect("an angle");
+        let shallowest = pitch(1e-6 * f64::from(turns));
+        let water = Surroundings { density_kg_m3: 1025.0, pressure_Pa: 0.0, temperature_C: 10.0, time_s: 0.0 };
+        let flies = |pitch_rad: f64| {
+            crate::glide::at_pitch(&parameters, &water, Attitude { pitch_rad, net_mass_kg: 0.2 }).is_ok()
+        };
+        for i in 0..100 {
+            let apart = 1e-6 * 1.1f64.powi(i);
+            assert!(flies(shallowest - apart), "{apart} rad steeper than {shallowest}");
+            assert!(!flies(shallowest + apart), "{apart} rad shallower than {shallowest}");
+        }
+    }
 }

@@ -20,8 +20,8 @@ const REFITTED_WITHIN: f64 = 3.0 * MARGIN;
 /// Most mechanisms that are fitted in full in the place of one.
 const MOST_REFITTED: usize = 8;
 
-/// The same where a named mechanism explains much, as a share of what it explains. The slope of a ratio of a half is off by a third: what is
-/// left of the effect is a ninth of its square, and of two such rivals a fifth.
+/// The same where a named mechanism explains much, as a share of what it explains. Judgement: where the named one is large, slopes at it are
+/// off by tens of per cent for a rival.
 const REFITTED_SHARE: f64 = 0.2;
 
 /// Share of the squared error that the named one removes which a rival may leave: a fifth of the effect itself, as a size may change

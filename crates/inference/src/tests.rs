@@ -1,6 +1,7 @@
 //! The engine on made-up models whose truth is known: it must name what is there, and nothing else.
 
 use super::*;
+use crate::engine::decided;
 use crate::estimate::Estimate;
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
@@ -368,6 +369,22 @@ fn what_looks_alike_is_declared_as_a_group() {
     group.push(cause.cause.clone());
     group.sort();
     assert_eq!(group, ["compression", "expansion"]);
+}
+
+/// What stands beside a single name has the size of its own fit, as if it were named.
+#[test]
+fn an_alternative_has_the_size_of_its_own_fit() {
+    let toy = Toy::new(300, |i, toy| 4.0 * toy.columns[1][i]);
+    let (found, point) = diagnose(&toy);
+    let [rival] = found.alternatives[0].as_slice() else { panic!("{:?}", found.alternatives) };
+    let place = toy.candidates.iter().position(|candidate| candidate.name == rival.cause).expect("a candidate");
+    let alone = decided(&toy, &Point { baseline: point.baseline, ..toy.start() }, &[place], None, None).diagnosis;
+    assert_eq!(alone.causes[0].cause, rival.cause);
+    for (name, size) in &rival.parameters {
+        let own = &alone.causes[0].parameters[name];
+        assert!((size.value - own.value).abs() < 1e-3 * own.se, "{name}: {size:?} beside {own:?}");
+        assert!((size.se / own.se - 1.0).abs() < 1e-3, "{name}: {size:?} beside {own:?}");
+    }
 }
 
 /// Nature's limit for a rival is known no better than the rival's size.
