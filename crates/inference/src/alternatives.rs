@@ -9,7 +9,6 @@ use super::findings::Alternative;
 use super::fitted::Fitted;
 use super::iteration::Iteration;
 use super::replacements::Replacement;
-use super::report::{self, Named};
 use super::subset_search::MARGIN;
 
 /// Most sets that are reported.
@@ -19,16 +18,16 @@ const MOST_SETS: usize = 3;
 const MOST_TRIED: usize = 12;
 
 /// The sets that explain as much as the named one, within the margin of a replacement, and predict no worse; the best first,
-/// of those that differ by one member the best alone.
+/// of those that differ by one member the best alone. `groups` is what could stand in the place of each named one.
 pub(super) fn alternatives(
     problem: &impl Problem,
     extended: &Fitted,
     iteration: &Iteration<'_>,
-    named: &[Named],
+    groups: &[&[Replacement]],
 ) -> Vec<Vec<Alternative>> {
     // What could stand in the place of a single mechanism has a size of its own; any two explain more than one.
-    if let (&[_], [cause]) = (extended.included.as_slice(), named) {
-        return cause.group.iter().take(MOST_SETS).map(|rival| alone(problem, rival)).collect();
+    if let (&[_], [group]) = (extended.included.as_slice(), groups) {
+        return group.iter().take(MOST_SETS).map(|rival| alone(problem, rival)).collect();
     }
     if extended.included.len() < 2 {
         return Vec::new();
@@ -58,7 +57,7 @@ fn alone(problem: &impl Problem, rival: &Replacement) -> Vec<Alternative> {
     let Replacement { candidate, fitted } = rival;
     let iteration = Iteration::new(problem.candidates(), fitted);
     let stage = fitted.stage(fitted.held_out());
-    let parameters = report::sizes(problem, fitted, &iteration, 0, &stage);
+    let parameters = change_point::with_scatter(problem, fitted, &iteration, 0, &stage);
     vec![Alternative { cause: problem.candidates()[*candidate].name.to_owned(), parameters }]
 }
 

@@ -17,7 +17,9 @@
 use std::collections::BTreeMap;
 
 use super::evidence::{Candidate, Point, Problem, Version};
+use super::fitted::Fitted;
 use super::iteration::Iteration;
+use super::outcome::Stage;
 use crate::estimate::Estimate;
 
 /// The parameters of one member of a set by their names, at a point of the fit; the errors are those of the slopes there.
@@ -42,6 +44,25 @@ pub(super) fn estimates(
         (here.name.to_owned(), if here.is_onset { of_ranges(here, &ranges) } else { of_ratios(here, &ranges) })
     });
     fitted.chain(version).collect()
+}
+
+/// The parameters of an included mechanism, with errors that allow for the scatter between glides or runs.
+pub(super) fn with_scatter(
+    problem: &impl Problem,
+    fitted: &Fitted,
+    iteration: &Iteration<'_>,
+    place: usize,
+    stage: &Stage,
+) -> BTreeMap<String, Estimate> {
+    let candidates = problem.candidates();
+    let first = fitted.first_parameter(candidates, place);
+    let mut parameters = estimates(problem, iteration, &fitted.included, place, &fitted.point);
+    for (i, (name, _)) in candidates[fitted.included[place]].parameters.iter().enumerate() {
+        if let Some(size) = parameters.get_mut(*name) {
+            *size = stage.with_scatter(size, first + i);
+        }
+    }
+    parameters
 }
 
 /// A version beside the others.

@@ -1,12 +1,9 @@
 //! What is said of a fit: causes with their stand-ins, what was rejected and why, where the baseline misses the data.
 
-use std::collections::BTreeMap;
-
 use nalgebra::DVector;
 
 use super::alternatives::alternatives;
 use super::change_point;
-use super::estimate::Estimate;
 use super::evidence::{Headline, Problem, Quantity, names};
 use super::findings::{Cause, Diagnosis, Judged, Left, Rejected, Unexplained, Verdict, Why, Wrong};
 use super::fitted::Fitted;
@@ -68,13 +65,14 @@ pub(super) fn report(
     }
     let unexplained = (!depends_on.is_empty()).then(|| left_over(extended, &left, depends_on));
     let verdict = Verdict::new(!causes.is_empty(), unexplained.is_some());
+    let groups: Vec<&[Replacement]> = named.iter().map(|named| named.group.as_slice()).collect();
     let diagnosis = Diagnosis {
         schema: "glidepolar.diagnosis/1",
         verdict,
         consistency: Vec::new(),
         warnings: Vec::new(),
         wrong,
-        alternatives: alternatives(problem, extended, &iteration, &named),
+        alternatives: alternatives(problem, extended, &iteration, &groups),
         trim: None,
         empirical: None,
         left,
@@ -157,7 +155,7 @@ pub(super) fn cause(
     let others: Vec<usize> = extended.included.iter().copied().filter(|other| *other != member).collect();
     let gain = fit.gain - if others.is_empty() { 0.0 } else { iteration.score.fit(&search.columns(&others)).gain };
     let df = iteration.regressors[member].columns.len();
-    let parameters = sizes(problem, extended, iteration, place, stage);
+    let parameters = change_point::with_scatter(problem, extended, iteration, place, stage);
 
     // Fitted anew: where the model bends, slopes taken at this size say little of what is left without it.
     let (before, after) = (extended.without(problem, baseline, place).held_out(), extended.held_out());
@@ -176,25 +174,6 @@ pub(super) fn cause(
         indistinguishable_from: group.iter().map(|rival| candidates[rival.candidate].name.to_owned()).collect(),
     };
     Named { cause, candidate: member, group, gain, without: as_read(&before) }
-}
-
-/// The parameters of an included mechanism, with errors that allow for the scatter between glides or runs.
-pub(super) fn sizes(
-    problem: &impl Problem,
-    fitted: &Fitted,
-    iteration: &Iteration<'_>,
-    place: usize,
-    stage: &Stage,
-) -> BTreeMap<String, Estimate> {
-    let candidates = problem.candidates();
-    let first = fitted.first_parameter(candidates, place);
-    let mut parameters = change_point::estimates(problem, iteration, &fitted.included, place, &fitted.point);
-    for (i, (name, _)) in candidates[fitted.included[place]].parameters.iter().enumerate() {
-        if let Some(size) = parameters.get_mut(*name) {
-            *size = stage.with_scatter(size, first + i);
-        }
-    }
-    parameters
 }
 
 pub(super) fn rejected(
