@@ -66,7 +66,7 @@ impl Fitted {
             *quicker = quicker.take().or_else(|| problem.for_first_search(&self.point));
             let Some(about_here) = quicker else { break };
             let mut trial = self.clone();
-            if trial.walk(about_here) < LEAST_FALL {
+            if trial.take_steps(about_here) < LEAST_FALL {
                 break;
             }
             // At the point about which it was made a quicker problem equals the problem itself.
@@ -90,21 +90,21 @@ impl Fitted {
 
     /// Gauss and Newton's steps, and the evidence of all candidates where they end; returns by how much the weighted sum of squares fell.
     fn step(&mut self, problem: &impl Problem) -> f64 {
-        let fallen = self.walk(problem);
+        let fallen = self.take_steps(problem);
         if fallen > 0.0 {
-            self.look_about(problem);
+            self.evaluate_all(problem);
         }
         fallen
     }
 
     /// The evidence of all candidates at this point.
-    pub(super) fn look_about(&mut self, problem: &impl Problem) {
+    pub(super) fn evaluate_all(&mut self, problem: &impl Problem) {
         self.evidence = believing(problem, problem.evidence(&self.point), &self.point, &self.included);
     }
 
     /// Gauss and Newton's steps, shortened where a whole one makes things worse; returns by how much the weighted sum of
     /// squares fell. Leaves the evidence with the sensitivities of the included candidates alone.
-    pub(super) fn walk(&mut self, problem: &impl Problem) -> f64 {
+    pub(super) fn take_steps(&mut self, problem: &impl Problem) -> f64 {
         let mut fallen = 0.0;
         for _ in 0..MAX_FIT_STEPS {
             let columns = self.columns();

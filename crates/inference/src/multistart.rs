@@ -85,7 +85,7 @@ impl Fitted {
                 // At first all of the misfit counts as noise, and the prior has too much weight. The noise is estimated again from the
                 // residuals until the objective no longer falls, or this mechanism clearly explains almost nothing.
                 for _ in 0..MAX_NOISE_ROUNDS {
-                    if trial.walk(first) < 1e-2 || objective(&trial.evidence) > before - PROMISING * half {
+                    if trial.take_steps(first) < 1e-2 || objective(&trial.evidence) > before - PROMISING * half {
                         break;
                     }
                     trial.noises = plain_noises(&trial.evidence);
@@ -93,7 +93,7 @@ impl Fitted {
                 let size = trial.point.candidates[i][0];
                 let is_possible = trial.is_possible(candidates) && !candidates[i].is_impossible(size);
                 is_possible.then(|| {
-                    trial.look_about(first);
+                    trial.evaluate_all(first);
                     (objective(&trial.evidence), trial)
                 })
             };
