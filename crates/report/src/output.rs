@@ -45,12 +45,14 @@ pub fn write_whole(path: impl AsRef<Path>, bytes: &[u8], replace: Replace) -> Re
         let written = File::options().write(true).open(&target).and_then(|mut f| f.write_all(bytes));
         return written.map_err(|e| failed(path, &e));
     }
-    place(&target, bytes).map_err(|e| failed(path, &e))?;
-    if let (Some(folder), Some(name)) = (folder_of(&target), target.file_name().and_then(|name| name.to_str())) {
-        // A folder that keeps no record asks for --force the next time; the result is there all the same.
-        let _ = record(folder, &entry_of(name, bytes));
-    }
-    Ok(())
+    place(&target, bytes, || {
+        if let (Some(folder), Some(name)) = (folder_of(&target), target.file_name().and_then(|name| name.to_str())) {
+            // A folder that keeps no record asks for --force the next time; the result is there all the same.
+            let _ = record(folder, &entry_of(name, bytes));
+        }
+        Ok(())
+    })
+    .map_err(|e| failed(path, &e))
 }
 
 fn folder_of(file: &Path) -> Option<&Path> {
@@ -153,10 +155,8 @@ impl OutputFolder {
     /// Writes the files, each whole or not at all.
     pub fn write(self) -> Result<(), OutputError> {
         for (name, bytes) in &self.files {
-            // The record comes first: killed in between, a run leaves a record without its file, which does no harm.
-            self.record(name, bytes).map_err(|e| failed(&self.root.join(RECORD), &e))?;
             let path = self.root.join(name);
-            place(&path, bytes).map_err(|e| failed(&path, &e))?;
+            place(&path, bytes, || self.record(name, bytes)).map_err(|e| failed(&path, &e))?;
         }
         Ok(())
     }
@@ -211,9 +211,13 @@ fn failed(path: &Path, error: &io::Error) -> OutputError {
     OutputError(InputError::new(Place::file(path), format!("cannot be written: {error}")))
 }
 
-/// Writes beside the target and renames.
-fn place(target: &Path, bytes: &[u8]) -> io::Result<()> {
-    glidepolar_archive::write_whole(target, |file| file.write_all(bytes))
+/// Writes beside the target, lets `record` remember it, and renames. In this order: killed in between, a run leaves a record
+/// without its file, which does no harm, and never a file that the next run takes for somebody else's.
+fn place(target: &Path, bytes: &[u8], record: impl FnOnce() -> io::Result<()>) -> io::Result<()> {
+    glidepolar_archive::write_whole(target, |file| {
+        file.write_all(bytes)?;
+        record()
+    })
 }
 
 /// Removes what killed runs left behind: partial files that nobody has touched for an hour.
@@ -404,6 +408,21 @@ mod tests {
         assert!(write(out, "taken", b"x").is_err());
         let names: Vec<_> = fs::read_dir(dir.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
         assert!(names.iter().all(|n| !n.to_string_lossy().ends_with(PARTIAL.1)), "{names:?}");
+    }
+
+    #[test]
+    fn a_file_is_recorded_before_it_appears() {
+        let dir = tempfile::tempdir().unwrap();
+        let target = dir.path().join("history.csv");
+        let mut seen = None;
+        place(&target, b"new", || {
+            seen = Some(target.exists());
+            Ok(())
+        })
+        .unwrap();
+        assert_eq!((seen, fs::read(&target).unwrap()), (Some(false), b"new".to_vec()));
+        assert!(place(&target, b"newer", || Err(io::Error::other("no space"))).is_err());
+        assert_eq!(fs::read(&target).unwrap(), b"new");
     }
 
     #[cfg(unix)]
