@@ -50,6 +50,12 @@ fn verdict(found: Option<&Diagnosis>) -> String {
     }
 }
 
+/// The probability of the clearest thing that is left and large enough to act on.
+fn clearest(found: Option<&Diagnosis>) -> f64 {
+    let left = found.iter().flat_map(|found| &found.left).filter(|left| left.size > left.relevant_above);
+    left.map(|left| left.p_value).fold(1.0, f64::min)
+}
+
 /// What stays unexplained and what is left of each quantity, in a line.
 fn what_is_left(found: Option<&Diagnosis>) -> String {
     let Some(found) = found else { return String::new() };
@@ -141,7 +147,7 @@ fn a_polar_that_is_stated_rightly_is_not_contradicted() {
 fn the_table_of_false_alarms() {
     let number = |name, default| std::env::var(name).ok().and_then(|n| n.parse().ok()).unwrap_or(default);
     let (first, seeds): (u64, u64) = (number("BLIND_FIRST", 0), number("BLIND_SEEDS", 300));
-    let verdicts: Vec<(bool, String)> = (first..first + seeds)
+    let (verdicts, clearest): (Vec<(bool, String)>, Vec<f64>) = (first..first + seeds)
         .into_par_iter()
         .map(|seed| {
             let (found, drawn) = blind(seed);
@@ -149,9 +155,13 @@ fn the_table_of_false_alarms() {
             if verdict != "none" {
                 println!("seed {seed}: {verdict}; {}; {drawn}", what_is_left(found.as_ref()));
             }
-            (seed.is_multiple_of(2), verdict)
+            ((seed.is_multiple_of(2), verdict), clearest(found.as_ref()))
         })
-        .collect();
+        .unzip();
+    println!("logs in which chance explains something of a size to act on with a probability below");
+    for p_value in [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5] {
+        println!("  {p_value:.0e}: {}", clearest.iter().filter(|clearest| **clearest < p_value).count());
+    }
     let mut table = BTreeMap::<(bool, String), u32>::new();
     for one in verdicts {
         *table.entry(one).or_insert(0) += 1;

@@ -23,6 +23,7 @@ mod level_shift;
 mod log_diagnosis;
 mod model;
 mod not_assessed;
+mod pitch_reliability;
 mod problem;
 mod salinity;
 mod settings;
@@ -52,6 +53,7 @@ use late_attitude::{LateAttitude, Shifted};
 pub use log_diagnosis::{SeaDiagnosis, diagnose_log};
 use model::Directions;
 use nalgebra::DVector;
+use pitch_reliability::PITCH_RELIABILITY;
 pub use settings::{DiagnosisSettings, Lift, SeaError};
 use shear::UnknownShear;
 pub use turns::known_turning;
@@ -210,7 +212,7 @@ impl SeaProblem {
             UnknownShear::new(&bins, observations, |met| past.late(met, &bins, parameters))
         };
         baseline.extend(shear.names());
-        baseline.push(INERTIA_SHARE);
+        baseline.extend([PITCH_RELIABILITY, INERTIA_SHARE]);
 
         let mut directions = Directions::new(&baseline_index);
         let pitch_direction = directions.index_of(parameter_index("pitch_offset_rad").expect("a row of the table"));
@@ -414,12 +416,17 @@ impl SeaProblem {
 
     /// The coefficients of the unknown shear at a point.
     fn shear_coefficients<'a>(&self, point: &'a Point) -> &'a [f64] {
-        &point.baseline[self.baseline_index.len()..self.place_of_inertia()]
+        &point.baseline[self.baseline_index.len()..self.place_of_reliability()]
     }
 
-    /// Where the share of the inertia stands in the baseline: behind the polar and the shear.
-    fn place_of_inertia(&self) -> usize {
+    /// Where the reliability of the pitch stands in the baseline: behind the polar and the shear.
+    fn place_of_reliability(&self) -> usize {
         self.baseline_index.len() + self.shear.len()
+    }
+
+    /// Where the share of the inertia stands: behind that.
+    fn place_of_inertia(&self) -> usize {
+        self.place_of_reliability() + 1
     }
 
     /// The share of its inertia with which the glider follows its forces at a point, where it is fitted.

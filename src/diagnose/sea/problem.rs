@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::flown::Flown;
 use super::model::{self, Vehicle};
+use super::pitch_reliability::{self, with_pitch_of_glider};
 use super::{
     LEAST_KNOWN, LEAST_RELEVANT, Lift, SPEED, SeaProblem, Slopes, VERTICAL_VELOCITY, candidates, covariates, trim,
     unknown_temperature,
@@ -63,6 +64,7 @@ impl Problem for SeaProblem {
                 .iter()
                 .map(|index| *parameters.at(*index))
                 .chain((0..self.shear.len()).map(|_| 0.0))
+                .chain([1.0])
                 .chain((!self.parts.is_quasi_steady()).then_some(1.0))
                 .collect(),
             candidates: self.candidates.iter().map(|candidate| candidate.neutral.clone()).collect(),
@@ -165,6 +167,8 @@ impl Problem for SeaProblem {
         let flown = self.within.is_none().then(|| self.within_at(point, shifted.as_ref()));
         let (inside, at_rest) = flown.as_ref().or(self.within.as_ref()).expect("one of the two");
         let bins = shifted.as_ref().map_or(&self.bins, |shifted| &shifted.bins);
+        let deviations_rad = pitch_reliability::deviations_rad(bins);
+        let reliability = point.baseline[self.place_of_reliability()];
         let row_bins: Vec<&Bin> = bins.iter().chain(self.with_speed.iter().map(|i| &bins[*i])).collect();
 
         let mut residual = DVector::zeros(n);
@@ -179,7 +183,8 @@ impl Problem for SeaProblem {
         let flown = |row: usize| {
             let without_inertia = share.zip(at_rest.as_ref().map(|at_rest| &at_rest[row]));
             let effect = past.as_ref().map(|effects| effects[row]).unwrap_or_default();
-            Flown::new(&vehicle, self.pitch_direction, &bins[row], &inside[row], without_inertia, &effect)
+            let bin = with_pitch_of_glider(&bins[row], deviations_rad[row], reliability);
+            Flown::new(&vehicle, self.pitch_direction, &bin, &inside[row], without_inertia, &effect)
         };
         let flown: Vec<Flown> = (0..n_w).into_par_iter().map(flown).collect();
         for (row, (bin, flown)) in bins.iter().zip(&flown).enumerate() {
@@ -204,6 +209,9 @@ impl Problem for SeaProblem {
             let of_row = |row: usize| by_force[row] * self.shear.unit_N(j, bin_of(row), mass_kg);
             baseline.set_column(nb + j, &DVector::from_fn(n, |row, _| of_row(row)));
         }
+        let by_reliability =
+            |row: usize| parameters.pitch_scale * deviations_rad[bin_of(row)] * slopes[(row, self.pitch_direction)];
+        baseline.set_column(self.place_of_reliability(), &DVector::from_fn(n, |row, _| by_reliability(row)));
         if share.is_some() {
             baseline.set_column(self.place_of_inertia(), &by_inertia);
         }
@@ -320,6 +328,7 @@ impl SeaProblem {
                 }
             })
             .chain(self.shear_coefficients(point).iter().map(|value| nuisance_prior(*value, 1.0)))
+            .chain([(1.0 - point.baseline[self.place_of_reliability()], pitch_reliability::PRIOR_SD)])
             .chain(self.inertia_share(point).map(|share| (1.0 - share, INERTIA_SHARE_SD)))
             .collect()
     }

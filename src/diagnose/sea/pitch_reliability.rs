@@ -1,0 +1,87 @@
+//! How much of the pitch that is read within a leg the glider has.
+//!
+//! An error of the pitch that is gone by the next reading is told from the pitch by the readings beside it (`attitude`). An error that
+//! lasts for a minute is not: it looks like a pitch that hunts, and only the velocities tell, which do not follow it. The glider
+//! has a share of each deviation from the leg's mean pitch, the reliability ratio of errors in variables (Fuller 1987, section
+//! 1.1): 1 where the pitch is what was read, 0 where all of the deviation is error. It is a parameter of the baseline. A slope
+//! along the pitch within legs, which such an error makes too small, is then no evidence of a law; what the means of the legs say stays.
+//!
+//! Knows bins; no vehicle.
+
+use crate::identify::Bin;
+
+/// Its name in the baseline, and its unit.
+pub const PITCH_RELIABILITY: (&str, &str) = ("pitch_reliability", "1");
+
+/// Prior standard deviation about 1: the root of the mean square distance from 1 of a ratio that may be anything from 0 to 1, `1 / sqrt(3)`.
+pub const PRIOR_SD: f64 = 0.577;
+
+/// Pitch of each bin less the mean of its leg \[rad\].
+pub fn deviations_rad(bins: &[Bin]) -> Vec<f64> {
+    let legs = bins.chunk_by(|a, b| a.mean.leg == b.mean.leg);
+    legs.flat_map(|leg| {
+        let samples: usize = leg.iter().map(|bin| bin.samples).sum();
+        let mean_rad = leg.iter().map(|bin| bin.mean.pitch_rad * bin.samples as f64).sum::<f64>() / samples as f64;
+        leg.iter().map(move |bin| bin.mean.pitch_rad - mean_rad)
+    })
+    .collect()
+}
+
+/// A bin with the pitch that the glider had, where it was read to deviate by so much from its leg's.
+pub fn with_pitch_of_glider(bin: &Bin, deviation_rad: f64, reliability: f64) -> Bin {
+    let mut found = *bin;
+    found.mean.pitch_rad += (reliability - 1.0) * deviation_rad;
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::sea::{DiagnosisSettings, SeaProblem, history};
+    use crate::diagnose::{Problem, engine};
+    use crate::vehicle::Vehicle;
+
+    fn place(problem: &SeaProblem) -> usize {
+        problem.baseline().iter().position(|known| *known == PITCH_RELIABILITY).expect("a parameter of the baseline")
+    }
+
+    #[test]
+    fn the_column_is_the_change_of_what_is_read() {
+        let parameters = Vehicle::load("slocum-graver").expect("a vehicle").glide_parameters();
+        let log = history::tests::log(&parameters);
+        let problem = SeaProblem::new(&log, &parameters, DiagnosisSettings::default()).expect("enough bins");
+        let mut point = problem.start();
+        let before = problem.evidence(&point);
+        point.baseline[place(&problem)] -= 0.1;
+        let change = &before.residual - problem.evidence(&point).residual;
+        let column = before.baseline.column(place(&problem)) * -0.1;
+        let (most, off) = (column.amax(), (&change - &column).amax());
+        assert!(most > 1e-4 && off < 0.03 * most, "{off} of {most} m/s");
+    }
+
+    /// A pitch that hunts by a degree, read with errors of its period and of another phase on each leg: the fit finds the share of the
+    /// deviations that the glider had, which here is known.
+    #[test]
+    fn errors_that_last_are_told_from_a_pitch_that_hunts() {
+        let parameters = Vehicle::load("slocum-graver").expect("a vehicle").glide_parameters();
+        let log = history::tests::log(&parameters);
+        let problem_of =
+            |log: &[_]| SeaProblem::new(log, &parameters, DiagnosisSettings::default()).expect("enough bins");
+        let fitted = |problem: &SeaProblem| engine::baseline(problem).0.point.baseline[place(problem)];
+        let exact = problem_of(&log);
+        assert!((fitted(&exact) - 1.0).abs() < 0.02, "{}", fitted(&exact));
+
+        let mut read = log.clone();
+        for o in &mut read {
+            let phase = 2.4 * f64::from(o.leg);
+            o.pitch_rad += 0.014 * (o.time_s / 90.0 + phase).sin();
+        }
+        let problem = problem_of(&read);
+        let (of_glider, as_read) = (deviations_rad(&exact.bins), deviations_rad(&problem.bins));
+        assert_eq!(of_glider.len(), as_read.len());
+        let along: f64 = of_glider.iter().zip(&as_read).map(|(a, b)| a * b).sum();
+        let expected = along / as_read.iter().map(|b| b * b).sum::<f64>();
+        let found = fitted(&problem);
+        assert!(expected < 0.8 && (found - expected).abs() < 0.1, "{found} against {expected}");
+    }
+}
