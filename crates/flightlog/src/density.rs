@@ -9,8 +9,8 @@
 //!   identity of TEOS-10, with the crate's enthalpy polynomial: within 2e-5 K of the toolbox's own function.
 
 use gsw::conversions::{ct_from_pt, sr_from_sp};
-use gsw::practical_salinity::sp_from_c;
-use gsw::volume::{enthalpy_first_derivatives, rho};
+use gsw::practical_salinity::{c_from_sp, sp_from_c};
+use gsw::volume::{beta, enthalpy_first_derivatives, rho, sa_from_rho};
 
 /// Zero of the Celsius scale \[K\].
 const ZERO_CELSIUS_K: f64 = 273.15;
@@ -49,6 +49,26 @@ pub(super) fn densities_kg_m3(
 /// Practical salinity from conductivity \[S/m\], in-situ temperature \[degC\] and pressure \[dbar\].
 pub fn practical_salinity(conductivity_S_m: f64, temperature_C: f64, pressure_dbar: f64) -> f64 {
     sp_from_c(conductivity_S_m * 10.0, temperature_C, pressure_dbar.max(0.0)).unwrap_or(f64::NAN)
+}
+
+/// Change of the density that is computed from one conductivity with the temperature that is taken for the cell's \[kg/(m3 K)\], in water
+/// of this density \[kg/m3\], in-situ temperature \[degC\] and pressure \[dbar\]: -0.92 at 0 degC, -0.75 at 10, -0.58 at 25. NaN where no
+/// sea water is like this.
+pub fn density_per_cell_K(density_kg_m3: f64, temperature_C: f64, pressure_dbar: f64) -> f64 {
+    // The salinity changes the Conservative Temperature by millikelvins, and what is sought by some 1e-4 of it.
+    const USUAL_SALINITY_G_KG: f64 = 35.0;
+    const STEP_K: f64 = 0.01;
+    let pressure = pressure_dbar.max(0.0);
+    let conservative = conservative_temperature_C(USUAL_SALINITY_G_KG, temperature_C, pressure);
+    let slope = || {
+        let salinity = sa_from_rho(density_kg_m3, conservative, pressure)?;
+        let per_practical = sr_from_sp(1.0);
+        let conductivity = c_from_sp(salinity / per_practical, temperature_C, pressure)?;
+        let practical = |step_K: f64| sp_from_c(conductivity, temperature_C + step_K, pressure);
+        let salinity_per_K = per_practical * (practical(STEP_K)? - practical(-STEP_K)?) / (2.0 * STEP_K);
+        Ok::<f64, gsw::Error>(density_kg_m3 * beta(salinity, conservative, pressure)? * salinity_per_K)
+    };
+    slope().unwrap_or(f64::NAN)
 }
 
 /// Absolute Salinity \[g/kg\]: Reference Salinity, in the Baltic its own formula.
@@ -117,6 +137,18 @@ mod tests {
             // The polynomial and the Gibbs function agree to some microkelvin; 2e-5 K is 4e-6 kg/m3.
             assert!((found - expected).abs() < 2e-5, "{found} against {expected}");
         }
+    }
+
+    /// By the toolbox in Python (gsw 3.6, `SP_from_C`, `rho`, `beta`), at 10 dbar: temperature, practical salinity, and the product.
+    #[test]
+    fn a_colder_cell_makes_denser_water() {
+        let cases = [(0.0, 35.0, -0.92403), (10.0, 35.0, -0.75415), (25.0, 35.0, -0.57651), (10.0, 30.0, -0.64427)];
+        for (temperature_C, salinity, expected) in cases {
+            let density = in_situ_density_kg_m3(salinity, temperature_C, 10.0, 0.0, 0.0);
+            let found = density_per_cell_K(density, temperature_C, 10.0);
+            assert!((found / expected - 1.0).abs() < 1e-3, "{found} against {expected}");
+        }
+        assert!(density_per_cell_K(900.0, 10.0, 0.0).is_nan() && density_per_cell_K(f64::NAN, 10.0, 0.0).is_nan());
     }
 
     #[test]

@@ -25,7 +25,7 @@ use crate::diagnose::evidence::Version;
 use crate::dynamics::Parameters;
 use crate::dynamics::buoyancy::WATER_COMPRESSIBILITY_PER_PA;
 use crate::identify::Bin;
-use crate::log::{DBAR_PA, Observation, median};
+use crate::log::{DBAR_PA, Observation, density_per_cell_K, median};
 
 /// Change of density with practical salinity \[kg/m3\]: 0.77 at 35 and 10 degC, 0.80 at 0 degC, 0.75 at 25 degC (EOS-80).
 pub(super) const DENSITY_PER_SALINITY: f64 = 0.77;
@@ -159,9 +159,8 @@ impl History {
                 // A bin knows its mean time and its leg; its samples are those of the leg as far around as it has samples.
                 let on_leg = |i: &usize| samples[*i].leg == bin.mean.leg && samples[*i].steady;
                 let near = past.time_s.partition_point(|time| *time < bin.mean.time_s);
-                let half = bin.samples / 2;
-                let own: Vec<usize> =
-                    (near.saturating_sub(half)..(near + half + 1).min(samples.len())).filter(on_leg).collect();
+                let first = near.saturating_sub(bin.samples / 2);
+                let own: Vec<usize> = (first..(first + bin.samples).min(samples.len())).filter(on_leg).collect();
                 if own.is_empty() { vec![near.min(samples.len() - 1)] } else { own }
             })
             .collect();
@@ -212,8 +211,8 @@ impl History {
                 -volume * DENSITY_PER_SALINITY * bin.mean.time_s / 86_400.0
             }),
             "thermal_lag" => {
-                let per_kelvin = -volume * DENSITY_PER_SALINITY * SALINITY_PER_KELVIN;
-                self.rates(&past.temperature_C).iter().map(|rate| per_kelvin * rate).collect()
+                let rates = self.rates(&past.temperature_C).into_iter().zip(bins);
+                rates.map(|(rate, bin)| volume * density_per_K(&bin.mean) * rate).collect()
             }
             "pressure_hysteresis" => {
                 let share = |i: usize| {
@@ -251,16 +250,19 @@ impl History {
         self.of_bin.iter().map(|own| own.iter().map(|i| late[*i]).sum::<f64>() / own.len() as f64).collect()
     }
 
-    /// Least-squares slope of a quantity over the samples of each bin.
+    /// Mean rate of a quantity over the samples of each bin: that of a thermocline that is crossed within seconds is what it changes over
+    /// the bin's time, wherever in the bin it lies. A least-squares slope would be half as large again in the middle.
     fn rates(&self, values: &[f64]) -> Vec<f64> {
-        let slope = |own: &Vec<usize>| {
-            let n = own.len() as f64;
-            let mean_s = own.iter().map(|i| self.past.time_s[*i]).sum::<f64>() / n;
-            let spread: f64 = own.iter().map(|i| (self.past.time_s[*i] - mean_s).powi(2)).sum();
-            let moment: f64 = own.iter().map(|i| (self.past.time_s[*i] - mean_s) * values[*i]).sum();
-            if spread > 0.0 && moment.is_finite() { moment / spread } else { 0.0 }
+        let time_s = &self.past.time_s;
+        let rate = |own: &Vec<usize>| {
+            let (first, last) = (own[0].saturating_sub(1), (own[own.len() - 1] + 1).min(values.len() - 1));
+            // From half a step before the first sample to half a step behind the last.
+            let middle = |of: &[f64], i: usize, j: usize| 0.5 * (of[i] + of[j]);
+            let change = |of: &[f64]| middle(of, own[own.len() - 1], last) - middle(of, first, own[0]);
+            let rate = change(values) / change(time_s);
+            if rate.is_finite() { rate } else { 0.0 }
         };
-        self.of_bin.iter().map(slope).collect()
+        self.of_bin.iter().map(rate).collect()
     }
 }
 
@@ -361,6 +363,13 @@ impl Past {
             descends,
         }
     }
+}
+
+/// What the temperature that is taken for the cell's makes of the density there \[kg/(m3 K)\]; that of usual water where the log's own
+/// density and temperature are of no sea water.
+fn density_per_K(mean: &Observation) -> f64 {
+    let found = density_per_cell_K(mean.density_kg_m3, mean.temperature_C, mean.pressure_dbar);
+    if found.is_finite() { found } else { -DENSITY_PER_SALINITY * SALINITY_PER_KELVIN }
 }
 
 /// A quantity that follows another with a time constant, from equality at the beginning; exact where that one goes along
@@ -464,6 +473,24 @@ pub(super) mod tests {
                 let off = (&before.residual - &after.residual - column * size).amax();
                 assert!(most > 1e-5 && off < 0.03 * most, "{name}: {off} of {most} m/s");
             }
+        }
+    }
+
+    /// A thermocline that is crossed between two samples: over the bins of a leg the rate of the temperature adds up to what it
+    /// changes, wherever in a bin it lies.
+    #[test]
+    fn the_rate_of_a_sharp_thermocline_is_its_change_over_the_time() {
+        let parameters = Vehicle::load("slocum-graver").expect("a vehicle").glide_parameters();
+        for thermocline_dbar in [88.0, 92.0, 96.0, 100.0] {
+            let mut log = log(&parameters);
+            log.iter_mut().for_each(|o| o.temperature_C = if o.pressure_dbar < thermocline_dbar { 12.0 } else { 8.0 });
+            let problem = SeaProblem::new(&log, &parameters, DiagnosisSettings::default()).expect("enough bins");
+            let rates = problem.past.history.rates(&problem.past.history.past.temperature_C);
+            let of_leg = |leg: u32| {
+                let bins = problem.bins.iter().zip(&rates).filter(|(bin, _)| bin.mean.leg == leg);
+                bins.map(|(bin, rate)| 15.0 * bin.samples as f64 * rate).sum::<f64>()
+            };
+            assert!((of_leg(0) + 4.0).abs() < 1e-9 && (of_leg(1) - 4.0).abs() < 1e-9, "{} {}", of_leg(0), of_leg(1));
         }
     }
 
