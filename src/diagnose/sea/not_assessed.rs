@@ -6,12 +6,16 @@ use super::consistency;
 use crate::diagnose::Outcome;
 use crate::diagnose::findings::{Check, Checked, Rejected, Why};
 
-/// Adds `speed_scale` to the group of the other scales. With a fitted polar, a wrong scale of the vertical velocity and one of the speed differ by a factor of all
-/// velocities alone, which the polar takes up; a scale of the pitch changes their ratio as well.
+/// Adds `speed_scale` to the group of the other scales, and to each in which a scale of the pressure stands. With a fitted polar, a wrong scale of the vertical
+/// velocity and one of the speed differ by a factor of all velocities alone, which the polar takes up; a scale of the pitch changes their ratio as well.
 pub(super) fn add_speed_scale(outcome: &mut Outcome) {
     for cause in &mut outcome.diagnosis.causes {
-        if ["pressure_scale", "pitch_scale"].contains(&cause.cause.as_str()) {
-            cause.indistinguishable_from.push("speed_scale".to_owned());
+        let is = |name: &str| cause.cause == name;
+        let group = &mut cause.indistinguishable_from;
+        let has = |name: &str| group.iter().any(|other| other == name);
+        let is_of_scales = is("pressure_scale") || is("pitch_scale") || has("pressure_scale");
+        if is_of_scales && !is("speed_scale") && !has("speed_scale") {
+            group.push("speed_scale".to_owned());
         }
     }
 }
