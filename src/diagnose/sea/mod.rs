@@ -114,6 +114,10 @@ pub struct SeaProblem {
     pitch_direction: usize,
     /// The readings of the attitude, for clocks that differ.
     late_attitude: Arc<LateAttitude>,
+    /// Rate of the pitch in each bin \[rad/s\].
+    pitch_rates: Arc<Vec<f64>>,
+    /// Time by which the path follows the pitch \[s\], by which the pitch of the bins is late.
+    follows_s: f64,
     /// What the mechanisms of the past go by.
     past: history::Columns,
     /// The shear of a current that the log does not have.
@@ -148,7 +152,7 @@ enum Slopes {
         carrier: Option<usize>,
     },
     /// For the clock of the attitude: the rate of the pitch in each bin, times the slopes along an offset of the pitch.
-    PitchRate(Vec<f64>),
+    PitchRate,
     /// For the scale of the measured speed: the speed itself.
     Speed,
 }
@@ -216,6 +220,8 @@ impl SeaProblem {
 
         let mut directions = Directions::new(&baseline_index);
         let pitch_direction = directions.index_of(parameter_index("pitch_offset_rad").expect("a row of the table"));
+        let late_attitude = LateAttitude::new(observations, smoother, follows_s);
+        let pitch_rates = Arc::new(late_attitude.pitch_rates(&bins));
         let mut problem = SeaProblem {
             directions,
             pitch_direction,
@@ -232,7 +238,9 @@ impl SeaProblem {
             candidates: Vec::new(),
             tried: Tried::default(),
             shapes: Vec::new(),
-            late_attitude: Arc::new(LateAttitude::new(observations, smoother, follows_s)),
+            pitch_rates,
+            follows_s,
+            late_attitude: Arc::new(late_attitude),
             past,
             shear,
             channels: candidates::Channels::new(observations),
@@ -340,9 +348,7 @@ impl SeaProblem {
                 continue;
             }
             let slopes = match history::acts(candidate.name) {
-                None if candidate.name == late_attitude::MECHANISM => {
-                    Slopes::PitchRate(self.late_attitude.pitch_rates(&self.bins))
-                }
+                None if candidate.name == late_attitude::MECHANISM => Slopes::PitchRate,
                 None if candidate.name == "speed_scale" => Slopes::Speed,
                 // The model's slope along a step is zero before it. Behind any other time it is the slope along the offset.
                 None if candidate.name == "net_mass_step" => Slopes::Direction(self.directions.index_of(offset_row)),

@@ -4,7 +4,7 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::flown::Flown;
+use super::flown::{AtRest, Flown};
 use super::model::{self, Vehicle};
 use super::pitch_reliability::{self, with_pitch_of_glider};
 use super::{
@@ -167,6 +167,7 @@ impl Problem for SeaProblem {
         let flown = self.within.is_none().then(|| self.within_at(point, shifted.as_ref()));
         let (inside, at_rest) = flown.as_ref().or(self.within.as_ref()).expect("one of the two");
         let bins = shifted.as_ref().map_or(&self.bins, |shifted| &shifted.bins);
+        let pitch_rates = shifted.as_ref().map_or(&*self.pitch_rates, |shifted| &shifted.pitch_rates);
         let deviations_rad = pitch_reliability::deviations_rad(bins);
         let reliability = point.baseline[self.place_of_reliability()];
         let row_bins: Vec<&Bin> = bins.iter().chain(self.with_speed.iter().map(|i| &bins[*i])).collect();
@@ -181,10 +182,15 @@ impl Problem for SeaProblem {
         // What a force along the heading changes in each row [m/s per N].
         let mut by_force = DVector::zeros(n);
         let flown = |row: usize| {
-            let without_inertia = share.zip(at_rest.as_ref().map(|at_rest| &at_rest[row]));
-            let effect = past.as_ref().map(|effects| effects[row]).unwrap_or_default();
             let bin = with_pitch_of_glider(&bins[row], deviations_rad[row], reliability);
-            Flown::new(&vehicle, self.pitch_direction, &bin, &inside[row], without_inertia, &effect)
+            // A path without inertia follows the pitch at once, and so is ahead of the one that was read for it.
+            let mut bin_at_rest = bin;
+            bin_at_rest.mean.pitch_rad += self.follows_s * pitch_rates[row];
+            let bin = if share.is_some() { bin } else { bin_at_rest };
+            let inside_at_rest = share.zip(at_rest.as_ref().map(|at_rest| &at_rest[row]));
+            let at_rest = inside_at_rest.map(|(share, inside)| AtRest { share, bin: bin_at_rest, inside });
+            let effect = past.as_ref().map(|effects| effects[row]).unwrap_or_default();
+            Flown::new(&vehicle, self.pitch_direction, &bin, &inside[row], at_rest.as_ref(), &effect)
         };
         let flown: Vec<Flown> = (0..n_w).into_par_iter().map(flown).collect();
         for (row, (bin, flown)) in bins.iter().zip(&flown).enumerate() {
@@ -227,9 +233,8 @@ impl Problem for SeaProblem {
                         |row: usize| candidate.version.is_none_or(|jump| row_bins[row].mean.time_s >= jump.value);
                     DMatrix::from_fn(n, 1, |row, _| if after(row) { slopes[(row, *direction)] } else { 0.0 })
                 }
-                Slopes::PitchRate(read) => {
-                    let rates = shifted.as_ref().map_or(read, |shifted| &shifted.pitch_rates);
-                    DMatrix::from_fn(n, 1, |row, _| rates[bin_of(row)] * slopes[(row, self.pitch_direction)])
+                Slopes::PitchRate => {
+                    DMatrix::from_fn(n, 1, |row, _| pitch_rates[bin_of(row)] * slopes[(row, self.pitch_direction)])
                 }
                 Slopes::Speed => {
                     DMatrix::from_fn(n, 1, |row, _| if row < n_w { 0.0 } else { flown[bin_of(row)].speed.value })
@@ -278,7 +283,7 @@ impl SeaProblem {
     fn varied(&self, included: &[usize]) -> Vec<usize> {
         let of_candidate = |member: &usize| match self.shapes[*member].slopes {
             Slopes::Direction(direction) | Slopes::Past { carrier: Some(direction), .. } => Some(direction),
-            Slopes::Past { carrier: None, .. } | Slopes::PitchRate(_) | Slopes::Speed => None,
+            Slopes::Past { carrier: None, .. } | Slopes::PitchRate | Slopes::Speed => None,
         };
         let mut varied: Vec<usize> = (0..self.baseline_index.len())
             .chain([self.pitch_direction])
