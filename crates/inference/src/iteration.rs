@@ -41,6 +41,8 @@ const ACTS: f64 = 0.1;
 /// What some members change in the predictions, and how sure that is.
 struct Change {
     values: DVector<f64>,
+    /// What the readings were missed by before.
+    before: DVector<f64>,
     /// Columns beside the baseline, and the covariance of their steps.
     outside: DMatrix<f64>,
     covariance: DMatrix<f64>,
@@ -53,6 +55,12 @@ impl Change {
         let noise = part.tr_mul(&part).component_mul(&self.covariance).sum();
         let square: f64 = rows.iter().map(|row| self.values[*row].powi(2)).sum();
         ((square - noise) / rows.len().max(1) as f64).max(0.0).sqrt()
+    }
+
+    /// What it takes off the rms of the misfit over these rows, in quadrature.
+    fn taken_off(&self, rows: &[usize]) -> f64 {
+        let square = |row: &usize| self.before[*row].powi(2) - (self.before[*row] - self.values[*row]).powi(2);
+        (rows.iter().map(square).sum::<f64>() / rows.len().max(1) as f64).max(0.0).sqrt()
     }
 
     /// The standard error of that size: the covariance of the steps along its slope `Z' v / (n size)`.
@@ -227,15 +235,14 @@ impl<'a> Iteration<'a> {
         self.sizes_less(others, tested, 0.0)
     }
 
-    /// The sizes less some of their standard errors. Nothing is larger than the misfit that it is in: where noise is slow a curve
-    /// fitted to it can be.
+    /// The sizes less some of their standard errors. Nothing is larger than what it takes off the misfit: where noise is slow, a curve
+    /// and what the baseline makes of it may change the predictions by more, all of it noise again.
     fn sizes_less(&self, others: &[usize], tested: &[usize], standard_errors: f64) -> Vec<f64> {
         let change = self.change(others, tested);
-        let misfits = self.evidence.column_as_read(&self.evidence.residual);
         let of = |quantity: &super::evidence::Quantity| {
             let rows: Vec<usize> = quantity.rows.clone().collect();
             let size = change.size(&rows) - standard_errors * change.se_of_size(&rows);
-            size.clamp(0.0, super::holdout::rms(&misfits, quantity.rows.clone()))
+            size.clamp(0.0, change.taken_off(&rows))
         };
         self.evidence.quantities.iter().map(of).collect()
     }
@@ -267,7 +274,10 @@ impl<'a> Iteration<'a> {
             (0..few.len()).for_each(|j| covariance[(i, j)] -= narrow.covariance[(i, j)]);
         }
         let outside = self.evidence.as_read(outside);
-        Change { values: &outside * step, outside, covariance }
+        let by_baseline = &self.evidence.residual - &self.evidence.baseline * self.score.baseline_step();
+        let of_few: DVector<f64> = outside.columns(0, few.len()) * &narrow.step;
+        let before = self.evidence.column_as_read(&by_baseline) - of_few;
+        Change { values: &outside * step, before, outside, covariance }
     }
 
     /// The same of one mechanism, over the rows in which it acts.
@@ -362,4 +372,31 @@ pub(super) fn curve_shapes(evidence: &Evidence) -> Vec<(&'static str, Vec<Vec<DM
         found.push((covariate.name, shapes.into_iter().map(parts_of).collect()));
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::Toy;
+
+    /// A mechanism that is there, and one that noise alone brings: each takes off the misfit what the two fits say, and its size is no
+    /// larger.
+    #[test]
+    fn a_size_is_no_larger_than_what_it_takes_off_the_misfit() {
+        let toy = Toy::new(3, |row, toy| 0.3 * toy.columns[1][row]);
+        let baseline = Fitted::baseline(&toy);
+        let iteration = Iteration::new(toy.candidates(), &baseline);
+        let rows: Vec<usize> = (0..baseline.evidence.residual.len()).collect();
+        let rms = |fitted: &Fitted| crate::holdout::rms(&fitted.evidence.residual, rows.iter().copied());
+        for member in [1, 4] {
+            let mut with = Fitted::new(&toy, iteration.point_of(&[member], &toy), vec![member]);
+            with.noises.clone_from(&baseline.noises);
+            with.descend(&toy);
+            let expected = (rms(&baseline).powi(2) - rms(&with).powi(2)).max(0.0).sqrt();
+            let found = iteration.change(&[], &[member]).taken_off(&rows);
+            assert!((found - expected).abs() < 1e-6 + 1e-3 * expected, "{member}: {found} against {expected}");
+            let size = iteration.sizes(&[], &[member])[0];
+            assert!(size <= found, "{member}: {size} of {found}");
+        }
+    }
 }

@@ -30,7 +30,7 @@ pub struct Score {
     /// Whitened columns: baseline, candidates, residual, with the rows of the prior below.
     whitened: DMatrix<f64>,
     n_baseline: usize,
-    /// Steps of the baseline's parameters that imitate a unit of each column best.
+    /// Steps of the baseline's parameters that imitate a unit of each column best, and those that fit the residual best.
     absorbed: DMatrix<f64>,
     /// The cluster of each row.
     clusters: Vec<usize>,
@@ -98,7 +98,7 @@ impl Score {
         all.column_mut(nb + nc).copy_from(&evidence.residual);
         let all = whiten_with_prior(evidence, noises, &all, nb + nc);
 
-        let absorbed = absorbed(&all, nb, nc);
+        let absorbed = absorbed(&all, nb, nc + 1);
         let q = orthonormal(all.columns(0, nb).into_owned());
         let mut rest = all.columns(nb, nc + 1).into_owned();
         let sizes: Vec<f64> = (0..nc).map(|j| rest.column(j).norm().max(f64::MIN_POSITIVE)).collect();
@@ -188,6 +188,11 @@ impl Score {
     /// Steps of the baseline's parameters that imitate a unit of this column best.
     pub fn absorbed(&self, column: usize) -> DVector<f64> {
         self.absorbed.column(column).into_owned()
+    }
+
+    /// Steps of the baseline's parameters that fit the residual best.
+    pub fn baseline_step(&self) -> DVector<f64> {
+        self.absorbed.column(self.absorbed.ncols() - 1).into_owned()
     }
 
     /// Whether a column shows at all beside the baseline.

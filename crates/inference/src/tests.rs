@@ -12,7 +12,7 @@ pub(crate) struct Toy {
     y: DVector<f64>,
     stated_sd: Vec<f64>,
     candidates: Vec<Candidate>,
-    columns: Vec<DVector<f64>>,
+    pub(crate) columns: Vec<DVector<f64>>,
     covariates: Vec<Covariate>,
     time_s: Vec<f64>,
     leg: Vec<f64>,
