@@ -51,24 +51,33 @@ pub fn practical_salinity(conductivity_S_m: f64, temperature_C: f64, pressure_db
     sp_from_c(conductivity_S_m * 10.0, temperature_C, pressure_dbar.max(0.0)).unwrap_or(f64::NAN)
 }
 
-/// Change of the density that is computed from one conductivity with the temperature that is taken for the cell's \[kg/(m3 K)\], in water
-/// of this density \[kg/m3\], in-situ temperature \[degC\] and pressure \[dbar\]: -0.92 at 0 degC, -0.75 at 10, -0.58 at 25. NaN where no
-/// sea water is like this.
-pub fn density_per_cell_K(density_kg_m3: f64, temperature_C: f64, pressure_dbar: f64) -> f64 {
+/// How the density that a CTD computes goes with what it measures, in water of one state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DensitySlopes {
+    /// Along the practical salinity \[kg/m3\]: 0.81 at 0 degC, 0.78 at 10, 0.74 at 25.
+    pub per_salinity: f64,
+    /// Along the temperature that is taken for the conductivity cell's, at one conductivity \[kg/(m3 K)\]: -0.92 at 0 degC, -0.75 at 10,
+    /// -0.58 at 25.
+    pub per_cell_K: f64,
+}
+
+/// The slopes in water of this density \[kg/m3\], in-situ temperature \[degC\] and pressure \[dbar\]; none where no sea water is like this.
+pub fn density_slopes(density_kg_m3: f64, temperature_C: f64, pressure_dbar: f64) -> Option<DensitySlopes> {
     // The salinity changes the Conservative Temperature by millikelvins, and what is sought by some 1e-4 of it.
     const USUAL_SALINITY_G_KG: f64 = 35.0;
     const STEP_K: f64 = 0.01;
     let pressure = pressure_dbar.max(0.0);
     let conservative = conservative_temperature_C(USUAL_SALINITY_G_KG, temperature_C, pressure);
-    let slope = || {
+    let slopes = || {
         let salinity = sa_from_rho(density_kg_m3, conservative, pressure)?;
         let per_practical = sr_from_sp(1.0);
+        let per_salinity = density_kg_m3 * beta(salinity, conservative, pressure)? * per_practical;
         let conductivity = c_from_sp(salinity / per_practical, temperature_C, pressure)?;
         let practical = |step_K: f64| sp_from_c(conductivity, temperature_C + step_K, pressure);
-        let salinity_per_K = per_practical * (practical(STEP_K)? - practical(-STEP_K)?) / (2.0 * STEP_K);
-        Ok::<f64, gsw::Error>(density_kg_m3 * beta(salinity, conservative, pressure)? * salinity_per_K)
+        let salinity_per_K = (practical(STEP_K)? - practical(-STEP_K)?) / (2.0 * STEP_K);
+        Ok::<_, gsw::Error>(DensitySlopes { per_salinity, per_cell_K: per_salinity * salinity_per_K })
     };
-    slope().unwrap_or(f64::NAN)
+    slopes().ok().filter(|slopes| slopes.per_cell_K.is_finite() && slopes.per_salinity.is_finite())
 }
 
 /// Absolute Salinity \[g/kg\]: Reference Salinity, in the Baltic its own formula.
@@ -139,16 +148,23 @@ mod tests {
         }
     }
 
-    /// By the toolbox in Python (gsw 3.6, `SP_from_C`, `rho`, `beta`), at 10 dbar: temperature, practical salinity, and the product.
+    /// By the toolbox in Python (gsw 3.6, `SP_from_C`, `rho`, `beta`), at 10 dbar: temperature, practical salinity, and both slopes.
     #[test]
-    fn a_colder_cell_makes_denser_water() {
-        let cases = [(0.0, 35.0, -0.92403), (10.0, 35.0, -0.75415), (25.0, 35.0, -0.57651), (10.0, 30.0, -0.64427)];
-        for (temperature_C, salinity, expected) in cases {
+    fn the_slopes_of_the_density_are_those_of_the_toolbox() {
+        let cases = [
+            (0.0, 35.0, 0.80638, -0.92403),
+            (10.0, 35.0, 0.77751, -0.75415),
+            (25.0, 35.0, 0.74389, -0.57651),
+            (10.0, 30.0, 0.77663, -0.64427),
+        ];
+        for (temperature_C, salinity, per_salinity, per_cell_K) in cases {
             let density = in_situ_density_kg_m3(salinity, temperature_C, 10.0, 0.0, 0.0);
-            let found = density_per_cell_K(density, temperature_C, 10.0);
-            assert!((found / expected - 1.0).abs() < 1e-3, "{found} against {expected}");
+            let found = density_slopes(density, temperature_C, 10.0).expect("sea water");
+            assert!((found.per_salinity / per_salinity - 1.0).abs() < 1e-3, "{found:?} against {per_salinity}");
+            assert!((found.per_cell_K / per_cell_K - 1.0).abs() < 1e-3, "{found:?} against {per_cell_K}");
         }
-        assert!(density_per_cell_K(900.0, 10.0, 0.0).is_nan() && density_per_cell_K(f64::NAN, 10.0, 0.0).is_nan());
+        assert_eq!(density_slopes(900.0, 10.0, 0.0), None);
+        assert_eq!(density_slopes(f64::NAN, 10.0, 0.0), None);
     }
 
     #[test]

@@ -71,7 +71,8 @@ pub use columns::Columns;
 pub use condense::{Condenser, MOST_OBSERVATIONS, Shorten};
 pub use dates::shown_time;
 pub use density::{
-    absolute_salinity_g_kg, conservative_temperature_C, density_per_cell_K, in_situ_density_kg_m3, practical_salinity,
+    DensitySlopes, absolute_salinity_g_kg, conservative_temperature_C, density_slopes, in_situ_density_kg_m3,
+    practical_salinity,
 };
 pub use files::{LogFiles, Piece};
 pub use fix::{GpsFix, degrees};

@@ -9,7 +9,7 @@
 //! carried_water          net mass   lag(s, exchange_time) - s                    s = rho / (1 + kappa P), water brought to p = 0
 //! pump_leakback          net mass   rho t_stopped                                since the ballast volume last changed
 //! conductivity_drift     net mass   -V (d rho / d S) t
-//! thermal_lag            net mass   -V (d rho / d S) (d S / d T at one conductivity) dT/dt
+//! thermal_lag            net mass   V (d rho / d S) (d S / d T at one conductivity) dT/dt
 //! pressure_hysteresis    reading    sink 4 (1 - 2 P / P_turn) on ascents         an error h 4 P (1 - P / P_turn), a parabola
 //! shear                  weight     -m dU/dt met along the heading, beside m0 g       no size: by the log's own current
 //! ```
@@ -25,7 +25,7 @@ use crate::diagnose::evidence::Version;
 use crate::dynamics::Parameters;
 use crate::dynamics::buoyancy::WATER_COMPRESSIBILITY_PER_PA;
 use crate::identify::Bin;
-use crate::log::{DBAR_PA, Observation, density_per_cell_K, median};
+use crate::log::{DBAR_PA, DensitySlopes, Observation, density_slopes, median};
 
 /// Change of density with practical salinity \[kg/m3\]: 0.77 at 35 and 10 degC, 0.80 at 0 degC, 0.75 at 25 degC (EOS-80).
 pub(super) const DENSITY_PER_SALINITY: f64 = 0.77;
@@ -207,12 +207,13 @@ impl History {
             "pump_leakback" => {
                 with(mean(&past.stopped_s), |bin, stopped| bin.mean.density_kg_m3 * 1e-6 * stopped / 3600.0)
             }
-            "conductivity_drift" => with(vec![volume; bins.len()], |bin, volume| {
-                -volume * DENSITY_PER_SALINITY * bin.mean.time_s / 86_400.0
-            }),
+            "conductivity_drift" => {
+                let per_day = |bin: &Bin| slopes_at(&bin.mean).per_salinity * bin.mean.time_s / 86_400.0;
+                bins.iter().map(|bin| -volume * per_day(bin)).collect()
+            }
             "thermal_lag" => {
                 let rates = self.rates(&past.temperature_C).into_iter().zip(bins);
-                rates.map(|(rate, bin)| volume * density_per_K(&bin.mean) * rate).collect()
+                rates.map(|(rate, bin)| volume * slopes_at(&bin.mean).per_cell_K * rate).collect()
             }
             "pressure_hysteresis" => {
                 let share = |i: usize| {
@@ -365,11 +366,12 @@ impl Past {
     }
 }
 
-/// What the temperature that is taken for the cell's makes of the density there \[kg/(m3 K)\]; that of usual water where the log's own
-/// density and temperature are of no sea water.
-fn density_per_K(mean: &Observation) -> f64 {
-    let found = density_per_cell_K(mean.density_kg_m3, mean.temperature_C, mean.pressure_dbar);
-    if found.is_finite() { found } else { -DENSITY_PER_SALINITY * SALINITY_PER_KELVIN }
+/// How the density goes with what the CTD measures there; as in usual water where the log's own density and temperature are of no sea water.
+fn slopes_at(mean: &Observation) -> DensitySlopes {
+    density_slopes(mean.density_kg_m3, mean.temperature_C, mean.pressure_dbar).unwrap_or(DensitySlopes {
+        per_salinity: DENSITY_PER_SALINITY,
+        per_cell_K: -DENSITY_PER_SALINITY * SALINITY_PER_KELVIN,
+    })
 }
 
 /// A quantity that follows another with a time constant, from equality at the beginning; exact where that one goes along
