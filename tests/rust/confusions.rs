@@ -332,6 +332,13 @@ fn water_that_moves_in_a_layer_gets_no_name() {
     assert!(answer.causes.is_empty() && answer.verdict == Verdict::Unexplained, "{}", answer.said);
 }
 
+/// Foam that is crushed in the first metres. Trapped air explains the readings that are fitted, and leaves more of held-out vertical velocity.
+#[test]
+fn what_makes_held_out_vertical_velocity_worse_gets_no_name() {
+    let answer = Answer::diagnose("uncatalogued-foam-crush", 80_200, true, true).expect("a diagnosis");
+    assert!(answer.causes.is_empty() && answer.verdict == Verdict::Unexplained, "{}", answer.said);
+}
+
 /// In dives to 614 m a scale of the speed and one of the pressure are distinguishable: the latter changes the pressure that compresses the hull.
 #[test]
 fn a_scale_of_the_speed_is_named_in_deep_water() {

@@ -128,7 +128,7 @@ impl Fitted {
             let changes_enough = |place: usize, quantity: usize| {
                 let mut others = self.included.clone();
                 let member = others.remove(place);
-                iteration.sizes(&others, &[member])[quantity] > limits[quantity]
+                iteration.changes(&others, &[member])[quantity] > limits[quantity]
             };
             // By how much a quantity is worse without being traded, at the least as far as these data tell [%].
             let spoils = |place: usize, other: &Fitted| -> f64 {

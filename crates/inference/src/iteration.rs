@@ -247,6 +247,13 @@ impl<'a> Iteration<'a> {
         self.evidence.quantities.iter().map(of).collect()
     }
 
+    /// The rms of the change itself, whether it takes anything off the misfit or adds to it.
+    pub(super) fn changes(&self, others: &[usize], tested: &[usize]) -> Vec<f64> {
+        let change = self.change(others, tested);
+        let of = |quantity: &super::evidence::Quantity| change.size(&quantity.rows.clone().collect::<Vec<_>>());
+        self.evidence.quantities.iter().map(of).collect()
+    }
+
     /// The same of the row that one mechanism changes most.
     pub(super) fn largest(&self, others: &[usize], tested: &[usize]) -> Vec<f64> {
         let change = self.change(others, tested);
