@@ -13,8 +13,21 @@ use crate::identify::Bin;
 /// Its name in the baseline, and its unit.
 pub const PITCH_RELIABILITY: (&str, &str) = ("pitch_reliability", "1");
 
-/// Prior standard deviation about 1: the root of the mean square distance from 1 of a ratio that may be anything from 0 to 1, `1 / sqrt(3)`.
-pub const PRIOR_SD: f64 = 0.577;
+/// Half width of the prior about 1, of Cauchy's form: most instruments read the pitch that the glider has, and a few do not at all. Of all that
+/// have a lasting error, half would lose less than a twentieth of the slope. Judgement.
+const HALF_WIDTH: f64 = 0.05;
+
+/// The prior at this ratio, as a residual and its slope: the belief less the value, and a standard deviation. Its square is twice the fall of
+/// the logarithm of Cauchy's density, `2 ln(1 + x^2)` with `x` in half widths. A normal prior as narrow would exclude what a
+/// few instruments do; one as wide would let a law that lacks the slope along the pitch have the slope for nothing.
+pub fn prior(reliability: f64) -> (f64, f64) {
+    let x = (1.0 - reliability) / HALF_WIDTH;
+    let residual = (2.0 * (x * x).ln_1p()).sqrt();
+    // The slope of the residual; at 1 it is sqrt(2).
+    let slope = if residual > 0.0 { 2.0 * x.abs() / ((1.0 + x * x) * residual) } else { std::f64::consts::SQRT_2 };
+    let sd = HALF_WIDTH / slope;
+    (residual.copysign(x) * sd, sd)
+}
 
 /// Pitch of each bin less the mean of its leg \[rad\].
 pub fn deviations_rad(bins: &[Bin]) -> Vec<f64> {
@@ -43,6 +56,20 @@ mod tests {
 
     fn place(problem: &SeaProblem) -> usize {
         problem.baseline().iter().position(|known| *known == PITCH_RELIABILITY).expect("a parameter of the baseline")
+    }
+
+    /// The square of the residual is what Cauchy's density says, and its slope is that between two neighbours.
+    #[test]
+    fn the_prior_is_cauchys() {
+        let residual = |reliability: f64| prior(reliability).0 / prior(reliability).1;
+        for reliability in [1.4, 1.02, 1.0 + 1e-9, 0.97, 0.6, 0.0] {
+            let x: f64 = (1.0 - reliability) / 0.05;
+            assert!((residual(reliability).powi(2) - 2.0 * (1.0 + x * x).ln()).abs() < 1e-9);
+            let between = (residual(reliability + 1e-6) - residual(reliability - 1e-6)) / 2e-6;
+            let slope = -1.0 / prior(reliability).1;
+            assert!((between / slope - 1.0).abs() < 1e-3, "{between} against {slope}");
+        }
+        assert_eq!(prior(1.0).0, 0.0);
     }
 
     #[test]
