@@ -1,7 +1,7 @@
-//! How much of the pitch that is read within a leg the glider has.
+//! The reliability ratio of the pitch within legs.
 //!
-//! An error of the pitch that is gone by the next reading is told from the pitch by the readings beside it (`attitude`). An error that
-//! lasts for a minute is not: it looks like a pitch that hunts, and only the velocities tell, which do not follow it. The glider
+//! The smoother (`attitude`) removes errors of the pitch that are independent from reading to reading. An error that is correlated over
+//! a minute remains: it looks like a pitch that hunts, and only the velocities, which do not follow it, identify it. The glider
 //! has a share of each deviation from the leg's mean pitch, the reliability ratio of errors in variables (Fuller 1987, section
 //! 1.1): 1 where the pitch is what was read, 0 where all of the deviation is error. It is a parameter of the baseline. A slope
 //! along the pitch within legs, which such an error makes too small, is then no evidence of a law; what the means of the legs say stays.
@@ -13,8 +13,8 @@ use crate::identify::Bin;
 /// Its name in the baseline, and its unit.
 pub const PITCH_RELIABILITY: (&str, &str) = ("pitch_reliability", "1");
 
-/// Half width of the prior about 1, of Cauchy's form: most instruments read the pitch that the glider has, and a few do not at all. Of all that
-/// have a lasting error, half would lose less than a twentieth of the slope. Judgement.
+/// Half width of the prior about 1, of Cauchy's form: most instruments read the pitch that the glider has, and a few do not at all. Judgement,
+/// not derived: half of all ratios lie within a twentieth of 1.
 const HALF_WIDTH: f64 = 0.05;
 
 /// The prior at this ratio, as a residual and its slope: the belief less the value, and a standard deviation. Its square is twice the fall of
