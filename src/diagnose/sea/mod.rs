@@ -99,6 +99,8 @@ pub struct SeaProblem {
     within: Option<Within>,
     /// Rows of the speed, as indices into the bins.
     with_speed: Vec<usize>,
+    /// What is believed of the pitch's reliability.
+    believed_reliability: pitch_reliability::Prior,
     parameters: Parameters<f64>,
     lift: Lift,
     polar_se: [Option<f64>; 3],
@@ -222,6 +224,7 @@ impl SeaProblem {
         let pitch_direction = directions.index_of(parameter_index("pitch_offset_rad").expect("a row of the table"));
         let late_attitude = LateAttitude::new(observations, smoother, follows_s);
         let pitch_rates = Arc::new(late_attitude.pitch_rates(&bins));
+        let believed_reliability = pitch_reliability::Prior::new(&pitch_reliability::deviations_rad(&bins));
         let mut problem = SeaProblem {
             directions,
             pitch_direction,
@@ -229,6 +232,7 @@ impl SeaProblem {
             bins,
             within: None,
             with_speed,
+            believed_reliability,
             parameters: *parameters,
             lift: settings.lift,
             polar_se: settings.polar_se,

@@ -13,20 +13,36 @@ use crate::identify::Bin;
 /// Its name in the baseline, and its unit.
 pub const PITCH_RELIABILITY: (&str, &str) = ("pitch_reliability", "1");
 
-/// Half width of the prior about 1, of Cauchy's form: most instruments read the pitch that the glider has, and a few do not at all. Judgement,
-/// not derived: half of all ratios lie within a twentieth of 1.
-const HALF_WIDTH: f64 = 0.05;
+/// Error of an attitude sensor's pitch that varies in time, root mean square \[rad\]: 0.05 deg, the repeatability that PNI states for the
+/// TCM3 (TCM3 and TCM5 user manual, table of specifications), the Slocum's. Its accuracy of 0.2 deg includes what is
+/// constant and what goes with the pitch, which is an offset or a scale.
+const REPEATABILITY_RAD: f64 = 0.05 * std::f64::consts::PI / 180.0;
 
-/// The prior at this ratio, as a residual and its slope: the belief less the value, and a standard deviation. Its square is twice the fall of
-/// the logarithm of Cauchy's density, `2 ln(1 + x^2)` with `x` in half widths. A normal prior as narrow would exclude what a
-/// few instruments do; one as wide would let a law that lacks the slope along the pitch have the slope for nothing.
-pub fn prior(reliability: f64) -> (f64, f64) {
-    let x = (1.0 - reliability) / HALF_WIDTH;
-    let residual = (2.0 * (x * x).ln_1p()).sqrt();
-    // The slope of the residual; at 1 it is sqrt(2).
-    let slope = if residual > 0.0 { 2.0 * x.abs() / ((1.0 + x * x) * residual) } else { std::f64::consts::SQRT_2 };
-    let sd = HALF_WIDTH / slope;
-    (residual.copysign(x) * sd, sd)
+/// The prior of the ratio about 1, of Cauchy's form: instruments differ, and a few err by many times the usual. That is the form that
+/// Gelman (2006, Bayesian Analysis 1, 515) gives a variance whose size is known roughly.
+#[derive(Debug, Clone, Copy)]
+pub struct Prior {
+    half_width: f64,
+}
+
+impl Prior {
+    /// Half of all ratios differ from 1 by less than the share of an error of usual size in the mean square of these deviations. Where
+    /// the pitch deviates by no more than that error, all of it may be error.
+    pub fn new(deviations_rad: &[f64]) -> Prior {
+        let mean_square = deviations_rad.iter().map(|d| d * d).sum::<f64>() / deviations_rad.len().max(1) as f64;
+        Prior { half_width: (REPEATABILITY_RAD.powi(2) / mean_square).min(1.0) }
+    }
+
+    /// Gives the residual and its slope at this ratio: the belief less the value, and a standard deviation. Its square is twice the
+    /// fall of the logarithm of the density, `2 ln(1 + x^2)` with `x` in half widths.
+    pub fn at(&self, reliability: f64) -> (f64, f64) {
+        let x = (1.0 - reliability) / self.half_width;
+        let residual = (2.0 * (x * x).ln_1p()).sqrt();
+        // The slope of the residual; at 1 it is sqrt(2).
+        let slope = if residual > 0.0 { 2.0 * x.abs() / ((1.0 + x * x) * residual) } else { std::f64::consts::SQRT_2 };
+        let sd = self.half_width / slope;
+        (residual.copysign(x) * sd, sd)
+    }
 }
 
 /// Pitch of each bin less the mean of its leg \[rad\].
@@ -61,15 +77,32 @@ mod tests {
     /// The square of the residual is what Cauchy's density says, and its slope is that between two neighbours.
     #[test]
     fn the_prior_is_cauchys() {
-        let residual = |reliability: f64| prior(reliability).0 / prior(reliability).1;
+        let prior = Prior { half_width: 0.05 };
+        let residual = |reliability: f64| prior.at(reliability).0 / prior.at(reliability).1;
         for reliability in [1.4, 1.02, 1.0 + 1e-9, 0.97, 0.6, 0.0] {
             let x: f64 = (1.0 - reliability) / 0.05;
             assert!((residual(reliability).powi(2) - 2.0 * (1.0 + x * x).ln()).abs() < 1e-9);
             let between = (residual(reliability + 1e-6) - residual(reliability - 1e-6)) / 2e-6;
-            let slope = -1.0 / prior(reliability).1;
+            let slope = -1.0 / prior.at(reliability).1;
             assert!((between / slope - 1.0).abs() < 1e-3, "{between} against {slope}");
         }
-        assert_eq!(prior(1.0).0, 0.0);
+        assert_eq!(prior.at(1.0).0, 0.0);
+    }
+
+    /// A pitch that deviates by 0.3 deg under an error of 0.05 deg that is independent of it.
+    #[test]
+    fn the_prior_is_as_wide_as_a_usual_error_makes_the_ratio_differ() {
+        let wave = |rms_deg: f64, turns: f64| {
+            move |i: usize| rms_deg.to_radians() * 2_f64.sqrt() * (turns * i as f64 * std::f64::consts::TAU / 1e3).sin()
+        };
+        let (of_glider, error) = (wave(0.3, 3.0), wave(0.05, 7.0));
+        let read: Vec<f64> = (0..1000).map(|i| of_glider(i) + error(i)).collect();
+        let along: f64 = (0..1000).map(|i| of_glider(i) * read[i]).sum();
+        let ratio = along / read.iter().map(|d| d * d).sum::<f64>();
+        let half_width = Prior::new(&read).half_width;
+        assert!((half_width - (1.0 - ratio)).abs() < 1e-9, "{half_width} and {ratio}");
+        assert_eq!(Prior::new(&[5e-4, -5e-4]).half_width, 1.0);
+        assert_eq!(Prior::new(&[0.0, 0.0]).half_width, 1.0);
     }
 
     #[test]
