@@ -1,9 +1,11 @@
 //! A glide at constant pitch whose speed changes.
 //!
 //! The model's speed lags that of the steady glide, `Vs`. The pitch `p` is constant, so at `u = V/Vs` the wing needs
-//! another angle of attack, which turns the path and changes the drag; `k` is the share of lift in the steady drag:
+//! another angle of attack, which turns the path and changes the drag; `k` is the share of lift in the steady drag, `e` the exponent of
+//! the other share, and `lift` the coefficient of lift over its slope:
 //! ```text
-//! alpha / (cos(p + alpha) - y) = alpha_s / (u^2 cos s),    x = sin(p + alpha) - u^2 (1 - k + k (alpha/alpha_s)^2) sin s
+//! lift(alpha) / (cos(p + alpha) - y) = lift(alpha_s) / (u^2 cos s)
+//! x = sin(p + alpha) - u^2 ((1 - k) u^(2 e) + k (alpha/alpha_s)^2) sin s
 //! ```
 //! Near `u = 1`, for shallow paths, `x = 2 (1 - u) (b + (a - c) alpha^2) / (b + c alpha^2) sin s`: a difference dies away in
 //! ten to thirty seconds where the lift slope `a` is large, and several times as slowly at large angles where it is no larger
@@ -38,8 +40,7 @@ pub(super) struct Steady {
     /// Sine and cosine of the steepness, and of the pitch, nose the way it is driven.
     steep: (f64, f64),
     pitch: (f64, f64),
-    /// Share of the drag that goes with the square of the angle of attack.
-    induced: f64,
+    coefficients: Shape,
     /// Net mass \[kg\].
     pub(super) net_kg: f64,
     /// Time in which the net weight would give this speed to the mass and its added mass along the hull \[s\].
@@ -69,7 +70,7 @@ pub(super) fn steady(parameters: &Parameters<f64>, observations: &[&Observation]
             attack_rad,
             steep: steep_rad.sin_cos(),
             pitch: pitch_rad.abs().sin_cos(),
-            induced: induced(parameters, observed, &water, &found),
+            coefficients: Shape::new(parameters, observed, &water, &found),
             net_kg,
             free_s,
             across: across_kg / along_kg,
@@ -84,28 +85,57 @@ pub(super) fn steady(parameters: &Parameters<f64>, observations: &[&Observation]
     observations.par_chunks(ABREAST).flat_map_iter(of_group).collect()
 }
 
-/// The share of the drag of a glide that goes with the square of its angle of attack.
-fn induced(
-    parameters: &Parameters<f64>,
-    observed: &Observation,
-    water: &Surroundings<f64>,
-    flown: &Prediction<f64>,
-) -> f64 {
-    let (sin, cos) = flown.angle_of_attack_rad.sin_cos();
-    let flow = Flow {
-        v1_m_s: flown.speed_m_s * cos,
-        v3_m_s: flown.speed_m_s * sin,
-        pitch_rate_rad_s: 0.0,
-        sink_m_s: flown.sink_m_s,
-        density_kg_m3: water.density_kg_m3,
-        time_s: observed.time_s,
-        roll_rad: or_zero(observed.roll_rad),
-        rudder_rad: or_zero(observed.rudder_rad),
-        empirical: parameters.empirical(water),
-    };
-    let pressure_Pa = 0.5 * water.density_kg_m3 * flown.speed_m_s * flown.speed_m_s;
-    let drag = |angle_rad: f64| parameters.coefficients(angle_rad, pressure_Pa, &flow).drag;
-    (1.0 - drag(0.0) / drag(flown.angle_of_attack_rad)).clamp(0.0, 1.0)
+/// How lift and drag go with the angle of attack and the speed about a steady glide, nose the way it is driven.
+#[derive(Debug, Clone, Copy)]
+struct Shape {
+    /// Share of the drag that goes with the square of the angle of attack.
+    induced: f64,
+    /// Exponent of the dynamic pressure in the coefficient of the other share.
+    drag_exponent: f64,
+    /// Lift at no angle of attack \[rad\] and its growth with the squared angle \[1/rad\], over its slope.
+    lift_at_zero_rad: f64,
+    lift_growth_per_rad: f64,
+}
+
+impl Shape {
+    fn new(p: &Parameters<f64>, observed: &Observation, water: &Surroundings<f64>, flown: &Prediction<f64>) -> Shape {
+        let angle_rad = flown.angle_of_attack_rad;
+        let (sin, cos) = angle_rad.sin_cos();
+        let flow = Flow {
+            v1_m_s: flown.speed_m_s * cos,
+            v3_m_s: flown.speed_m_s * sin,
+            pitch_rate_rad_s: 0.0,
+            sink_m_s: flown.sink_m_s,
+            density_kg_m3: water.density_kg_m3,
+            time_s: observed.time_s,
+            roll_rad: or_zero(observed.roll_rad),
+            rudder_rad: or_zero(observed.rudder_rad),
+            empirical: p.empirical(water),
+        };
+        let pressure_Pa = 0.5 * water.density_kg_m3 * flown.speed_m_s * flown.speed_m_s;
+        let [at_zero, here] = [0.0, angle_rad].map(|angle_rad| p.coefficients(angle_rad, pressure_Pa, &flow));
+        let growth = p.nonlinear_lift_per_rad2 * (1.0 + flow.empirical.lift);
+        let slope = (here.lift - at_zero.lift) / angle_rad - growth * angle_rad.abs();
+        let over_slope = |value: f64| if value == 0.0 || slope == 0.0 { 0.0 } else { value / slope };
+        let driven = if flown.sink_m_s > 0.0 { 1.0 } else { -1.0 };
+        Shape {
+            induced: (1.0 - at_zero.drag / here.drag).clamp(0.0, 1.0),
+            drag_exponent: p.drag_exponent,
+            lift_at_zero_rad: over_slope(driven * at_zero.lift),
+            lift_growth_per_rad: over_slope(growth),
+        }
+    }
+
+    /// Lift over its slope \[rad\], and its rate of change with the angle of attack.
+    fn lift(&self, attack_rad: f64) -> (f64, f64) {
+        let grown = self.lift_growth_per_rad * attack_rad.abs();
+        (self.lift_at_zero_rad + attack_rad * (1.0 + grown), 1.0 + 2.0 * grown)
+    }
+
+    /// What multiplies the coefficient of the drag at no angle of attack, at `u` times the steady speed.
+    fn drag_at(&self, u: f64) -> f64 {
+        if self.drag_exponent == 0.0 { 1.0 } else { u.powf(2.0 * self.drag_exponent) }
+    }
 }
 
 /// Where inertia is no small correction any more the glide is not steady, and the sample tells little. A trial of a fit may
@@ -142,21 +172,24 @@ impl Steady {
     /// The glide at `u` times the steady speed and the same pitch, the steady speed growing by this share of itself a second.
     fn at(&self, u: f64, growth_per_s: f64) -> Unsteady {
         let (sin_steep, cos_steep) = self.steep;
-        let of_lift = self.attack_rad / (cos_steep * u * u);
+        let of_lift = self.coefficients.lift(self.attack_rad).0 / (cos_steep * u * u);
+        let (induced, drag_at_zero) = (self.coefficients.induced, self.coefficients.drag_at(u));
         let most_rad = LARGEST_ATTACK_RAD.max(self.attack_rad.abs());
         let mut found = Unsteady { attack_rad: self.attack_rad / (u * u), along: 0.0, across: 0.0, growth_per_s: 0.0 };
         let (_, mut of_path) = self.sines(found.attack_rad);
         for _ in 0..4 {
             let (sin, cos) = of_path;
-            let step_rad = (found.attack_rad - of_lift * (cos - found.across)) / (1.0 + of_lift * sin);
+            let (lift, slope) = self.coefficients.lift(found.attack_rad);
+            let step_rad = (lift - of_lift * (cos - found.across)) / (slope + of_lift * sin);
             found.attack_rad = (found.attack_rad - step_rad).clamp(-most_rad, most_rad);
             let of_attack;
             (of_attack, of_path) = self.sines(found.attack_rad);
             let (sin, cos) = of_path;
             let of_angle = if self.attack_rad == 0.0 { 1.0 } else { (found.attack_rad / self.attack_rad).powi(2) };
-            found.along = sin - sin_steep * u * u * (1.0 + self.induced * (of_angle - 1.0));
+            found.along = sin - sin_steep * u * u * ((1.0 - induced) * drag_at_zero + induced * of_angle);
             // The angle of attack goes with the speed over the steady one; the path turns by as much.
-            let turn = -2.0 * found.attack_rad / (u * (1.0 + found.attack_rad * sin / cos));
+            let (lift, slope) = self.coefficients.lift(found.attack_rad);
+            let turn = -2.0 * lift / (u * (slope + lift * sin / cos));
             let (sin, cos) = of_attack;
             let mixed = (self.across - 1.0) * sin * cos;
             let forced = found.along + self.free_s * mixed * u * turn * u * growth_per_s;

@@ -229,11 +229,15 @@ pub(super) mod tests {
         }
     }
 
-    /// Rates of the velocities along the axes 1 and 3 at a held pitch by Newton's law, `CL = a alpha` and `CD = b + c alpha^2`.
+    /// Rates of the velocities along the axes 1 and 3 at a held pitch by Newton's law, `CL = a alpha + n alpha |alpha|` and
+    /// `CD = b (q/q0)^e + c alpha^2` with `q0` at 0.3 m/s.
     fn newton(p: &Parameters<f64>, pitch_rad: f64, net_kg: f64, density_kg_m3: f64, [v1, v3]: [f64; 2]) -> [f64; 2] {
         let alpha = v3.atan2(v1);
         let force = 0.5 * density_kg_m3 * (v1 * v1 + v3 * v3) * p.frontal_area_m2;
-        let (lift, drag) = (force * p.a_per_rad * alpha, force * (p.b + p.c_per_rad2 * alpha * alpha));
+        let lift = force * (p.a_per_rad * alpha + p.nonlinear_lift_per_rad2 * alpha * alpha.abs());
+        let reference = p.reference_density_kg_m3 * 0.3 * 0.3;
+        let b = p.b * (density_kg_m3 * (v1 * v1 + v3 * v3) / reference).powf(p.drag_exponent);
+        let drag = force * (b + p.c_per_rad2 * alpha * alpha);
         let along = -net_kg * p.gravity_m_s2 * pitch_rad.sin() + lift * alpha.sin() - drag * alpha.cos();
         let across = net_kg * p.gravity_m_s2 * pitch_rad.cos() - lift * alpha.cos() - drag * alpha.sin();
         [along / (p.mass_kg() + p.added_mass_1_kg), across / (p.mass_kg() + p.added_mass_3_kg)]
@@ -275,10 +279,14 @@ pub(super) mod tests {
         found
     }
 
-    /// A glider with a large wing, and one whose lift slope is no larger than `c`, at 6 deg of angle of attack.
-    fn gliders() -> [Parameters<f64>; 2] {
+    /// A glider with a large wing, and one whose lift slope is no larger than `c`, at 6 deg of angle of attack; drag that falls with
+    /// speed, and lift that grows faster than its angle.
+    fn gliders() -> [Parameters<f64>; 4] {
         let (_, large) = glider();
-        [large, Parameters { a_per_rad: 4.5, b: 0.18, c_per_rad2: 6.2, ..large }]
+        let small = Parameters { a_per_rad: 4.5, b: 0.18, c_per_rad2: 6.2, ..large };
+        let falling = Parameters { drag_exponent: -0.35, ..large };
+        let crossflow = Parameters { a_per_rad: 3.0, nonlinear_lift_per_rad2: 20.0, ..small };
+        [large, small, falling, crossflow]
     }
 
     #[test]
@@ -287,7 +295,7 @@ pub(super) mod tests {
         let steadily = |t: f64| 1.0 - 5e-4 * t;
         let once = |t: f64| 0.85 - 0.15 * ((t - 400.0) / 60.0).tanh();
         // What is left of the error: what the path turns as its steepness goes with the weight is not in the balance.
-        for (p, most_left) in gliders().into_iter().zip([0.01, 0.1]) {
+        for (p, most_left) in gliders().into_iter().zip([0.01, 0.1, 0.01, 0.1]) {
             let glider = SteadyGlider::new(p);
             for (step_s, course) in [(5.0, steadily as fn(f64) -> f64), (5.0, once), (50.0, steadily)] {
                 let leg = leg(&p, step_s, 1.0, course);
