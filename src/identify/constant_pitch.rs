@@ -60,8 +60,9 @@ pub(super) fn steady(parameters: &Parameters<f64>, observations: &[&Observation]
         let pitch_rad = true_pitch_rad(parameters, observed.pitch_rad);
         let steep_rad = (pitch_rad - found.angle_of_attack_rad).abs();
         let attack_rad = steep_rad - pitch_rad.abs();
+        let moving_kg = parameters.mass_kg() + parameters.carried_mass_kg();
         let [along_kg, across_kg] =
-            [parameters.added_mass_1_kg, parameters.added_mass_3_kg].map(|added_kg| parameters.mass_kg() + added_kg);
+            [parameters.added_mass_1_kg, parameters.added_mass_3_kg].map(|added_kg| moving_kg + added_kg);
         let free_s = along_kg * found.speed_m_s / (net_kg.abs() * parameters.gravity_m_s2);
         let here = Steady {
             sink_m_s: found.sink_m_s,

@@ -60,7 +60,7 @@ pub use residuals::{Residual, Score, ScoreSums, residuals};
 pub use speeds::Rows;
 pub use trim::Trim;
 pub use within_bin::{Inside, Parts};
-pub(crate) use within_bin::{felt_density_kg_m3, turns_by_rad};
+pub(crate) use within_bin::{felt_density_kg_m3, make_heavier, turns_by_rad};
 
 #[cfg(test)]
 pub(crate) mod tests;

@@ -187,6 +187,23 @@ impl Parts {
         }
     }
 
+    /// The means of the parts in the order of time, those before and between the bins among them.
+    pub fn means(&self) -> &[Observation] {
+        &self.means
+    }
+
+    /// The same parts of a glider whose net mass is larger by this much in each of them \[kg\].
+    pub fn heavier(&self, parameters: &Parameters<f64>, added_kg: &[f64]) -> Parts {
+        let mut parts = self.clone();
+        for (mean, added_kg) in parts.means.iter_mut().zip(added_kg) {
+            make_heavier(mean, parameters, *added_kg);
+        }
+        for at in &mut parts.at_speeds {
+            make_heavier(&mut at.mean, parameters, added_kg[at.part]);
+        }
+        parts
+    }
+
     /// The same for a glider whose forces balance at every moment.
     pub fn without_inertia(&self) -> Parts {
         Parts { quasi_steady: true, ..self.clone() }
@@ -275,6 +292,12 @@ impl Parts {
         let firsts: Vec<usize> = (0..bins.len()).step_by(ABREAST).collect();
         firsts.into_par_iter().flat_map_iter(of_group).collect()
     }
+}
+
+/// Gives this observation a ballast with which its glider has a net mass larger by this \[kg\].
+pub fn make_heavier(observed: &mut Observation, parameters: &Parameters<f64>, added_kg: f64) {
+    observed.ballast_m3 -=
+        added_kg / (parameters.true_density_kg_m3(observed.density_kg_m3) * parameters.ballast_scale);
 }
 
 /// Whether a glide can be computed at a row of the log.

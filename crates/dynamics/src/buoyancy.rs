@@ -64,6 +64,11 @@ impl<T: Number> Parameters<T> {
         self.hull_mass_kg + self.moving_mass_kg + self.ballast_nominal_kg
     }
 
+    /// Mass of the water that is carried along, which has inertia and weighs nothing in water of its own density \[kg\].
+    pub fn carried_mass_kg(&self) -> T {
+        self.carried_water_m3 * self.reference_density_kg_m3
+    }
+
     /// Density of the water, once the error of its reading is taken off \[kg/m3\].
     pub fn true_density_kg_m3(&self, density_kg_m3: T) -> T {
         density_kg_m3 + self.density_bias_kg_m3

@@ -344,7 +344,8 @@ impl<'a, T: Number> Motion<'a, T> {
     /// Inertia of everything but the moving mass.
     fn hull_inertia(&self) -> Inertia<T> {
         let p = self.parameters;
-        let hull = p.hull_mass_kg - p.offset_mass_kg;
+        // Carried water goes along in every direction; what it adds in pitch is not known.
+        let hull = p.hull_mass_kg - p.offset_mass_kg + p.carried_mass_kg();
         let mut inertia = Inertia {
             g11: hull + p.added_mass_1_kg,
             g33: hull + p.added_mass_3_kg,

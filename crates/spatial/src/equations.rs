@@ -206,7 +206,7 @@ impl<'a, T: Number> Instant<'a, T> {
     fn hull_inertia(&self) -> Inertia<T> {
         let (p, l) = (&self.body.plane, &self.body.lateral);
         let mut inertia = Inertia::zero();
-        let hull = p.hull_mass_kg - p.offset_mass_kg;
+        let hull = p.hull_mass_kg - p.offset_mass_kg + p.carried_mass_kg();
         for (axis, added) in [p.added_mass_1_kg, l.added_mass_2_kg, p.added_mass_3_kg].into_iter().enumerate() {
             inertia.add_along(axis, hull + added);
         }

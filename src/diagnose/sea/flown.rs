@@ -41,13 +41,14 @@ impl Flown {
         effect: &history::Effect,
     ) -> Flown {
         let (parameters, reading) = (&vehicle.parameters, 1.0 + effect.reading);
-        let acted_on = with_effect(parameters, bin, inside, effect);
+        let acted_on = with_effect(parameters, bin, inside, effect, effect.late_net_mass_kg);
         let (mut sink, mut speed) = vehicle.fly(bin, &acted_on);
         sink.scale(reading);
         let by_force = by_force(parameters, bin, &acted_on, [&sink, &speed], pitch, reading);
         let mut by_inertia = [0.0; 2];
         if let Some(AtRest { share, bin, inside }) = at_rest {
-            let [sink_at_rest, speed_at_rest] = vehicle.fly_plainly(bin, &with_effect(parameters, bin, inside, effect));
+            let [sink_at_rest, speed_at_rest] =
+                vehicle.fly_plainly(bin, &with_effect(parameters, bin, inside, effect, effect.net_mass_kg));
             by_inertia = [sink.value - reading * sink_at_rest, speed.value - speed_at_rest];
             sink.value += (share - 1.0) * by_inertia[0];
             speed.value += (share - 1.0) * by_inertia[1];
@@ -56,10 +57,16 @@ impl Flown {
     }
 }
 
-/// A bin's inside with what acts on it beside the steady glide.
-fn with_effect(parameters: &Parameters<f64>, bin: &Bin, inside: &Inside, effect: &history::Effect) -> Inside {
+/// A bin's inside with what acts on it beside the steady glide, and this much added to the net mass.
+fn with_effect(
+    parameters: &Parameters<f64>,
+    bin: &Bin,
+    inside: &Inside,
+    effect: &history::Effect,
+    added_kg: f64,
+) -> Inside {
     let mut inside = *inside;
-    inside.inertia.net_mass_kg += effect.net_mass_kg;
+    inside.inertia.net_mass_kg += added_kg;
     if effect.along_N != 0.0 {
         // A horizontal force and the weight together are a weight that leans.
         let net_kg = net_mass_kg(parameters, bin, &inside);

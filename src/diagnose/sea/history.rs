@@ -43,6 +43,10 @@ const CREEP_TIMES_S: [f64; 5] = [3600.0, 7200.0, 14_400.0, 28_800.0, 57_600.0];
 const EXCHANGE_TIMES_S: [f64; 5] = [600.0, 1200.0, 2400.0, 4800.0, 9600.0];
 const EXPANSION_TIMES_S: [f64; 5] = [300.0, 600.0, 1200.0, 2400.0, 4800.0];
 
+/// Neighbours farther apart are not of one stretch \[s\], and what a mean alone lasts \[s\].
+const LONGEST_SPAN_S: f64 = 120.0;
+const LONE_SPAN_S: f64 = 5.0;
+
 /// Factor between neighbours of these lists.
 const RATIO: f64 = 2.0;
 
@@ -141,8 +145,10 @@ struct Past {
 /// What mechanisms of the past do to one bin.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Effect {
-    /// Change of net mass \[kg\].
+    /// Change of net mass \[kg\], its mean over the bin.
     pub net_mass_kg: f64,
+    /// The same as the glider follows it, late.
+    pub late_net_mass_kg: f64,
     /// Horizontal force along the heading \[N\].
     pub along_N: f64,
     /// Change of the vertical velocity that is read, in its own share.
@@ -170,52 +176,17 @@ impl History {
 
     /// The column of a mechanism: what a unit of its size does to each bin, with the time constants of these parameters.
     pub fn column(&self, mechanism: &str, bins: &[Bin], parameters: &Parameters<f64>) -> Vec<f64> {
-        let past = &*self.past;
-        let mean = |values: &[f64]| -> Vec<f64> {
-            self.of_bin.iter().map(|own| own.iter().map(|i| values[*i]).sum::<f64>() / own.len() as f64).collect()
-        };
-        let with = |values: Vec<f64>, of: fn(&Bin, f64) -> f64| -> Vec<f64> {
-            bins.iter().zip(values).map(|(bin, value)| of(bin, value)).collect()
-        };
-        let volume = self.volume_m3;
         match mechanism {
-            "hull_creep" => {
-                let late = mean(&lagged(&past.time_s, &past.pressure_Pa, parameters.creep_time_s));
-                with(late, |bin, late| bin.mean.density_kg_m3 * late).iter().map(|per_m3| per_m3 * volume).collect()
-            }
-            "late_expansion" => {
-                let late = lagged(&past.time_s, &past.temperature_C, parameters.expansion_time_s);
-                let warmer: Vec<f64> =
-                    late.iter().zip(&past.temperature_C).map(|(late, around)| late - around).collect();
-                with(mean(&warmer), |bin, warmer| -bin.mean.density_kg_m3 * warmer)
-                    .iter()
-                    .map(|per_m3| per_m3 * volume)
-                    .collect()
-            }
-            "carried_water" => {
-                let at_surface: Vec<f64> = past
-                    .density_kg_m3
-                    .iter()
-                    .zip(&past.pressure_Pa)
-                    .map(|(density, pressure)| density / (1.0 + WATER_COMPRESSIBILITY_PER_PA * pressure))
-                    .collect();
-                let carried = lagged(&past.time_s, &at_surface, parameters.exchange_time_s);
-                let denser: Vec<f64> =
-                    carried.iter().zip(&at_surface).map(|(carried, around)| carried - around).collect();
-                mean(&denser)
-            }
-            "pump_leakback" => {
-                with(mean(&past.stopped_s), |bin, stopped| bin.mean.density_kg_m3 * 1e-6 * stopped / 3600.0)
-            }
             "conductivity_drift" => {
                 let per_day = |bin: &Bin| slopes_at(&bin.mean).per_salinity * bin.mean.time_s / 86_400.0;
-                bins.iter().map(|bin| -volume * per_day(bin)).collect()
+                bins.iter().map(|bin| -self.volume_m3 * per_day(bin)).collect()
             }
             "thermal_lag" => {
-                let rates = self.rates(&past.temperature_C).into_iter().zip(bins);
-                rates.map(|(rate, bin)| volume * slopes_at(&bin.mean).per_cell_K * rate).collect()
+                let rates = self.rates(&self.past.temperature_C).into_iter().zip(bins);
+                rates.map(|(rate, bin)| self.per_thermal_rate(bin) * rate).collect()
             }
             "pressure_hysteresis" => {
+                let past = &*self.past;
                 let share = |i: usize| {
                     if past.descends[i] || past.turn_Pa[i] <= 0.0 {
                         0.0
@@ -223,32 +194,128 @@ impl History {
                         4.0 * (1.0 - 2.0 * past.pressure_Pa[i] / past.turn_Pa[i])
                     }
                 };
-                mean(&(0..past.time_s.len()).map(share).collect::<Vec<f64>>())
+                self.means(&(0..past.time_s.len()).map(share).collect::<Vec<f64>>())
             }
-            _ => vec![0.0; bins.len()],
+            _ => self.net_masses_kg(mechanism, parameters).map_or(vec![0.0; bins.len()], |kg| self.means(&kg)),
         }
     }
 
+    /// The same as a glider follows it that takes so long to change its speed \[s\].
+    fn late_column(&self, mechanism: &str, bins: &[Bin], parameters: &Parameters<f64>, slow_s: f64) -> Vec<f64> {
+        let late = |values: &[f64]| lagged(&self.past.time_s, values, slow_s);
+        if let Some(kg) = self.net_masses_kg(mechanism, parameters) {
+            return self.means(&late(&kg));
+        }
+        if mechanism == "thermal_lag" && slow_s > 0.0 {
+            // The rate of what follows a quantity late is what it is behind, over the time.
+            let temperature_C = &self.past.temperature_C;
+            let rates: Vec<f64> =
+                temperature_C.iter().zip(late(temperature_C)).map(|(now, late)| (now - late) / slow_s).collect();
+            return self.means(&rates).iter().zip(bins).map(|(rate, bin)| self.per_thermal_rate(bin) * rate).collect();
+        }
+        self.column(mechanism, bins, parameters)
+    }
+
+    /// What a unit of a mechanism's size adds to the net mass at every sample \[kg\]; none where it goes by nothing that changes within
+    /// a bin, or is no net mass.
+    fn net_masses_kg(&self, mechanism: &str, parameters: &Parameters<f64>) -> Option<Vec<f64>> {
+        let past = &*self.past;
+        let density = &past.density_kg_m3;
+        let found = match mechanism {
+            "hull_creep" => {
+                let late = lagged(&past.time_s, &past.pressure_Pa, parameters.creep_time_s);
+                late.iter().zip(density).map(|(late, density)| density * self.volume_m3 * late).collect()
+            }
+            "late_expansion" => {
+                let late = lagged(&past.time_s, &past.temperature_C, parameters.expansion_time_s);
+                let warmer = late.iter().zip(&past.temperature_C).map(|(late, around)| late - around);
+                warmer.zip(density).map(|(warmer, density)| -density * self.volume_m3 * warmer).collect()
+            }
+            "carried_water" => {
+                let at_surface: Vec<f64> = density
+                    .iter()
+                    .zip(&past.pressure_Pa)
+                    .map(|(density, pressure)| density / (1.0 + WATER_COMPRESSIBILITY_PER_PA * pressure))
+                    .collect();
+                let carried = lagged(&past.time_s, &at_surface, parameters.exchange_time_s);
+                carried.iter().zip(&at_surface).map(|(carried, around)| carried - around).collect()
+            }
+            "pump_leakback" => {
+                past.stopped_s.iter().zip(density).map(|(stopped, density)| density * 1e-6 * stopped / 3600.0).collect()
+            }
+            _ => return None,
+        };
+        Some(found)
+    }
+
+    /// What all mechanisms of the past at these parameters add to the net mass in each of these means of some seconds of the log
+    /// \[kg\]; nothing where they add nothing.
+    pub fn added_kg(&self, means: &[Observation], bins: &[Bin], parameters: &Parameters<f64>) -> Option<Vec<f64>> {
+        let mut added: Option<Vec<f64>> = None;
+        let spans = spans_s(means);
+        for (mechanism, size, _) in acting(parameters).filter(|(.., acts)| *acts == Acts::NetMass) {
+            let of_unit: Vec<f64> = if let Some(kg) = self.net_masses_kg(mechanism, parameters) {
+                let sum = integral(&self.past.time_s, &kg);
+                spans.iter().map(|span| self.slope_of(&sum, span)).collect()
+            } else {
+                let nearest = |mean: &Observation| {
+                    let next = bins.partition_point(|bin| bin.mean.time_s < mean.time_s);
+                    let apart = |i: &usize| (bins[*i].mean.time_s - mean.time_s).abs();
+                    (next.saturating_sub(1)..(next + 1).min(bins.len()))
+                        .min_by(|a, b| apart(a).total_cmp(&apart(b)))
+                        .expect("a log has bins")
+                };
+                if mechanism == "thermal_lag" {
+                    let rates = spans.iter().map(|span| self.slope_of(&self.past.temperature_C, span));
+                    means
+                        .iter()
+                        .zip(rates)
+                        .map(|(mean, rate)| self.per_thermal_rate(&bins[nearest(mean)]) * rate)
+                        .collect()
+                } else {
+                    let column = self.column(mechanism, bins, parameters);
+                    means.iter().map(|mean| column[nearest(mean)]).collect()
+                }
+            };
+            let added = added.get_or_insert_with(|| vec![0.0; means.len()]);
+            added.iter_mut().zip(of_unit).for_each(|(added, of_unit)| *added += size * of_unit);
+        }
+        added
+    }
+
+    /// Mean slope of a quantity that is known at the samples, on straight lines between them, over a span of time.
+    fn slope_of(&self, values: &[f64], [from_s, to_s]: &[f64; 2]) -> f64 {
+        let time_s = &self.past.time_s;
+        let at = |t: f64| {
+            let next = time_s.partition_point(|time| *time < t).clamp(1, time_s.len() - 1);
+            let (t0, t1) = (time_s[next - 1], time_s[next]);
+            let share = if t1 > t0 { ((t - t0) / (t1 - t0)).clamp(0.0, 1.0) } else { 0.0 };
+            values[next - 1] + share * (values[next] - values[next - 1])
+        };
+        (at(*to_s) - at(*from_s)) / (to_s - from_s)
+    }
+
+    /// What a late thermometer adds to the net mass where the water warms by this much a second \[kg s/K\].
+    fn per_thermal_rate(&self, bin: &Bin) -> f64 {
+        self.volume_m3 * slopes_at(&bin.mean).per_cell_K
+    }
+
+    /// Mean over the samples of each bin.
+    fn means(&self, values: &[f64]) -> Vec<f64> {
+        self.of_bin.iter().map(|own| own.iter().map(|i| values[*i]).sum::<f64>() / own.len() as f64).collect()
+    }
+
     /// What the glider meets of a shear in each bin, late by the time in which it follows; nothing where the log has no current.
-    fn met_m_s2(&self, bins: &[Bin], samples: &[Observation], parameters: &Parameters<f64>) -> Option<Vec<f64>> {
+    fn met_m_s2(&self, bins: &[Bin], samples: &[Observation], slow_s: f64) -> Option<Vec<f64>> {
         let met: Vec<f64> =
             samples.iter().map(|o| if o.water_met_m_s2.is_finite() { o.water_met_m_s2 } else { 0.0 }).collect();
         let is_known = met.iter().any(|met| *met != 0.0) && !bins.is_empty();
-        is_known.then(|| self.late(&met, bins, parameters))
+        is_known.then(|| self.late(&met, slow_s))
     }
 
-    fn late(&self, met: &[f64], bins: &[Bin], parameters: &Parameters<f64>) -> Vec<f64> {
-        // M V / (2 D) with V = w / sin and D = m0 g sin, both as measured, over the log.
-        let mass_kg = parameters.mass_kg() + parameters.added_mass_1_kg;
-        let slow = |bin: &Bin| {
-            let sin2 = bin.mean.pitch_rad.sin().powi(2).max(1e-4);
-            let volume_m3 = bin.mean.ballast_m3.abs().max(MOVED_M3);
-            let weight_N = bin.mean.density_kg_m3 * volume_m3 * parameters.gravity_m_s2;
-            mass_kg * bin.mean.sink_m_s.abs() / (2.0 * weight_N * sin2)
-        };
-        let mut slow_s: Vec<f64> = bins.iter().map(slow).collect();
-        let late = lagged(&self.past.time_s, met, median(&mut slow_s));
-        self.of_bin.iter().map(|own| own.iter().map(|i| late[*i]).sum::<f64>() / own.len() as f64).collect()
+    /// Mean over each bin of what the glider follows late.
+    fn late(&self, values: &[f64], slow_s: f64) -> Vec<f64> {
+        self.means(&lagged(&self.past.time_s, values, slow_s))
     }
 
     /// Mean rate of a quantity over the samples of each bin: that of a thermocline that is crossed within seconds is what it changes over
@@ -267,10 +334,66 @@ impl History {
     }
 }
 
+/// Time that the glider takes to follow a change of the force on it \[s\], `M V / (2 D)` with `V = w / sin` and `D = m0 g sin`, both as
+/// measured: the median over the log.
+fn slow_s(bins: &[Bin], parameters: &Parameters<f64>) -> f64 {
+    let mass_kg = parameters.mass_kg() + parameters.added_mass_1_kg;
+    let slow = |bin: &Bin| {
+        let sin2 = bin.mean.pitch_rad.sin().powi(2).max(1e-4);
+        let volume_m3 = bin.mean.ballast_m3.abs().max(MOVED_M3);
+        let weight_N = bin.mean.density_kg_m3 * volume_m3 * parameters.gravity_m_s2;
+        mass_kg * bin.mean.sink_m_s.abs() / (2.0 * weight_N * sin2)
+    };
+    median(&mut bins.iter().map(slow).collect::<Vec<f64>>())
+}
+
+/// From when to when each of these means of some seconds lasts \[s\]: half way to its neighbours on the leg.
+fn spans_s(means: &[Observation]) -> Vec<[f64; 2]> {
+    let step = |i: usize, j: usize| {
+        let (a, b) = (means.get(i)?, means.get(j)?);
+        let step_s = b.time_s - a.time_s;
+        (a.leg == b.leg && step_s > 0.0 && step_s <= LONGEST_SPAN_S).then_some(0.5 * step_s)
+    };
+    let of_one = |i: usize| {
+        let (before, after) = (step(i.wrapping_sub(1), i), step(i, i + 1));
+        let (before_s, after_s) = match (before, after) {
+            (Some(before), Some(after)) => (before, after),
+            (Some(alone), None) | (None, Some(alone)) => (alone, alone),
+            (None, None) => (0.5 * LONE_SPAN_S, 0.5 * LONE_SPAN_S),
+        };
+        [means[i].time_s - before_s, means[i].time_s + after_s]
+    };
+    (0..means.len()).map(of_one).collect()
+}
+
+/// The integral over time of a quantity that goes along straight lines between samples.
+fn integral(time_s: &[f64], values: &[f64]) -> Vec<f64> {
+    let mut sum = 0.0;
+    let mut found = Vec::with_capacity(values.len());
+    for i in 0..values.len() {
+        if i > 0 {
+            sum += 0.5 * (values[i - 1] + values[i]) * (time_s[i] - time_s[i - 1]);
+        }
+        found.push(sum);
+    }
+    found
+}
+
+/// The mechanisms of the past that act at these parameters: name, size, what they act on.
+fn acting(parameters: &Parameters<f64>) -> impl Iterator<Item = (&'static str, f64, Acts)> {
+    let mut sizes = *parameters;
+    MECHANISMS.iter().filter_map(move |(mechanism, row, acts)| {
+        let size = crate::dynamics::parameter_index(row).map_or(0.0, |index| *sizes.at(index));
+        (size != 0.0).then_some((*mechanism, size, *acts))
+    })
+}
+
 /// The columns that a problem needs again and again, and their sum at a point.
 #[derive(Debug, Clone)]
 pub struct Columns {
     history: History,
+    /// Time that the glider takes to follow a change of the force on it \[s\].
+    slow_s: f64,
     /// Change of the water's velocity along the heading that is met, as late as the glider follows \[m/s2\]; none where the log
     /// has no current.
     met_m_s2: Option<Vec<f64>>,
@@ -280,8 +403,9 @@ impl Columns {
     /// From the bins, the samples they are made of, and the vehicle.
     pub fn new(bins: &[Bin], samples: &[Observation], parameters: &Parameters<f64>) -> Columns {
         let history = History::new(bins, samples, parameters);
-        let met_m_s2 = history.met_m_s2(bins, samples, parameters);
-        Columns { history, met_m_s2 }
+        let slow_s = slow_s(bins, parameters);
+        let met_m_s2 = history.met_m_s2(bins, samples, slow_s);
+        Columns { history, slow_s, met_m_s2 }
     }
 
     /// Whether the log's own current gives the force of its shear.
@@ -290,36 +414,42 @@ impl Columns {
     }
 
     /// What the samples meet as the glider follows it, late, in each bin.
-    pub fn late(&self, met: &[f64], bins: &[Bin], parameters: &Parameters<f64>) -> Vec<f64> {
-        self.history.late(met, bins, parameters)
+    pub fn late(&self, met: &[f64]) -> Vec<f64> {
+        self.history.late(met, self.slow_s)
     }
 
-    /// What a unit of a mechanism's size does to each bin.
-    pub fn effect(&self, mechanism: &str, bins: &[Bin], parameters: &Parameters<f64>) -> Vec<f64> {
-        self.history.column(mechanism, bins, parameters)
+    /// What a unit of a mechanism's size does to each bin: where forces balance at every moment, and as the glider follows it.
+    pub fn effect(&self, mechanism: &str, bins: &[Bin], parameters: &Parameters<f64>) -> [Vec<f64>; 2] {
+        let late = self.history.late_column(mechanism, bins, parameters, self.slow_s);
+        [self.history.column(mechanism, bins, parameters), late]
     }
 
     /// What all mechanisms of the past at these parameters do to each bin; nothing where all are neutral.
     pub fn effects(&self, bins: &[Bin], parameters: &Parameters<f64>) -> Option<Vec<Effect>> {
-        let mut sizes = *parameters;
         let mass_kg = parameters.mass_kg();
         let sheared =
             |met: &Vec<f64>| met.iter().map(|met| Effect { along_N: -mass_kg * met, ..Effect::default() }).collect();
         let mut effects: Option<Vec<Effect>> = self.met_m_s2.as_ref().map(sheared);
-        for (mechanism, row, acts) in MECHANISMS {
-            let size = crate::dynamics::parameter_index(row).map_or(0.0, |index| *sizes.at(index));
-            if size == 0.0 {
-                continue;
-            }
+        for (mechanism, size, acts) in acting(parameters) {
             let effects = effects.get_or_insert_with(|| vec![Effect::default(); bins.len()]);
-            for (effect, value) in effects.iter_mut().zip(self.effect(mechanism, bins, parameters)) {
+            let [at_rest, late] = self.effect(mechanism, bins, parameters);
+            for (effect, (at_rest, late)) in effects.iter_mut().zip(at_rest.iter().zip(late)) {
                 match acts {
-                    Acts::NetMass => effect.net_mass_kg += size * value,
-                    Acts::Reading => effect.reading += size * value,
+                    Acts::NetMass => {
+                        effect.net_mass_kg += size * at_rest;
+                        effect.late_net_mass_kg += size * late;
+                    }
+                    Acts::Reading => effect.reading += size * at_rest,
                 }
             }
         }
         effects
+    }
+
+    /// What all mechanisms of the past at these parameters add to the net mass in each part of the bins \[kg\]; nothing where they add
+    /// nothing.
+    pub fn added_kg(&self, means: &[Observation], bins: &[Bin], parameters: &Parameters<f64>) -> Option<Vec<f64>> {
+        self.history.added_kg(means, bins, parameters)
     }
 }
 

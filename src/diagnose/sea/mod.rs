@@ -38,7 +38,7 @@ use std::sync::Arc;
 
 use crate::dynamics::empirical::ActsOn;
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
-use crate::identify::{Bin, Inside, Parts, bins};
+use crate::identify::{Bin, Inside, Parts, bins, make_heavier};
 use crate::log::Observation;
 
 use super::engine;
@@ -148,8 +148,8 @@ enum Slopes {
     Direction(usize),
     /// For a mechanism of the past: what a unit of it does to each bin, times the slopes along a direction of the model.
     Past {
-        /// What a unit does to each bin.
-        column: Vec<f64>,
+        /// What a unit does to each bin: where forces balance at every moment, and as the glider follows it.
+        columns: [Vec<f64>; 2],
         /// The direction, where it is one.
         carrier: Option<usize>,
     },
@@ -215,7 +215,7 @@ impl SeaProblem {
         let shear = if past.knows_shear() {
             UnknownShear::default()
         } else {
-            UnknownShear::new(&bins, observations, |met| past.late(met, &bins, parameters))
+            UnknownShear::new(&bins, observations, |met| past.late(met))
         };
         baseline.extend(shear.names());
         baseline.extend([PITCH_RELIABILITY, INERTIA_SHARE]);
@@ -360,16 +360,16 @@ impl SeaProblem {
                 Some(acts) => {
                     let mut parameters = self.parameters;
                     put_version(&mut parameters, &candidate);
-                    let column = self.past.effect(candidate.name, &self.bins, &parameters);
+                    let columns = self.past.effect(candidate.name, &self.bins, &parameters);
                     // A mechanism that never acts in this log has nothing to show.
-                    if column.iter().all(|value| value.abs() < f64::MIN_POSITIVE) {
+                    if columns[0].iter().all(|value| value.abs() < f64::MIN_POSITIVE) {
                         continue;
                     }
                     let carrier = match acts {
                         history::Acts::NetMass => Some(self.directions.index_of(offset_row)),
                         history::Acts::Reading => None,
                     };
-                    Slopes::Past { column, carrier }
+                    Slopes::Past { columns, carrier }
                 }
             };
             self.candidates.push(candidate);
@@ -471,13 +471,34 @@ impl SeaProblem {
     /// What happens inside each bin at a point, whose pitch may be that of another time.
     fn within_at(&self, point: &Point, shifted: Option<&Shifted>) -> Within {
         let (bins, parts) = shifted.map_or((&self.bins, &self.parts), |shifted| (&shifted.bins, &shifted.parts));
+        self.within_of(point, &self.parameters_at(point), bins, parts)
+    }
+
+    /// The same with the net mass that mechanisms of the past add in each part of the bins.
+    fn within_with_past(
+        &self,
+        point: &Point,
+        shifted: Option<&Shifted>,
+        past: Option<&Vec<history::Effect>>,
+    ) -> Within {
+        let (bins, parts) = shifted.map_or((&self.bins, &self.parts), |shifted| (&shifted.bins, &shifted.parts));
         let parameters = self.parameters_at(point);
+        let added = past.and_then(|past| Some((past, self.past.added_kg(parts.means(), bins, &parameters)?)));
+        let Some((past, added_kg)) = added else { return self.within_of(point, &parameters, bins, parts) };
+        let mut heavier = bins.clone();
+        for (bin, effect) in heavier.iter_mut().zip(past) {
+            make_heavier(&mut bin.mean, &parameters, effect.net_mass_kg);
+        }
+        self.within_of(point, &parameters, &heavier, &parts.heavier(&parameters, &added_kg))
+    }
+
+    fn within_of(&self, point: &Point, parameters: &Parameters<f64>, bins: &[Bin], parts: &Parts) -> Within {
         match self.inertia_share(point) {
             Some(_) => {
-                let (inside, at_rest) = parts.inside_and_at_rest(&parameters, bins);
+                let (inside, at_rest) = parts.inside_and_at_rest(parameters, bins);
                 (inside, Some(at_rest))
             }
-            None => (parts.inside(&parameters, bins), None),
+            None => (parts.inside(parameters, bins), None),
         }
     }
 

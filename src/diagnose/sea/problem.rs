@@ -164,7 +164,12 @@ impl Problem for SeaProblem {
         let n = n_w + n_u;
         let share = self.inertia_share(point);
         let shifted = self.shifted(&parameters);
-        let flown = self.within.is_none().then(|| self.within_at(point, shifted.as_ref()));
+        let mut past = self.effects(point, &parameters);
+        let flown = self.within.is_none().then(|| self.within_with_past(point, shifted.as_ref(), past.as_ref()));
+        if flown.is_some() || self.is_quasi_steady() {
+            // What was flown through the parts of each bin is late already, and a glider without inertia never is.
+            past.iter_mut().flatten().for_each(|effect| effect.late_net_mass_kg = effect.net_mass_kg);
+        }
         let (inside, at_rest) = flown.as_ref().or(self.within.as_ref()).expect("one of the two");
         let bins = shifted.as_ref().map_or(&self.bins, |shifted| &shifted.bins);
         let pitch_rates = shifted.as_ref().map_or(&*self.pitch_rates, |shifted| &shifted.pitch_rates);
@@ -176,7 +181,6 @@ impl Problem for SeaProblem {
         let mut slopes = DMatrix::zeros(n, self.directions.len());
         let mut speed_row = n_w;
         let vehicle = Vehicle::new(&parameters, &self.directions, &self.varied(included));
-        let past = self.effects(point, &parameters);
         // What the whole of the inertia changes in each row.
         let mut by_inertia = DVector::zeros(n);
         // What a force along the heading changes in each row [m/s per N].
@@ -221,6 +225,8 @@ impl Problem for SeaProblem {
         if share.is_some() {
             baseline.set_column(self.place_of_inertia(), &by_inertia);
         }
+        // The share of a change of the net mass that the glider follows late.
+        let follows_late = share.unwrap_or(if self.is_quasi_steady() { 0.0 } else { 1.0 });
         let candidates = self
             .shapes
             .iter()
@@ -239,11 +245,14 @@ impl Problem for SeaProblem {
                 Slopes::Speed => {
                     DMatrix::from_fn(n, 1, |row, _| if row < n_w { 0.0 } else { flown[bin_of(row)].speed.value })
                 }
-                Slopes::Past { column, carrier: Some(direction) } => {
-                    DMatrix::from_fn(n, 1, |row, _| column[bin_of(row)] * slopes[(row, *direction)])
+                Slopes::Past { columns: [at_rest, late], carrier: Some(direction) } => {
+                    DMatrix::from_fn(n, 1, |row, _| {
+                        let bin = bin_of(row);
+                        (at_rest[bin] + follows_late * (late[bin] - at_rest[bin])) * slopes[(row, *direction)]
+                    })
                 }
-                Slopes::Past { column, carrier: None } => {
-                    DMatrix::from_fn(n, 1, |row, _| if row < n_w { column[row] * flown[row].sink.value } else { 0.0 })
+                Slopes::Past { columns: [at_rest, _], carrier: None } => {
+                    DMatrix::from_fn(n, 1, |row, _| if row < n_w { at_rest[row] * flown[row].sink.value } else { 0.0 })
                 }
             })
             .collect();
