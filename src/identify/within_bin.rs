@@ -192,6 +192,15 @@ impl Parts {
         &self.means
     }
 
+    /// The parts of each bin with their share of its samples.
+    #[cfg(test)]
+    pub fn of_bins(&self) -> impl Iterator<Item = Vec<(usize, f64)>> {
+        self.of_bin.iter().map(|parts| {
+            let samples: f64 = parts.clone().map(|part| self.samples[part]).sum();
+            parts.clone().map(|part| (part, self.samples[part] / samples)).collect()
+        })
+    }
+
     /// The same parts of a glider whose net mass is larger by this much in each of them \[kg\].
     pub fn heavier(&self, parameters: &Parameters<f64>, added_kg: &[f64]) -> Parts {
         let mut parts = self.clone();

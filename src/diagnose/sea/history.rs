@@ -200,18 +200,18 @@ impl History {
         }
     }
 
-    /// The same as a glider follows it that takes so long to change its speed \[s\].
-    fn late_column(&self, mechanism: &str, bins: &[Bin], parameters: &Parameters<f64>, slow_s: f64) -> Vec<f64> {
-        let late = |values: &[f64]| lagged(&self.past.time_s, values, slow_s);
+    /// The same as a glider follows it that takes so long at each sample to change its speed \[s\].
+    fn late_column(&self, mechanism: &str, bins: &[Bin], parameters: &Parameters<f64>, slow_s: &[f64]) -> Vec<f64> {
         if let Some(kg) = self.net_masses_kg(mechanism, parameters) {
-            return self.means(&late(&kg));
+            return self.late(&kg, slow_s);
         }
-        if mechanism == "thermal_lag" && slow_s > 0.0 {
+        if mechanism == "thermal_lag" {
             // The rate of what follows a quantity late is what it is behind, over the time.
-            let temperature_C = &self.past.temperature_C;
-            let rates: Vec<f64> =
-                temperature_C.iter().zip(late(temperature_C)).map(|(now, late)| (now - late) / slow_s).collect();
-            return self.means(&rates).iter().zip(bins).map(|(rate, bin)| self.per_thermal_rate(bin) * rate).collect();
+            let now = &self.past.temperature_C;
+            let late = lagged_by(&self.past.time_s, now, |i| slow_s[i]);
+            let rate = |i: usize| if slow_s[i] > 0.0 { (now[i] - late[i]) / slow_s[i] } else { 0.0 };
+            let rates = self.means(&(0..now.len()).map(rate).collect::<Vec<f64>>());
+            return rates.iter().zip(bins).map(|(rate, bin)| self.per_thermal_rate(bin) * rate).collect();
         }
         self.column(mechanism, bins, parameters)
     }
@@ -306,7 +306,7 @@ impl History {
     }
 
     /// What the glider meets of a shear in each bin, late by the time in which it follows; nothing where the log has no current.
-    fn met_m_s2(&self, bins: &[Bin], samples: &[Observation], slow_s: f64) -> Option<Vec<f64>> {
+    fn met_m_s2(&self, bins: &[Bin], samples: &[Observation], slow_s: &[f64]) -> Option<Vec<f64>> {
         let met: Vec<f64> =
             samples.iter().map(|o| if o.water_met_m_s2.is_finite() { o.water_met_m_s2 } else { 0.0 }).collect();
         let is_known = met.iter().any(|met| *met != 0.0) && !bins.is_empty();
@@ -314,8 +314,8 @@ impl History {
     }
 
     /// Mean over each bin of what the glider follows late.
-    fn late(&self, values: &[f64], slow_s: f64) -> Vec<f64> {
-        self.means(&lagged(&self.past.time_s, values, slow_s))
+    fn late(&self, values: &[f64], slow_s: &[f64]) -> Vec<f64> {
+        self.means(&lagged_by(&self.past.time_s, values, |i| slow_s[i]))
     }
 
     /// Mean rate of a quantity over the samples of each bin: that of a thermocline that is crossed within seconds is what it changes over
@@ -334,9 +334,9 @@ impl History {
     }
 }
 
-/// Time that the glider takes to follow a change of the force on it \[s\], `M V / (2 D)` with `V = w / sin` and `D = m0 g sin`, both as
-/// measured: the median over the log.
-fn slow_s(bins: &[Bin], parameters: &Parameters<f64>) -> f64 {
+/// Time that the glider takes at each sample to follow a change of the force on it \[s\], `M V / (2 D)` with `V = w / sin` and
+/// `D = m0 g sin`, both as measured: the median over the bins of its leg, before the first leg with bins that of the log.
+fn slow_s(bins: &[Bin], samples: &[Observation], parameters: &Parameters<f64>) -> Vec<f64> {
     let mass_kg = parameters.mass_kg() + parameters.added_mass_1_kg;
     let slow = |bin: &Bin| {
         let sin2 = bin.mean.pitch_rad.sin().powi(2).max(1e-4);
@@ -344,7 +344,17 @@ fn slow_s(bins: &[Bin], parameters: &Parameters<f64>) -> f64 {
         let weight_N = bin.mean.density_kg_m3 * volume_m3 * parameters.gravity_m_s2;
         mass_kg * bin.mean.sink_m_s.abs() / (2.0 * weight_N * sin2)
     };
-    median(&mut bins.iter().map(slow).collect::<Vec<f64>>())
+    let median_of = |bins: &[Bin]| median(&mut bins.iter().map(slow).collect::<Vec<f64>>());
+    let mut legs =
+        bins.chunk_by(|a, b| a.mean.leg == b.mean.leg).map(|leg| (leg[0].mean.leg, median_of(leg))).peekable();
+    let mut last_s = median_of(bins);
+    let of_sample = |sample: &Observation| {
+        while let Some((_, slow_s)) = legs.next_if(|(leg, _)| *leg <= sample.leg) {
+            last_s = slow_s;
+        }
+        last_s
+    };
+    samples.iter().map(of_sample).collect()
 }
 
 /// From when to when each of these means of some seconds lasts \[s\]: half way to its neighbours on the leg.
@@ -392,8 +402,8 @@ fn acting(parameters: &Parameters<f64>) -> impl Iterator<Item = (&'static str, f
 #[derive(Debug, Clone)]
 pub struct Columns {
     history: History,
-    /// Time that the glider takes to follow a change of the force on it \[s\].
-    slow_s: f64,
+    /// Time that the glider takes at each sample to follow a change of the force on it \[s\].
+    slow_s: Arc<[f64]>,
     /// Change of the water's velocity along the heading that is met, as late as the glider follows \[m/s2\]; none where the log
     /// has no current.
     met_m_s2: Option<Vec<f64>>,
@@ -403,8 +413,8 @@ impl Columns {
     /// From the bins, the samples they are made of, and the vehicle.
     pub fn new(bins: &[Bin], samples: &[Observation], parameters: &Parameters<f64>) -> Columns {
         let history = History::new(bins, samples, parameters);
-        let slow_s = slow_s(bins, parameters);
-        let met_m_s2 = history.met_m_s2(bins, samples, slow_s);
+        let slow_s: Arc<[f64]> = slow_s(bins, samples, parameters).into();
+        let met_m_s2 = history.met_m_s2(bins, samples, &slow_s);
         Columns { history, slow_s, met_m_s2 }
     }
 
@@ -415,12 +425,12 @@ impl Columns {
 
     /// What the samples meet as the glider follows it, late, in each bin.
     pub fn late(&self, met: &[f64]) -> Vec<f64> {
-        self.history.late(met, self.slow_s)
+        self.history.late(met, &self.slow_s)
     }
 
     /// What a unit of a mechanism's size does to each bin: where forces balance at every moment, and as the glider follows it.
     pub fn effect(&self, mechanism: &str, bins: &[Bin], parameters: &Parameters<f64>) -> [Vec<f64>; 2] {
-        let late = self.history.late_column(mechanism, bins, parameters, self.slow_s);
+        let late = self.history.late_column(mechanism, bins, parameters, &self.slow_s);
         [self.history.column(mechanism, bins, parameters), late]
     }
 
@@ -507,11 +517,17 @@ fn slopes_at(mean: &Observation) -> DensitySlopes {
 /// A quantity that follows another with a time constant, from equality at the beginning; exact where that one goes along
 /// straight lines between samples.
 pub fn lagged(time_s: &[f64], values: &[f64], constant_s: f64) -> Vec<f64> {
+    lagged_by(time_s, values, |_| constant_s)
+}
+
+/// The same with a time constant for the step to each sample.
+fn lagged_by(time_s: &[f64], values: &[f64], constant_s: impl Fn(usize) -> f64) -> Vec<f64> {
     let mut late = values.first().copied().unwrap_or(0.0);
     let mut found = Vec::with_capacity(values.len());
     for i in 0..values.len() {
         if i > 0 {
             let (step, from, to) = (time_s[i] - time_s[i - 1], values[i - 1], values[i]);
+            let constant_s = constant_s(i);
             if step > 0.0 {
                 let left = if constant_s > 0.0 { (-step / constant_s).exp() } else { 0.0 };
                 let behind = constant_s * (to - from) / step;
@@ -582,14 +598,14 @@ pub(super) mod tests {
         (0..720).map(sample).collect()
     }
 
-    /// The column of a candidate is how the residuals change with its size.
+    /// The column of a candidate is how the residuals change with its size, with what happens inside the bins held.
     #[test]
     fn every_column_is_the_change_of_what_is_read_with_the_size() {
         let mut parameters = Vehicle::load("slocum-graver").expect("a vehicle").glide_parameters();
         parameters.hull_thermal_expansion_per_K = 7e-5;
-        let problem =
-            SeaProblem::new(&log(&parameters), &parameters, DiagnosisSettings::default()).expect("enough bins");
-        let start = problem.start();
+        let flown = SeaProblem::new(&log(&parameters), &parameters, DiagnosisSettings::default()).expect("enough bins");
+        let start = flown.start();
+        let problem = flown.for_first_search(&start).expect("not held yet");
         let before = problem.evidence(&start);
         let sizes = [1e-11, 1e-6, 3e-4, 0.5, 0.02, 0.1, 1e-3];
         for ((name, ..), size) in MECHANISMS.iter().zip(sizes) {
@@ -605,6 +621,46 @@ pub(super) mod tests {
                 let off = (&before.residual - &after.residual - column * size).amax();
                 assert!(most > 1e-5 && off < 0.03 * most, "{name}: {off} of {most} m/s");
             }
+        }
+    }
+
+    /// What is flown through the parts of a bin is on average what acts on the bin, and follows a change as late as the column says, to a
+    /// tenth: the column has one time for a leg.
+    #[test]
+    fn what_the_past_adds_is_flown_through_the_parts_of_each_bin() {
+        let mut vehicle = Vehicle::load("slocum-graver").expect("a vehicle").glide_parameters();
+        vehicle.hull_thermal_expansion_per_K = 7e-5;
+        let problem = SeaProblem::new(&log(&vehicle), &vehicle, DiagnosisSettings::default()).expect("enough bins");
+        let start = problem.start();
+        let before = problem.evidence(&start);
+        for (name, row, size) in
+            [("late_expansion", "late_expansion_per_K", 1e-6), ("carried_water", "carried_water_m3", 3e-4)]
+        {
+            let mut parameters = vehicle;
+            *parameters.at(crate::dynamics::parameter_index(row).expect("a row")) = size;
+            (parameters.expansion_time_s, parameters.exchange_time_s) = (1200.0, 1200.0);
+            let added = problem.past.added_kg(problem.parts.means(), &problem.bins, &parameters).expect("it acts");
+            let column = problem.past.history.column(name, &problem.bins, &parameters);
+            let most = size * column.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+            for (parts, value) in problem.parts.of_bins().zip(&column) {
+                let mean = parts.iter().map(|(part, share)| share * added[*part]).sum::<f64>();
+                assert!((mean - size * value).abs() < 0.01 * most, "{name}: {mean} and {} kg", size * value);
+            }
+
+            let is_version = |c: &usize| {
+                let candidate = &problem.candidates()[*c];
+                candidate.name == name && candidate.version.is_some_and(|version| version.value == 1200.0)
+            };
+            let c = (0..problem.candidates().len()).find(is_version).expect("a version");
+            let mut point = start.clone();
+            point.candidates[c][0] = size;
+            let change = &before.residual - problem.evidence(&point).residual;
+            let mut at_rest = start.clone();
+            at_rest.baseline[problem.place_of_inertia()] = 0.0;
+            let of_rest = problem.evidence(&at_rest).candidates[c].column(0) * size;
+            let late = before.candidates[c].column(0) * size;
+            let (behind, off) = ((&late - of_rest).amax(), (&late - change).amax());
+            assert!(behind > 3e-5 && off < 0.25 * behind, "{name}: {off} of {behind} m/s");
         }
     }
 

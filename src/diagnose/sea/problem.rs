@@ -246,9 +246,16 @@ impl Problem for SeaProblem {
                     DMatrix::from_fn(n, 1, |row, _| if row < n_w { 0.0 } else { flown[bin_of(row)].speed.value })
                 }
                 Slopes::Past { columns: [at_rest, late], carrier: Some(direction) } => {
+                    // Carried water has inertia, which takes part where the inertia is flown anew.
+                    let mass_kg = parameters.mass_kg() + parameters.added_mass_1_kg;
+                    let heavier = match candidate.name {
+                        "carried_water" if self.within.is_none() => parameters.reference_density_kg_m3 / mass_kg,
+                        _ => 0.0,
+                    };
                     DMatrix::from_fn(n, 1, |row, _| {
                         let bin = bin_of(row);
                         (at_rest[bin] + follows_late * (late[bin] - at_rest[bin])) * slopes[(row, *direction)]
+                            + follows_late * heavier * by_inertia[row]
                     })
                 }
                 Slopes::Past { columns: [at_rest, _], carrier: None } => {
