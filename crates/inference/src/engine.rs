@@ -67,14 +67,19 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
             break;
         }
     }
+    let mut is_part = false;
     if present.included.len() > problem.max_causes() {
-        dropped.extend(present.included.iter().map(|member| (*member, Why::Equivalent)));
+        let clearest = present.clearest(problem, &baseline, &mut dropped);
+        let kept = clearest.as_ref().map_or(&[][..], |clearest| &clearest.included);
+        dropped.retain(|(member, _)| !kept.contains(member));
+        let gone = present.included.iter().filter(|member| !kept.contains(member));
+        dropped.extend(gone.map(|member| (*member, Why::Equivalent)));
         let iteration = Iteration::new(candidates, &present);
         let curve = iteration.most_explaining_curve().and_then(|curve| iteration.curve_name(curve)).map(str::to_owned);
-        (present, refuted) = (baseline.clone(), refuted.or(curve));
+        is_part = clearest.is_some();
+        (present, refuted) = (clearest.unwrap_or_else(|| baseline.clone()), refuted.or(curve));
     }
     // Where nothing deserves its name alone, one mechanism may still do nearly all, if it is large enough to act on.
-    let mut is_part = false;
     let is_relevant = |single: &Fitted| {
         let mut kept = single.clone();
         kept.drop_what_is_irrelevant(problem, &baseline);

@@ -91,7 +91,7 @@ impl Fitted {
     }
 
     /// By how much the weighted sum of squares rises where a member is left out and all else is fitted again, the noise being the same.
-    fn rise_without(&self, problem: &impl Problem, baseline: &Fitted, place: usize) -> f64 {
+    pub(super) fn rise_without(&self, problem: &impl Problem, baseline: &Fitted, place: usize) -> f64 {
         let mut other = self.without(problem, baseline, place);
         other.noises.clone_from(&self.noises);
         other.descend(problem);

@@ -1,6 +1,7 @@
-//! A mechanism that does nearly all although something else is there as well: it is named, and what is left is reported.
+//! Mechanisms that do nearly all although something else is there as well: they are named, and what is left is reported.
 
 use super::evidence::Problem;
+use super::findings::Why;
 use super::fitted::Fitted;
 use super::holdout;
 use super::iteration::Iteration;
@@ -22,6 +23,33 @@ impl Fitted {
         if !problem.is_level(member) || candidate.cannot_be(self.point.candidates[member][0]) {
             return false;
         }
+        let on_both_halves = self.halves(problem, 0).iter().all(|half| half.found);
+        let iteration = Iteration::new(problem.candidates(), self);
+        on_both_halves && self.removes_nearly_all(baseline) && iteration.chance(&[], &[member]) <= problem.most_chance()
+    }
+
+    /// Where more mechanisms stand than are named: as many as are named, the weakest gone one by one, if those pass every test of the
+    /// elimination and remove nearly all of a gross misfit on held-out data.
+    pub(super) fn clearest(
+        &self,
+        problem: &impl Problem,
+        baseline: &Fitted,
+        dropped: &mut Vec<(usize, Why)>,
+    ) -> Option<Fitted> {
+        let mut clearest = self.clone();
+        while clearest.included.len() > problem.max_causes() {
+            let rise = |place: &usize| clearest.rise_without(problem, baseline, *place);
+            let weakest = (0..clearest.included.len()).min_by(|a, b| rise(a).total_cmp(&rise(b)))?;
+            clearest = clearest.without(problem, baseline, weakest);
+        }
+        let of_clearest = clearest.included.clone();
+        clearest.eliminate_backward(problem, baseline, dropped);
+        let stands = clearest.included == of_clearest && clearest.removes_nearly_all(baseline);
+        stands.then_some(clearest)
+    }
+
+    /// Whether these mechanisms remove nearly all of a gross misfit on held-out data, and spoil no quantity.
+    fn removes_nearly_all(&self, baseline: &Fitted) -> bool {
         let (before, after) = (baseline.held_out(), self.held_out());
         let rms = |values, quantity: usize| holdout::rms(values, self.evidence.quantities[quantity].rows.clone());
         // What the baseline takes for noise holds a part of its misfit: the measurement's own is known beside the mechanism.
@@ -39,12 +67,6 @@ impl Fitted {
             quantities.clone().map(of).sum()
         };
         let spoils = quantities.clone().any(|q| rms(&after, q) > rms(&before, q).max(noise(q)));
-        let on_both_halves = self.halves(problem, 0).iter().all(|half| half.found);
-        let iteration = Iteration::new(problem.candidates(), self);
-        is_gross
-            && !spoils
-            && on_both_halves
-            && excess(&after) < (1.0 - NEARLY_ALL) * excess(&before)
-            && iteration.chance(&[], &[member]) <= problem.most_chance()
+        is_gross && !spoils && excess(&after) < (1.0 - NEARLY_ALL) * excess(&before)
     }
 }

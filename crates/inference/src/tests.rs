@@ -20,6 +20,7 @@ pub(crate) struct Toy {
     has_regimes: bool,
     least_known: f64,
     relevant: Option<f64>,
+    most_causes: usize,
 }
 
 const ROWS: usize = 560;
@@ -61,7 +62,7 @@ impl Toy {
             Covariate { name: "heading", kind: smooth::Kind::Angle, values: heading },
         ];
         let (y, stated_sd) = (DVector::zeros(ROWS), vec![0.5; ROWS]);
-        let (has_regimes, least_known, relevant) = (false, 0.0, None);
+        let (has_regimes, least_known, relevant, most_causes) = (false, 0.0, None, usize::MAX);
         let mut toy = Toy {
             y,
             stated_sd,
@@ -74,6 +75,7 @@ impl Toy {
             has_regimes,
             least_known,
             relevant,
+            most_causes,
         };
         let mut slow = 0.0;
         let noise: Vec<f64> = (0..ROWS)
@@ -102,6 +104,10 @@ impl Problem for Toy {
 
     fn has_record_over_time(&self) -> bool {
         self.has_regimes
+    }
+
+    fn max_causes(&self) -> usize {
+        self.most_causes
     }
 
     fn needs_both_legs(&self) -> bool {
@@ -346,6 +352,27 @@ fn two_causes_are_found_together() {
         })
         .count();
     assert!(right >= 18, "{right} of 20");
+}
+
+/// Three mechanisms stand and two are named: those that do nearly all, and that something is left is said.
+#[test]
+fn where_more_stand_than_are_named_those_that_do_nearly_all_are() {
+    let mut toy = Toy::new(4, |i, t| 5.0 * t.columns[0][i] + 16.0 * t.columns[1][i] + 3.0 * t.columns[4][i]);
+    let named = |toy: &Toy| {
+        let (found, _) = diagnose(toy);
+        let mut names: Vec<String> = found.causes.iter().map(|cause| cause.cause.clone()).collect();
+        names.sort_unstable();
+        (found.verdict, names)
+    };
+    assert_eq!(named(&toy).1.len(), 3);
+    toy.most_causes = 2;
+    // Compression and expansion are alike.
+    let (verdict, names) = named(&toy);
+    assert_eq!((verdict, names.len()), (Verdict::PartlyExplained, 2));
+    assert!(names[1] == "offset" && ["compression", "expansion"].contains(&&*names[0]), "{names:?}");
+    // One alone of two equal ones does not.
+    toy.most_causes = 1;
+    assert_eq!(named(&toy), (Verdict::Unexplained, Vec::new()));
 }
 
 /// An unknown law is the difference of two that are nearly one: large effects of both, one against the other, imitate it.
