@@ -46,7 +46,7 @@ fn weighed_by_noise(fit: &JointFit, dives: &mut [&mut Dive]) -> Option<Vec<Gram>
         }
         let slopes = DMatrix::from_row_slice(quantity.residual.len(), n, &quantity.slopes);
         let residual = DVector::from_vec(quantity.residual);
-        let series = Series { time_s: &quantity.time_s, stated_sd: &quantity.stated_sd, place: &[] };
+        let series = Series { time_s: &quantity.time_s, stated_sd: &quantity.stated_sd, place: &[], joined_s: 0.0 };
         let noise = estimate(series, Lasting::Minutes, f64::INFINITY, &residual, &slopes);
         let mut columns = slopes.insert_column(n, 0.0);
         columns.column_mut(n).copy_from(&residual);

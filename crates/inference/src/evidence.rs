@@ -19,6 +19,8 @@ pub struct Quantity {
     pub unit: &'static str,
     /// Its rows.
     pub rows: Range<usize>,
+    /// Rows no farther apart than this share a reading of which each is a difference \[s\]; 0 where none do.
+    pub joined_s: f64,
 }
 
 /// A value that may have to do with the residuals: depth, time, heading, speed.
@@ -73,7 +75,12 @@ impl Evidence {
     pub fn series(&self, quantity: &Quantity) -> Series<'_> {
         let rows = quantity.rows.clone();
         let place = if self.place.is_empty() { &[][..] } else { &self.place[rows.clone()] };
-        Series { time_s: &self.time_s[rows.clone()], stated_sd: &self.stated_sd[rows], place }
+        Series {
+            time_s: &self.time_s[rows.clone()],
+            stated_sd: &self.stated_sd[rows],
+            place,
+            joined_s: quantity.joined_s,
+        }
     }
 
     /// These columns as the readings have them: what is alike in all rows is small in rows that were made independent.

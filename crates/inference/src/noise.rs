@@ -4,8 +4,11 @@
 //! it shows, one that lasts for hours:
 //!
 //! ```text
-//! cov(i, j) = white s_i^2 [i = j] + red exp(-|t_i - t_j|/tau) + slow exp(-|t_i - t_j|/T) sum_k f_k(z_i) f_k(z_j) / K
+//! cov(i, j) = white s_i s_j c(i - j) + red exp(-|t_i - t_j|/tau) + slow exp(-|t_i - t_j|/T) sum_k f_k(z_i) f_k(z_j) / K
 //! ```
+//!
+//! `c` is 1 at 0. A velocity that is the difference of two positions shares each of them with a neighbour: where rows are so joined, `c` is
+//! `-d/(1 + d^2)` at 1, a moving average `v_i - d v_(i-1)`; left out, it hides as much of what lasts for minutes.
 //!
 //! Internal waves of hours keep their shape over depth while they last: what a glider meets at one depth it meets there
 //! again on the next leg. So the slow process comes in the first modes of the place `z` (0 to 1 along the water column),
@@ -36,13 +39,16 @@ pub struct Slow {
 pub struct Noise {
     /// Factor on the stated variance of the measurement.
     pub white: f64,
+    /// How much of a row's own error its joined neighbour has with the other sign, 0 to 1.
+    pub differenced: f64,
     /// What lasts for minutes, and what lasts for hours and comes in modes of the place. One that is not there has no
     /// variance.
     pub slow: [Slow; 2],
 }
 
 /// As the measurement states, and nothing slow.
-pub const WHITE: Noise = Noise { white: 1.0, slow: [Slow { variance: 0.0, correlation_time_s: 1.0 }; 2] };
+pub const WHITE: Noise =
+    Noise { white: 1.0, differenced: 0.0, slow: [Slow { variance: 0.0, correlation_time_s: 1.0 }; 2] };
 
 impl Noise {
     /// Standard deviation of one row whose measurement has the stated standard deviation.
@@ -66,16 +72,22 @@ pub struct Series<'a> {
     pub stated_sd: &'a [f64],
     /// Place of each row along the water column, 0 to 1; empty where there is none.
     pub place: &'a [f64],
+    /// Rows no farther apart than this are joined: they share a reading of which each is a difference \[s\]; 0 where none are.
+    pub joined_s: f64,
 }
 
 /// Makes every column independent and of unit variance, in place; returns the logarithm of the determinant of the
 /// covariance. Columns are the residuals and the sensitivities, rows as in the series.
 pub fn whiten(series: Series<'_>, noise: &Noise, columns: &mut DMatrix<f64>) -> f64 {
     // The fewer states the filter has, the quicker it is.
-    match (noise.slow[1].variance > 0.0, series.place.is_empty()) {
-        (false, _) => whiten_by::<1>(series, noise, columns),
-        (true, true) => whiten_by::<2>(series, noise, columns),
-        (true, false) => whiten_by::<{ 1 + MODES }>(series, noise, columns),
+    let is_joined = noise.differenced > 0.0 && series.joined_s > 0.0;
+    match (noise.slow[1].variance > 0.0, series.place.is_empty(), is_joined) {
+        (false, _, false) => whiten_by::<1, false>(series, noise, columns),
+        (true, true, false) => whiten_by::<2, false>(series, noise, columns),
+        (true, false, false) => whiten_by::<{ 1 + MODES }, false>(series, noise, columns),
+        (false, _, true) => whiten_by::<2, true>(series, noise, columns),
+        (true, true, true) => whiten_by::<3, true>(series, noise, columns),
+        (true, false, true) => whiten_by::<{ 2 + MODES }, true>(series, noise, columns),
     }
 }
 
@@ -94,8 +106,9 @@ struct Step<const N: usize> {
     scale: f64,
 }
 
-fn whiten_by<const N: usize>(series: Series<'_>, noise: &Noise, columns: &mut DMatrix<f64>) -> f64 {
-    let (steps, log_determinant) = filter::<N>(series, noise);
+/// With `JOINED` the last of the states is the error of the row before.
+fn whiten_by<const N: usize, const JOINED: bool>(series: Series<'_>, noise: &Noise, columns: &mut DMatrix<f64>) -> f64 {
+    let (steps, log_determinant) = filter::<N, JOINED>(series, noise);
     let n = steps.len();
     // Several columns abreast: each alone would wait for its own last row.
     for abreast in columns.as_mut_slice().chunks_mut(ABREAST * n.max(1)) {
@@ -107,6 +120,9 @@ fn whiten_by<const N: usize>(series: Series<'_>, noise: &Noise, columns: &mut DM
                     *mean *= kept;
                     innovation -= shown * *mean;
                 }
+                if JOINED {
+                    mean[N - 1] = 0.0;
+                }
                 for (mean, gain) in mean.iter_mut().zip(&step.gain) {
                     *mean += gain * innovation;
                 }
@@ -117,10 +133,17 @@ fn whiten_by<const N: usize>(series: Series<'_>, noise: &Noise, columns: &mut DM
     log_determinant
 }
 
-fn filter<const N: usize>(series: Series<'_>, noise: &Noise) -> (Vec<Step<N>>, f64) {
+fn filter<const N: usize, const JOINED: bool>(series: Series<'_>, noise: &Noise) -> (Vec<Step<N>>, f64) {
+    let processes = N - usize::from(JOINED);
     let of = |k: usize| noise.slow[usize::from(k > 0)];
-    let variances: [f64; N] =
-        std::array::from_fn(|k| if k > 0 { of(k).variance / (N - 1) as f64 } else { of(k).variance });
+    // The error of a row before which there is none is as uncertain as any.
+    let variances: [f64; N] = std::array::from_fn(|k| match k {
+        _ if k == processes => noise.white,
+        0 => of(k).variance,
+        _ => of(k).variance / (processes - 1) as f64,
+    });
+    // A row's error is its own less `differenced` times that of the row before, at the stated variance.
+    let of_own = if JOINED { 1.0 / 1.0f64.hypot(noise.differenced) } else { 1.0 };
     let mut p = [[0.0; N]; N];
     for k in 0..N {
         p[k][k] = variances[k];
@@ -129,8 +152,13 @@ fn filter<const N: usize>(series: Series<'_>, noise: &Noise) -> (Vec<Step<N>>, f
     let steps = (0..series.time_s.len())
         .map(|row| {
             let step_s = if row > 0 { series.time_s[row] - series.time_s[row - 1] } else { f64::INFINITY };
-            let kept: [f64; N] = std::array::from_fn(|k| (-step_s / of(k).correlation_time_s).exp());
+            let stated = series.stated_sd[row];
+            let kept: [f64; N] = std::array::from_fn(|k| match k {
+                _ if k == processes => f64::from(u8::from(step_s <= series.joined_s)),
+                _ => (-step_s / of(k).correlation_time_s).exp(),
+            });
             let shown: [f64; N] = std::array::from_fn(|k| match k {
+                _ if k == processes => -noise.differenced * of_own * stated,
                 0 | 1 => 1.0,
                 _ => std::f64::consts::SQRT_2 * (std::f64::consts::PI * (k - 1) as f64 * series.place[row]).cos(),
             });
@@ -140,10 +168,17 @@ fn filter<const N: usize>(series: Series<'_>, noise: &Noise) -> (Vec<Step<N>>, f
                     p[i][j] = kept[i] * kept[j] * p[i][j] + fresh;
                 }
             }
-            let stated = series.stated_sd[row];
             let projected: [f64; N] = std::array::from_fn(|i| (0..N).map(|j| p[i][j] * shown[j]).sum());
-            let innovation = (0..N).map(|i| shown[i] * projected[i]).sum::<f64>() + noise.white * stated * stated;
-            let gain: [f64; N] = projected.map(|value| value / innovation);
+            let own = of_own * stated;
+            let innovation = (0..N).map(|i| shown[i] * projected[i]).sum::<f64>() + noise.white * own * own;
+            let mut gain: [f64; N] = projected.map(|value| value / innovation);
+            if JOINED {
+                // From here on the last state is the error of this row, which nothing but this row shows.
+                p[processes] = [0.0; N];
+                p.iter_mut().for_each(|row| row[processes] = 0.0);
+                p[processes][processes] = noise.white;
+                gain[processes] = noise.white * own / innovation;
+            }
             for i in 0..N {
                 for j in 0..N {
                     p[i][j] -= gain[i] * gain[j] * innovation;
@@ -155,6 +190,10 @@ fn filter<const N: usize>(series: Series<'_>, noise: &Noise) -> (Vec<Step<N>>, f
         .collect();
     (steps, log_determinant)
 }
+
+/// How much of a row's own error a joined neighbour has that is tried: none, and what makes neighbours go against each other by 0.4
+/// and, of a difference of positions alone, by a half.
+const DIFFERENCED: [f64; 3] = [0.0, 0.5, 0.95];
 
 /// Shares of a slow part in the variance that are tried first.
 const SHARES: [f64; 5] = [0.05, 0.2, 0.5, 0.8, 0.96];
@@ -175,9 +214,10 @@ const LONGEST_SHARE: f64 = 0.1;
 /// slow process would stand for a level that no row shows, and hide every effect that is a level.
 const MAX_VARIANCE_RATIO: f64 = 1.5;
 
-/// A shape of noise: logits of the slow parts' shares, logarithms of their times in steps. Unit total variance.
+/// A shape of noise: how it is differenced, logits of the slow parts' shares, logarithms of their times in steps. Unit total variance.
 #[derive(Debug, Clone, Copy)]
 struct Shape {
+    differenced: f64,
     shares: [f64; 2],
     log_times: [f64; 2],
 }
@@ -186,7 +226,7 @@ impl Shape {
     fn noise(&self, stated: f64, step_s: f64) -> Noise {
         let slow =
             |k: usize| Slow { variance: self.shares[k] * stated, correlation_time_s: self.log_times[k].exp() * step_s };
-        Noise { white: 1.0 - self.shares[0] - self.shares[1], slow: [slow(0), slow(1)] }
+        Noise { white: 1.0 - self.shares[0] - self.shares[1], differenced: self.differenced, slow: [slow(0), slow(1)] }
     }
 }
 
@@ -218,18 +258,43 @@ pub fn estimate(
     let stated = series.stated_sd.iter().map(|sd| sd * sd).sum::<f64>() / n.max(1) as f64;
     let columns = stacked(explained, residual);
 
-    let white = Shape { shares: [0.0; 2], log_times: [0.0; 2] };
     let at = |shape: &Shape| profile(series, &shape.noise(stated, step_s), stated_known_to, &columns);
-    let Some((mut likelihood, mut scale)) = at(&white) else {
+    let white = Shape { differenced: 0.0, shares: [0.0; 2], log_times: [0.0; 2] };
+    let Some((_, most)) = at(&white) else {
         return white.noise(stated, step_s);
     };
-    let most = MAX_VARIANCE_RATIO * scale;
+    let most = MAX_VARIANCE_RATIO * most;
     let span_s = series.time_s.last().copied().unwrap_or(0.0) - series.time_s.first().copied().unwrap_or(0.0);
     let longest = (span_s / step_s * LONGEST_SHARE).clamp(SHORTEST_TIME_IN_STEPS, TIMES_IN_STEPS[4]);
     let try_one = |shape: &Shape| {
         let is_short = shape.log_times.iter().all(|time| *time <= longest.ln() + 1e-9);
         if is_short { at(shape).filter(|(_, scale)| *scale <= most) } else { None }
     };
+    let tried = if series.joined_s > 0.0 { &DIFFERENCED[..] } else { &DIFFERENCED[..1] };
+    let mut best: Option<(f64, f64, Shape)> = None;
+    for differenced in tried {
+        let Some(found) = most_likely(Shape { differenced: *differenced, ..white }, lasting, &try_one) else {
+            continue;
+        };
+        // One number more is to raise the logarithm of the likelihood by more than it costs.
+        if best.is_none_or(|(likelihood, ..)| found.0 > likelihood + 1.0) {
+            best = Some(found);
+        }
+    }
+    let (_, scale, best) = best.unwrap_or((0.0, 1.0, white));
+    let mut noise = best.noise(stated, step_s);
+    noise.white *= scale;
+    noise.slow.iter_mut().for_each(|slow| slow.variance *= scale);
+    noise
+}
+
+/// The most likely shape with slow processes beside this one, with its likelihood and scale.
+fn most_likely(
+    white: Shape,
+    lasting: Lasting,
+    try_one: &(impl Fn(&Shape) -> Option<(f64, f64)> + Sync),
+) -> Option<(f64, f64, Shape)> {
+    let (mut likelihood, mut scale) = try_one(&white)?;
     let mut best = white;
     let processes = lasting as usize;
     for process in 0..processes {
@@ -251,16 +316,13 @@ pub fn estimate(
                 found = (l, s, *shape);
             }
         }
-        refine(&mut found, process + 1, &try_one);
+        refine(&mut found, process + 1, try_one);
         if found.0 < likelihood + 2.0 {
             break;
         }
         (likelihood, scale, best) = found;
     }
-    let mut noise = best.noise(stated, step_s);
-    noise.white *= scale;
-    noise.slow.iter_mut().for_each(|slow| slow.variance *= scale);
-    noise
+    Some((likelihood, scale, best))
 }
 
 /// Climbs from a shape: each number up or down by a step that shrinks.
@@ -404,7 +466,7 @@ mod tests {
     #[test]
     fn whitening_is_the_inverse_square_root_of_the_covariance() {
         // Against the covariance written out: y' S^-1 y and log det S.
-        let noise = Noise { white: 1.5, slow: [slow(4e-5, 300.0), slow(2e-5, 5000.0)] };
+        let noise = Noise { white: 1.5, differenced: 0.6, slow: [slow(4e-5, 300.0), slow(2e-5, 5000.0)] };
         let (time_s, stated_sd, residual) = sample(40, &noise, 1);
         let place: Vec<f64> = (0..40).map(|i| (f64::from(i) * 0.37).fract()).collect();
         let covariance = DMatrix::from_fn(40, 40, |i, j| {
@@ -416,13 +478,18 @@ mod tests {
                 .iter()
                 .map(|(slow, shape)| slow.variance * (-apart / slow.correlation_time_s).exp() * shape)
                 .sum();
-            if i == j { slow + noise.white * stated_sd[i].powi(2) } else { slow }
+            let neighbour = -noise.differenced / (1.0 + noise.differenced.powi(2));
+            let own = [1.0, neighbour].get(i.abs_diff(j)).map_or(0.0, |share| share * noise.white);
+            slow + own * stated_sd[i] * stated_sd[j]
         });
         let cholesky = covariance.cholesky().unwrap();
         let expected = residual.dot(&cholesky.solve(&residual));
         let mut columns = DMatrix::from_column_slice(40, 1, residual.as_slice());
-        let log_determinant =
-            whiten(Series { time_s: &time_s, stated_sd: &stated_sd, place: &place }, &noise, &mut columns);
+        let log_determinant = whiten(
+            Series { time_s: &time_s, stated_sd: &stated_sd, place: &place, joined_s: 70.0 },
+            &noise,
+            &mut columns,
+        );
         assert!((columns.norm_squared() - expected).abs() < 1e-9 * expected);
         let log_expected = 2.0 * cholesky.l().diagonal().map(f64::ln).sum();
         assert!((log_determinant - log_expected).abs() < 1e-9 * log_expected.abs());
@@ -430,13 +497,13 @@ mod tests {
 
     #[test]
     fn the_noise_that_made_the_data_is_found_again() {
-        let truth = Noise { white: 1.0, slow: [slow(3.6e-5, 600.0), slow(0.0, 1.0)] };
+        let truth = Noise { white: 1.0, differenced: 0.0, slow: [slow(3.6e-5, 600.0), slow(0.0, 1.0)] };
         let (mut sds, mut times) = (0.0, 0.0);
         for seed in 0..20 {
             let (time_s, stated_sd, residual) = sample(700, &truth, seed);
             let trend = DMatrix::from_fn(700, 2, |i, j| if j == 0 { 1.0 } else { i as f64 });
             let found = estimate(
-                Series { time_s: &time_s, stated_sd: &stated_sd, place: &[] },
+                Series { time_s: &time_s, stated_sd: &stated_sd, place: &[], joined_s: 0.0 },
                 Lasting::MinutesAndHours,
                 f64::INFINITY,
                 &residual,

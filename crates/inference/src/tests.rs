@@ -132,7 +132,7 @@ impl Problem for Toy {
             residual -= column * values[0];
         }
         Evidence {
-            quantities: vec![Quantity { name: "w", unit: "mm/s", rows: 0..ROWS }],
+            quantities: vec![Quantity { name: "w", unit: "mm/s", rows: 0..ROWS, joined_s: 0.0 }],
             time_s: self.time_s.clone(),
             stated_sd: self.stated_sd.clone(),
             block: self.block.clone(),
@@ -437,7 +437,7 @@ fn a_rival_beyond_what_nature_has_by_less_than_its_error_stands_in_the_group() {
 fn what_neighbouring_rows_miss_together_counts_once() {
     const KEPT: f64 = 0.9875; // From row to row, 75 s apart, in a correlation time of 6000 s.
     let slow = |variance, correlation_time_s| crate::noise::Slow { variance, correlation_time_s };
-    let noise = crate::noise::Noise { white: 1.0, slow: [slow(4.0, 6000.0), slow(0.0, 1.0)] };
+    let noise = crate::noise::Noise { white: 1.0, differenced: 0.0, slow: [slow(4.0, 6000.0), slow(0.0, 1.0)] };
     let is_seen = |seed: &u64| {
         let toy = Toy::new(*seed, |_, _| 0.0);
         let mut rng = StdRng::seed_from_u64(*seed);

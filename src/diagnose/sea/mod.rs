@@ -38,7 +38,7 @@ use std::sync::Arc;
 
 use crate::dynamics::empirical::ActsOn;
 use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
-use crate::identify::{Bin, Inside, Parts, bins, make_heavier};
+use crate::identify::{Bin, Inside, Parts, bins, make_heavier, median_step_s};
 use crate::log::Observation;
 
 use super::engine;
@@ -89,6 +89,9 @@ const MIN_SAMPLES: usize = 3;
 /// Fewest bins of a quantity from which a diagnosis is tried.
 const MIN_BINS: usize = 12;
 
+/// Bins whose middles are no more than this many usual steps apart follow each other.
+const JOINED_STEPS: f64 = 1.25;
+
 /// A log against a vehicle.
 #[derive(Clone)]
 pub struct SeaProblem {
@@ -97,6 +100,8 @@ pub struct SeaProblem {
     parts: Parts,
     /// What happens inside each bin, where that is not flown anew at every point.
     within: Option<Within>,
+    /// Bins no farther apart than this share the reading of the pressure between them \[s\].
+    joined_s: f64,
     /// Rows of the speed, as indices into the bins.
     with_speed: Vec<usize>,
     /// What is believed of the pitch's reliability.
@@ -224,6 +229,7 @@ impl SeaProblem {
         let pitch_direction = directions.index_of(parameter_index("pitch_offset_rad").expect("a row of the table"));
         let late_attitude = LateAttitude::new(observations, smoother, follows_s);
         let pitch_rates = Arc::new(late_attitude.pitch_rates(&bins));
+        let joined_s = JOINED_STEPS * median_step_s(bins.iter().map(|bin| &bin.mean));
         let believed_reliability = pitch_reliability::Prior::new(&pitch_reliability::deviations_rad(&bins));
         let mut problem = SeaProblem {
             directions,
@@ -231,6 +237,7 @@ impl SeaProblem {
             parts: Parts::new(&bins, &usable, observations),
             bins,
             within: None,
+            joined_s,
             with_speed,
             believed_reliability,
             parameters: *parameters,

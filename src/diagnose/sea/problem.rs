@@ -263,9 +263,10 @@ impl Problem for SeaProblem {
                 }
             })
             .collect();
-        let mut quantities = vec![Quantity { name: VERTICAL_VELOCITY, unit: "m/s", rows: 0..n_w }];
+        let mut quantities =
+            vec![Quantity { name: VERTICAL_VELOCITY, unit: "m/s", rows: 0..n_w, joined_s: self.joined_s }];
         if n_u > 0 {
-            quantities.push(Quantity { name: SPEED, unit: "m/s", rows: n_w..n });
+            quantities.push(Quantity { name: SPEED, unit: "m/s", rows: n_w..n, joined_s: 0.0 });
         }
         let shared = match self.ballast_direction() {
             Some(direction) => model::WEIGHING_ERROR_KG * slopes.columns(direction, 1),

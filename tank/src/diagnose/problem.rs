@@ -393,7 +393,9 @@ impl Problem for TankProblem<'_> {
         let of_run =
             |value: &dyn Fn(usize) -> f64| self.order.iter().map(|run| value(*run)).collect::<Vec<_>>().repeat(3);
         Evidence {
-            quantities: (0..3).map(|k| Quantity { name: NAMES[k], unit: "1", rows: k * n..(k + 1) * n }).collect(),
+            quantities: (0..3)
+                .map(|k| Quantity { name: NAMES[k], unit: "1", rows: k * n..(k + 1) * n, joined_s: 0.0 })
+                .collect(),
             time_s: of_run(&|run| self.data.runs[run].time_s),
             stated_sd: self.decorrelation.sd().to_vec(),
             block: (0..n).collect::<Vec<_>>().repeat(3),
