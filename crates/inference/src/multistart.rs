@@ -1,10 +1,12 @@
 //! Starting points of the fits of a strongly nonlinear model: other starts of the baseline where it contradicts the prior, a nonlinear
 //! refit of each mechanism alone, and the start of a set of mechanisms. Does not decide which mechanism is named.
 
+use std::cmp::Ordering;
+
 use rayon::prelude::*;
 
 use super::evidence::{Evidence, Point, Problem, Quantity};
-use super::fitted::{Fitted, MAX_NOISE_ROUNDS, belief_squares, believing, noises};
+use super::fitted::{Fitted, MAX_NOISE_ROUNDS, belief_squares, believing, noises, weighted_squares};
 use super::holdout;
 use super::iteration::Iteration;
 use super::score::{SIGNIFICANT, chance};
@@ -185,11 +187,20 @@ impl Fitted {
         rivals.into_iter().map(|(_, rival)| rival).collect()
     }
 
-    /// Returns whether it has no more members than another set and predicts held-out data as well.
+    /// Returns whether it is another set that predicts held-out data as well, or of as many members as likely.
     pub(super) fn predicts_as_well_as(&self, other: &Fitted) -> bool {
-        self.included != other.included
-            && self.included.len() >= other.included.len()
-            && self.held_out_misfit() <= other.held_out_misfit()
+        match self.included.len().cmp(&other.included.len()) {
+            _ if self.included == other.included => false,
+            Ordering::Less => false,
+            Ordering::Equal => self.is_as_likely_as(other),
+            Ordering::Greater => self.held_out_misfit() <= other.held_out_misfit(),
+        }
+    }
+
+    /// Returns whether it fits as well as another set in units of the noise, the mean of what each takes for noise.
+    fn is_as_likely_as(&self, other: &Fitted) -> bool {
+        let less = |noises| weighted_squares(&self.evidence, noises) - weighted_squares(&other.evidence, noises);
+        less(&self.noises) + less(&other.noises) <= 0.0
     }
 }
 
