@@ -125,7 +125,7 @@ def test_in_moving_water_halves_differ_as_their_error_says(glidepolar, tmp_path)
 
     The page has the figures of `GLIDEPOLAR_FLIGHTS=150`.
     """
-    flights = int(os.environ.get("GLIDEPOLAR_FLIGHTS", "16"))
+    flights = int(os.environ.get("GLIDEPOLAR_FLIGHTS", "48"))
     log = Flown(glidepolar, files(FOLDER, "p171*.nc"), tmp_path, ["--write", tmp_path / "polar.toml"])
     held, apart = dict.fromkeys(log.polar, 0), {name: [] for name in log.polar}
     for seed in range(flights):
