@@ -232,6 +232,34 @@ fn published_steady_glides_are_equilibria() {
     }
 }
 
+/// Water carried along at the density of that around weighs nothing, and takes as much force to be moved as any mass.
+#[test]
+fn carried_water_has_inertia_along_both_axes() {
+    let p = slocum();
+    let (mut state, inputs) = gliding(&p, -25.0, 0.3);
+    // At the surface, where the pressure is none, and out of balance.
+    state.depth_m = 0.0;
+    (state.v1_m_s, state.v3_m_s) = (0.8 * state.v1_m_s, 2.0 * state.v3_m_s);
+    let carrying = Parameters { carried_water_m3: 0.01, exchange_time_s: 600.0, ..p };
+    let around = Surroundings {
+        density_kg_m3: inputs.water_density_kg_m3,
+        pressure_Pa: 0.0,
+        temperature_C: inputs.water_temperature_C,
+        time_s: 0.0,
+    };
+    state.carried_density_kg_m3 = carrying.carried_from_kg_m3(&around);
+    let of = |p: &Parameters<f64>| accelerations(p, 0.0, &state, &inputs, 0.0);
+    let (without, with) = (of(&p), of(&carrying));
+    let moving_kg = p.hull_mass_kg + p.moving_mass_kg + state.ballast_mass_kg;
+    let carried_kg = 0.01 * p.reference_density_kg_m3;
+    for (axis, added_kg) in [p.added_mass_1_kg, p.added_mass_3_kg].into_iter().enumerate() {
+        let ratio = (moving_kg + added_kg) / (moving_kg + added_kg + carried_kg);
+        let found = with[axis] / without[axis];
+        assert!(without[axis].abs() > 1e-3, "axis {axis}: {} m/s2", without[axis]);
+        assert!((found / ratio - 1.0).abs() < 1e-9, "axis {axis}: {found} and {ratio}");
+    }
+}
+
 #[test]
 fn a_glide_that_is_left_alone_goes_on() {
     let p = slocum();

@@ -21,11 +21,12 @@
 
 use std::sync::Arc;
 
+use super::past::{MOVED_M3, Past, integral, lagged, lagged_by};
 use crate::diagnose::evidence::Version;
 use crate::dynamics::Parameters;
 use crate::dynamics::buoyancy::WATER_COMPRESSIBILITY_PER_PA;
 use crate::identify::Bin;
-use crate::log::{DBAR_PA, DensitySlopes, Observation, density_slopes, median};
+use crate::log::{DensitySlopes, Observation, density_slopes, median};
 
 /// Change of density with practical salinity \[kg/m3\]: 0.77 at 35 and 10 degC, 0.80 at 0 degC, 0.75 at 25 degC (EOS-80).
 pub(super) const DENSITY_PER_SALINITY: f64 = 0.77;
@@ -33,9 +34,6 @@ pub(super) const DENSITY_PER_SALINITY: f64 = 0.77;
 /// Change of the salinity that is computed from one conductivity with the temperature that is taken for the cell's \[1/K\]:
 /// -0.98 at 35 and 10 degC (PSS-78).
 pub(super) const SALINITY_PER_KELVIN: f64 = 0.98;
-
-/// A change of the ballast volume beyond this is a move of the engine \[m3\]: above the noise of a reading, below any stroke.
-const MOVED_M3: f64 = 5e-6;
 
 /// Time constants that are tried \[s\]: a factor of two apart (the late part of one differs from that of another half as long by a
 /// fifth at most). About the one that was found the next ones are closer.
@@ -126,20 +124,6 @@ pub struct History {
     of_bin: Vec<Vec<usize>>,
     /// Volume that the hull displaces at the surface \[m3\].
     volume_m3: f64,
-}
-
-/// The samples of a log in the order of time; what was not measured is as before.
-#[derive(Debug)]
-struct Past {
-    time_s: Vec<f64>,
-    pressure_Pa: Vec<f64>,
-    density_kg_m3: Vec<f64>,
-    temperature_C: Vec<f64>,
-    /// Time since the ballast volume last changed \[s\].
-    stopped_s: Vec<f64>,
-    /// The largest pressure since the last ascent ended \[Pa\].
-    turn_Pa: Vec<f64>,
-    descends: Vec<bool>,
 }
 
 /// What mechanisms of the past do to one bin.
@@ -256,7 +240,7 @@ impl History {
         for (mechanism, size, _) in acting(parameters).filter(|(.., acts)| *acts == Acts::NetMass) {
             let of_unit: Vec<f64> = if let Some(kg) = self.net_masses_kg(mechanism, parameters) {
                 let sum = integral(&self.past.time_s, &kg);
-                spans.iter().map(|span| self.slope_of(&sum, span)).collect()
+                spans.iter().map(|span| self.past.slope_of(&sum, span)).collect()
             } else {
                 let nearest = |mean: &Observation| {
                     let next = bins.partition_point(|bin| bin.mean.time_s < mean.time_s);
@@ -266,7 +250,7 @@ impl History {
                         .expect("a log has bins")
                 };
                 if mechanism == "thermal_lag" {
-                    let rates = spans.iter().map(|span| self.slope_of(&self.past.temperature_C, span));
+                    let rates = spans.iter().map(|span| self.past.slope_of(&self.past.temperature_C, span));
                     means
                         .iter()
                         .zip(rates)
@@ -281,18 +265,6 @@ impl History {
             added.iter_mut().zip(of_unit).for_each(|(added, of_unit)| *added += size * of_unit);
         }
         added
-    }
-
-    /// Mean slope of a quantity that is known at the samples, on straight lines between them, over a span of time.
-    fn slope_of(&self, values: &[f64], [from_s, to_s]: &[f64; 2]) -> f64 {
-        let time_s = &self.past.time_s;
-        let at = |t: f64| {
-            let next = time_s.partition_point(|time| *time < t).clamp(1, time_s.len() - 1);
-            let (t0, t1) = (time_s[next - 1], time_s[next]);
-            let share = if t1 > t0 { ((t - t0) / (t1 - t0)).clamp(0.0, 1.0) } else { 0.0 };
-            values[next - 1] + share * (values[next] - values[next - 1])
-        };
-        (at(*to_s) - at(*from_s)) / (to_s - from_s)
     }
 
     /// What a late thermometer adds to the net mass where the water warms by this much a second \[kg s/K\].
@@ -376,19 +348,6 @@ fn spans_s(means: &[Observation]) -> Vec<[f64; 2]> {
     (0..means.len()).map(of_one).collect()
 }
 
-/// The integral over time of a quantity that goes along straight lines between samples.
-fn integral(time_s: &[f64], values: &[f64]) -> Vec<f64> {
-    let mut sum = 0.0;
-    let mut found = Vec::with_capacity(values.len());
-    for i in 0..values.len() {
-        if i > 0 {
-            sum += 0.5 * (values[i - 1] + values[i]) * (time_s[i] - time_s[i - 1]);
-        }
-        found.push(sum);
-    }
-    found
-}
-
 /// The mechanisms of the past that act at these parameters: name, size, what they act on.
 fn acting(parameters: &Parameters<f64>) -> impl Iterator<Item = (&'static str, f64, Acts)> {
     let mut sizes = *parameters;
@@ -463,80 +422,12 @@ impl Columns {
     }
 }
 
-impl Past {
-    fn new(samples: &[Observation]) -> Past {
-        let kept = |of: fn(&Observation) -> f64| {
-            let first = samples.iter().map(of).find(|value| value.is_finite()).unwrap_or(0.0);
-            let mut last = first;
-            let held = samples.iter().map(|o| {
-                let value = of(o);
-                if value.is_finite() {
-                    last = value;
-                }
-                last
-            });
-            held.collect::<Vec<f64>>()
-        };
-        let time_s = kept(|o| o.time_s);
-        let pressure_Pa = kept(|o| o.pressure_dbar * DBAR_PA);
-        let ballast_m3 = kept(|o| o.ballast_m3);
-        let descends: Vec<bool> = samples.iter().map(Observation::descends).collect();
-        let (mut stopped_s, mut turn_Pa) = (Vec::new(), Vec::new());
-        let (mut stands_m3, mut since_s, mut turn) = (f64::NAN, time_s.first().copied().unwrap_or(0.0), 0.0f64);
-        for i in 0..samples.len() {
-            if (ballast_m3[i] - stands_m3).abs() > MOVED_M3 || stands_m3.is_nan() {
-                (stands_m3, since_s) = (ballast_m3[i], time_s[i]);
-            }
-            stopped_s.push(time_s[i] - since_s);
-            if descends[i] && i > 0 && !descends[i - 1] {
-                turn = 0.0;
-            }
-            turn = turn.max(pressure_Pa[i]);
-            turn_Pa.push(turn);
-        }
-        Past {
-            pressure_Pa,
-            density_kg_m3: kept(|o| o.density_kg_m3),
-            temperature_C: kept(|o| o.temperature_C),
-            time_s,
-            stopped_s,
-            turn_Pa,
-            descends,
-        }
-    }
-}
-
 /// How the density goes with what the CTD measures there; as in usual water where the log's own density and temperature are of no sea water.
 fn slopes_at(mean: &Observation) -> DensitySlopes {
     density_slopes(mean.density_kg_m3, mean.temperature_C, mean.pressure_dbar).unwrap_or(DensitySlopes {
         per_salinity: DENSITY_PER_SALINITY,
         per_cell_K: -DENSITY_PER_SALINITY * SALINITY_PER_KELVIN,
     })
-}
-
-/// A quantity that follows another with a time constant, from equality at the beginning; exact where that one goes along
-/// straight lines between samples.
-pub fn lagged(time_s: &[f64], values: &[f64], constant_s: f64) -> Vec<f64> {
-    lagged_by(time_s, values, |_| constant_s)
-}
-
-/// The same with a time constant for the step to each sample.
-fn lagged_by(time_s: &[f64], values: &[f64], constant_s: impl Fn(usize) -> f64) -> Vec<f64> {
-    let mut late = values.first().copied().unwrap_or(0.0);
-    let mut found = Vec::with_capacity(values.len());
-    for i in 0..values.len() {
-        if i > 0 {
-            let (step, from, to) = (time_s[i] - time_s[i - 1], values[i - 1], values[i]);
-            let constant_s = constant_s(i);
-            if step > 0.0 {
-                let left = if constant_s > 0.0 { (-step / constant_s).exp() } else { 0.0 };
-                let behind = constant_s * (to - from) / step;
-                late = (to - behind) + (late - (from - behind)) * left;
-            }
-        }
-        found.push(late);
-    }
-    found
 }
 
 #[cfg(test)]
@@ -546,6 +437,7 @@ pub(super) mod tests {
     use crate::diagnose::sea::{DiagnosisSettings, SeaProblem};
     use crate::dynamics::Surroundings;
     use crate::glide::{Attitude, at_pitch};
+    use crate::log::DBAR_PA;
     use crate::vehicle::Vehicle;
 
     /// Twelve legs through a thermocline, the pitch hunting, every reading that of the steady glide.
@@ -625,7 +517,7 @@ pub(super) mod tests {
     }
 
     /// What is flown through the parts of a bin is on average what acts on the bin, and follows a change as late as the column says, to a
-    /// tenth: the column has one time for a leg.
+    /// quarter: the column has one time for a leg.
     #[test]
     fn what_the_past_adds_is_flown_through_the_parts_of_each_bin() {
         let mut vehicle = Vehicle::load("slocum-graver").expect("a vehicle").glide_parameters();

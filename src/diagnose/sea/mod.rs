@@ -23,6 +23,7 @@ mod level_shift;
 mod log_diagnosis;
 mod model;
 mod not_assessed;
+mod past;
 mod pitch_reliability;
 mod problem;
 mod salinity;
