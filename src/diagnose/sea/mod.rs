@@ -231,7 +231,7 @@ impl SeaProblem {
         let late_attitude = LateAttitude::new(observations, smoother, follows_s);
         let pitch_rates = Arc::new(late_attitude.pitch_rates(&bins));
         let joined_s = JOINED_STEPS * median_step_s(bins.iter().map(|bin| &bin.mean));
-        let believed_reliability = pitch_reliability::Prior::new(&pitch_reliability::deviations_rad(&bins));
+        let believed_reliability = pitch_reliability::Prior::new(&bins);
         let mut problem = SeaProblem {
             directions,
             pitch_direction,

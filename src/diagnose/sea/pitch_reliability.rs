@@ -13,9 +13,9 @@ use crate::identify::Bin;
 /// Its name in the baseline, and its unit.
 pub const PITCH_RELIABILITY: (&str, &str) = ("pitch_reliability", "1");
 
-/// Error of an attitude sensor's pitch that varies in time, root mean square \[rad\]: 0.05 deg, the repeatability that PNI states for the
-/// TCM3 (TCM3 and TCM5 user manual, table of specifications), the Slocum's. Its accuracy of 0.2 deg includes what is
-/// constant and what goes with the pitch, which is an offset or a scale.
+/// Error of one reading of an attitude sensor's pitch that varies in time, root mean square \[rad\]: 0.05 deg, the repeatability that PNI
+/// states for the TCM3 (TCM3 and TCM5 user manual, table of specifications), the Slocum's. Its accuracy of 0.2 deg
+/// includes what is constant and what goes with the pitch, which is an offset or a scale.
 const REPEATABILITY_RAD: f64 = 0.05 * std::f64::consts::PI / 180.0;
 
 /// The prior of the ratio about 1, of Cauchy's form: instruments differ, and a few err by many times the usual. That is the form that
@@ -26,11 +26,15 @@ pub struct Prior {
 }
 
 impl Prior {
-    /// Half of all ratios differ from 1 by less than the share of an error of usual size in the mean square of these deviations. Where
-    /// the pitch deviates by no more than that error, all of it may be error.
-    pub fn new(deviations_rad: &[f64]) -> Prior {
-        let mean_square = deviations_rad.iter().map(|d| d * d).sum::<f64>() / deviations_rad.len().max(1) as f64;
-        Prior { half_width: (REPEATABILITY_RAD.powi(2) / mean_square).min(1.0) }
+    /// Half of all ratios differ from 1 by less than the share of a usual error in the mean square of the deviations. The usual error is
+    /// independent from reading to reading, and the mean over a bin has what is left of it; what lasts longer is the tail.
+    /// Where the pitch deviates by no more than that error, all of it may be error.
+    pub fn new(bins: &[Bin]) -> Prior {
+        let deviations_rad = deviations_rad(bins);
+        let n = bins.len().max(1) as f64;
+        let mean_square = deviations_rad.iter().map(|d| d * d).sum::<f64>() / n;
+        let of_error = REPEATABILITY_RAD.powi(2) * bins.iter().map(|bin| 1.0 / bin.samples as f64).sum::<f64>() / n;
+        Prior { half_width: (of_error / mean_square).min(1.0) }
     }
 
     /// Gives the residual and its slope at this ratio: the belief less the value, and a standard deviation. Its square is twice the
@@ -69,6 +73,8 @@ mod tests {
     use crate::diagnose::sea::{DiagnosisSettings, SeaProblem, history};
     use crate::diagnose::{Problem, engine};
     use crate::vehicle::Vehicle;
+    use rand::{RngExt, SeedableRng, rngs::StdRng};
+    use rand_distr::StandardNormal;
 
     fn place(problem: &SeaProblem) -> usize {
         problem.baseline().iter().position(|known| *known == PITCH_RELIABILITY).expect("a parameter of the baseline")
@@ -89,20 +95,36 @@ mod tests {
         assert_eq!(prior.at(1.0).0, 0.0);
     }
 
-    /// A pitch that deviates by 0.3 deg under an error of 0.05 deg that is independent of it.
+    /// A pitch that deviates by 0.3 deg, read with independent errors of 0.05 deg, eight readings to the bin: the prior is as wide as
+    /// the ratio of the means over the bins differs from 1.
     #[test]
     fn the_prior_is_as_wide_as_a_usual_error_makes_the_ratio_differ() {
-        let wave = |rms_deg: f64, turns: f64| {
-            move |i: usize| rms_deg.to_radians() * 2_f64.sqrt() * (turns * i as f64 * std::f64::consts::TAU / 1e3).sin()
+        let parameters = Vehicle::load("slocum-graver").expect("a vehicle").glide_parameters();
+        let log = history::tests::log(&parameters);
+        let one = crate::identify::bins(&log, usize::MAX, 1)[0];
+        let mut rng = StdRng::seed_from_u64(3);
+        let (mut along, mut squares) = (0.0, 0.0);
+        let bins: Vec<Bin> = (0..20_000)
+            .map(|i| {
+                let of_glider = 0.3f64.to_radians() * 2_f64.sqrt() * (f64::from(i) * 0.1).sin();
+                let errors = (0..8).map(|_| 0.05f64.to_radians() * rng.sample::<f64, _>(StandardNormal));
+                let read = of_glider + errors.sum::<f64>() / 8.0;
+                along += of_glider * read;
+                squares += read * read;
+                let mut bin = Bin { samples: 8, ..one };
+                (bin.mean.pitch_rad, bin.mean.leg) = (read, 0);
+                bin
+            })
+            .collect();
+        let (half_width, differs) = (Prior::new(&bins).half_width, 1.0 - along / squares);
+        assert!((half_width / differs - 1.0).abs() < 0.2, "{half_width} and {differs}");
+        let alike = |pitch_rad: f64| {
+            let mut bin = Bin { samples: 1, ..one };
+            bin.mean.pitch_rad = pitch_rad;
+            bin
         };
-        let (of_glider, error) = (wave(0.3, 3.0), wave(0.05, 7.0));
-        let read: Vec<f64> = (0..1000).map(|i| of_glider(i) + error(i)).collect();
-        let along: f64 = (0..1000).map(|i| of_glider(i) * read[i]).sum();
-        let ratio = along / read.iter().map(|d| d * d).sum::<f64>();
-        let half_width = Prior::new(&read).half_width;
-        assert!((half_width - (1.0 - ratio)).abs() < 1e-9, "{half_width} and {ratio}");
-        assert_eq!(Prior::new(&[5e-4, -5e-4]).half_width, 1.0);
-        assert_eq!(Prior::new(&[0.0, 0.0]).half_width, 1.0);
+        assert_eq!(Prior::new(&[alike(5e-4), alike(-5e-4)]).half_width, 1.0);
+        assert_eq!(Prior::new(&[alike(0.1), alike(0.1)]).half_width, 1.0);
     }
 
     #[test]
