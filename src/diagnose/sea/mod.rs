@@ -105,8 +105,6 @@ pub struct SeaProblem {
     joined_s: f64,
     /// Rows of the speed, as indices into the bins.
     with_speed: Vec<usize>,
-    /// What is believed of the pitch's reliability.
-    believed_reliability: pitch_reliability::Prior,
     parameters: Parameters<f64>,
     lift: Lift,
     polar_se: [Option<f64>; 3],
@@ -231,7 +229,6 @@ impl SeaProblem {
         let late_attitude = LateAttitude::new(observations, smoother, follows_s);
         let pitch_rates = Arc::new(late_attitude.pitch_rates(&bins));
         let joined_s = JOINED_STEPS * median_step_s(bins.iter().map(|bin| &bin.mean));
-        let believed_reliability = pitch_reliability::Prior::new(&bins);
         let mut problem = SeaProblem {
             directions,
             pitch_direction,
@@ -240,7 +237,6 @@ impl SeaProblem {
             within: None,
             joined_s,
             with_speed,
-            believed_reliability,
             parameters: *parameters,
             lift: settings.lift,
             polar_se: settings.polar_se,

@@ -350,7 +350,7 @@ impl SeaProblem {
                 }
             })
             .chain(self.shear_coefficients(point).iter().map(|value| nuisance_prior(*value, 1.0)))
-            .chain([self.believed_reliability.at(point.baseline[self.place_of_reliability()])])
+            .chain([pitch_reliability::prior(point.baseline[self.place_of_reliability()])])
             .chain(self.inertia_share(point).map(|share| (1.0 - share, INERTIA_SHARE_SD)))
             .collect()
     }
