@@ -40,7 +40,7 @@ pub(super) struct Steady {
     /// Sine and cosine of the steepness, and of the pitch, nose the way it is driven.
     steep: (f64, f64),
     pitch: (f64, f64),
-    coefficients: Shape,
+    coefficients: CoefficientLaws,
     /// Net mass \[kg\].
     pub(super) net_kg: f64,
     /// Time in which the net weight would give this speed to the mass and its added mass along the hull \[s\].
@@ -71,7 +71,7 @@ pub(super) fn steady(parameters: &Parameters<f64>, observations: &[&Observation]
             attack_rad,
             steep: steep_rad.sin_cos(),
             pitch: pitch_rad.abs().sin_cos(),
-            coefficients: Shape::new(parameters, observed, &water, &found),
+            coefficients: CoefficientLaws::new(parameters, observed, &water, &found),
             net_kg,
             free_s,
             across: across_kg / along_kg,
@@ -86,9 +86,10 @@ pub(super) fn steady(parameters: &Parameters<f64>, observations: &[&Observation]
     observations.par_chunks(ABREAST).flat_map_iter(of_group).collect()
 }
 
-/// How lift and drag go with the angle of attack and the speed about a steady glide, nose the way it is driven.
+/// How the coefficients of lift and drag depend on the angle of attack and the speed about a steady glide; angles are positive where the
+/// path is steeper than the pitch.
 #[derive(Debug, Clone, Copy)]
-struct Shape {
+struct CoefficientLaws {
     /// Share of the drag that goes with the square of the angle of attack.
     induced: f64,
     /// Exponent of the dynamic pressure in the coefficient of the other share.
@@ -98,8 +99,13 @@ struct Shape {
     lift_growth_per_rad: f64,
 }
 
-impl Shape {
-    fn new(p: &Parameters<f64>, observed: &Observation, water: &Surroundings<f64>, flown: &Prediction<f64>) -> Shape {
+impl CoefficientLaws {
+    fn new(
+        p: &Parameters<f64>,
+        observed: &Observation,
+        water: &Surroundings<f64>,
+        flown: &Prediction<f64>,
+    ) -> CoefficientLaws {
         let angle_rad = flown.angle_of_attack_rad;
         let (sin, cos) = angle_rad.sin_cos();
         let flow = Flow {
@@ -117,9 +123,10 @@ impl Shape {
         let [at_zero, here] = [0.0, angle_rad].map(|angle_rad| p.coefficients(angle_rad, pressure_Pa, &flow));
         let growth = p.nonlinear_lift_per_rad2 * (1.0 + flow.empirical.lift);
         let slope = (here.lift - at_zero.lift) / angle_rad - growth * angle_rad.abs();
-        let over_slope = |value: f64| if value == 0.0 || slope == 0.0 { 0.0 } else { value / slope };
+        // At no angle of attack there is no slope between the two; lift is then taken as proportional.
+        let over_slope = |value: f64| if value == 0.0 || !slope.is_normal() { 0.0 } else { value / slope };
         let driven = if flown.sink_m_s > 0.0 { 1.0 } else { -1.0 };
-        Shape {
+        CoefficientLaws {
             induced: (1.0 - at_zero.drag / here.drag).clamp(0.0, 1.0),
             drag_exponent: p.drag_exponent,
             lift_at_zero_rad: over_slope(driven * at_zero.lift),

@@ -187,7 +187,8 @@ impl Fitted {
         rivals.into_iter().map(|(_, rival)| rival).collect()
     }
 
-    /// Returns whether it is another set that predicts held-out data as well, or of as many members as likely.
+    /// Returns whether it may stand in the place of another set: one of as many members if it is as likely, one of fewer if it predicts
+    /// held-out data as well.
     pub(super) fn predicts_as_well_as(&self, other: &Fitted) -> bool {
         match self.included.len().cmp(&other.included.len()) {
             _ if self.included == other.included => false,

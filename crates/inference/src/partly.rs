@@ -38,8 +38,9 @@ impl Fitted {
     ) -> Option<Fitted> {
         let mut clearest = self.clone();
         while clearest.included.len() > problem.max_causes() {
-            let rise = |place: &usize| clearest.rise_without(problem, baseline, *place);
-            let weakest = (0..clearest.included.len()).min_by(|a, b| rise(a).total_cmp(&rise(b)))?;
+            let rises =
+                (0..clearest.included.len()).map(|place| (clearest.rise_without(problem, baseline, place), place));
+            let (_, weakest) = rises.min_by(|a, b| a.0.total_cmp(&b.0))?;
             clearest = clearest.without(problem, baseline, weakest);
         }
         let of_clearest = clearest.included.clone();

@@ -238,33 +238,42 @@ impl History {
         let mut added: Option<Vec<f64>> = None;
         let spans = spans_s(means);
         for (mechanism, size, _) in acting(parameters).filter(|(.., acts)| *acts == Acts::NetMass) {
-            let of_unit: Vec<f64> = if let Some(kg) = self.net_masses_kg(mechanism, parameters) {
-                let sum = integral(&self.past.time_s, &kg);
-                spans.iter().map(|span| self.past.slope_of(&sum, span)).collect()
-            } else {
-                let nearest = |mean: &Observation| {
-                    let next = bins.partition_point(|bin| bin.mean.time_s < mean.time_s);
-                    let apart = |i: &usize| (bins[*i].mean.time_s - mean.time_s).abs();
-                    (next.saturating_sub(1)..(next + 1).min(bins.len()))
-                        .min_by(|a, b| apart(a).total_cmp(&apart(b)))
-                        .expect("a log has bins")
-                };
-                if mechanism == "thermal_lag" {
-                    let rates = spans.iter().map(|span| self.past.slope_of(&self.past.temperature_C, span));
-                    means
-                        .iter()
-                        .zip(rates)
-                        .map(|(mean, rate)| self.per_thermal_rate(&bins[nearest(mean)]) * rate)
-                        .collect()
-                } else {
-                    let column = self.column(mechanism, bins, parameters);
-                    means.iter().map(|mean| column[nearest(mean)]).collect()
-                }
-            };
+            let of_unit = self.unit_in_means(mechanism, means, &spans, bins, parameters);
             let added = added.get_or_insert_with(|| vec![0.0; means.len()]);
             added.iter_mut().zip(of_unit).for_each(|(added, of_unit)| *added += size * of_unit);
         }
         added
+    }
+
+    /// What a unit of a mechanism's size adds to the net mass in each of these means, which last these spans of time.
+    fn unit_in_means(
+        &self,
+        mechanism: &str,
+        means: &[Observation],
+        spans_s: &[[f64; 2]],
+        bins: &[Bin],
+        parameters: &Parameters<f64>,
+    ) -> Vec<f64> {
+        if let Some(kg) = self.net_masses_kg(mechanism, parameters) {
+            let sum = integral(&self.past.time_s, &kg);
+            return spans_s.iter().map(|span| self.past.slope_of(&sum, span)).collect();
+        }
+        let nearest = |mean: &Observation| {
+            let next = bins.partition_point(|bin| bin.mean.time_s < mean.time_s);
+            let apart = |i: &usize| (bins[*i].mean.time_s - mean.time_s).abs();
+            let neighbours = next.saturating_sub(1)..(next + 1).min(bins.len());
+            neighbours.min_by(|a, b| apart(a).total_cmp(&apart(b))).expect("a log has bins")
+        };
+        if mechanism == "thermal_lag" {
+            let rates = spans_s.iter().map(|span| self.past.slope_of(&self.past.temperature_C, span));
+            return means
+                .iter()
+                .zip(rates)
+                .map(|(mean, rate)| self.per_thermal_rate(&bins[nearest(mean)]) * rate)
+                .collect();
+        }
+        let column = self.column(mechanism, bins, parameters);
+        means.iter().map(|mean| column[nearest(mean)]).collect()
     }
 
     /// What a late thermometer adds to the net mass where the water warms by this much a second \[kg s/K\].
