@@ -331,8 +331,9 @@ pub const AT_SEA: &[Mechanism] = &[
         "pressure_hysteresis",
         Instruments,
         ["pressure_hysteresis"],
-        // Strain gauges: 0.1 % of the range, of which a dive uses a half. Ten times that is no hysteresis but a broken gauge.
-        open_ended(0.002).no_further_than(0.02),
+        // Makers of strain gauges state 0.1 % of the range, hysteresis included: 0.2 % of a dive that uses half of it, and 1 % of one that
+        // uses a tenth. More is no hysteresis but a broken gauge.
+        open_ended(0.002).no_further_than(0.01),
         "The pressure sensor reads more on the way up than on the way down",
         "hysteresis of strain-gauge transducers",
         "ascents, opposite above and below the middle of the dive"
