@@ -12,7 +12,7 @@ use super::fitted::{Fitted, weighted_squares};
 use super::holdout;
 use super::iteration::Iteration;
 use super::outcome::{Outcome, Stage};
-use super::replacements::in_place_of;
+use super::replacements::{in_place_of, likelier};
 use super::report::{report, wrong};
 use super::score::SIGNIFICANT;
 use super::subset_search::{Choice, MARGIN};
@@ -66,6 +66,9 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
             (present, refuted) = (rival, of_rival);
             break;
         }
+    }
+    if let Some((likelier, of_likelier)) = present.likelier_that_stands(problem, &baseline, &mut dropped) {
+        (present, refuted) = (likelier, refuted.or(of_likelier));
     }
     let mut is_part = false;
     if present.included.len() > problem.max_causes() {
@@ -253,6 +256,25 @@ impl Fitted {
             let refuted = other.eliminate_backward(problem, baseline, dropped);
             (other.included.len() == asked).then_some((other, refuted))
         })
+    }
+
+    /// The likeliest set with one member exchanged, if it is likelier than this one and all of its members stand.
+    fn likelier_that_stands(
+        &self,
+        problem: &impl Problem,
+        baseline: &Fitted,
+        dropped: &mut Vec<(usize, Why)>,
+    ) -> Option<(Fitted, Option<String>)> {
+        let (other, refuted, of_other) = likelier(problem, self).into_iter().find_map(|mut other| {
+            let (members, mut of_other) = (other.included.len(), dropped.clone());
+            let refuted = other.eliminate_backward(problem, baseline, &mut of_other);
+            (other.included.len() == members).then_some((other, refuted, of_other))
+        })?;
+        *dropped = of_other;
+        dropped.retain(|(member, _)| !other.included.contains(member));
+        let gone = self.included.iter().filter(|member| !other.included.contains(member));
+        dropped.extend(gone.map(|member| (*member, Why::Equivalent)));
+        Some((other, refuted))
     }
 
     /// Alternates between the choice of a set and its fit until the choice stands; returns the curve that goes with it.

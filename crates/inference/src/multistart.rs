@@ -193,15 +193,15 @@ impl Fitted {
         match self.included.len().cmp(&other.included.len()) {
             _ if self.included == other.included => false,
             Ordering::Less => false,
-            Ordering::Equal => self.is_as_likely_as(other),
+            Ordering::Equal => self.squares_above(other) <= 0.0,
             Ordering::Greater => self.held_out_misfit() <= other.held_out_misfit(),
         }
     }
 
-    /// Returns whether it fits as well as another set in units of the noise, the mean of what each takes for noise.
-    fn is_as_likely_as(&self, other: &Fitted) -> bool {
-        let less = |noises| weighted_squares(&self.evidence, noises) - weighted_squares(&other.evidence, noises);
-        less(&self.noises) + less(&other.noises) <= 0.0
+    /// Returns by how much its sum of squares exceeds that of another set, in units of the noise: the mean of what each takes for noise.
+    pub(super) fn squares_above(&self, other: &Fitted) -> f64 {
+        let above = |noises| weighted_squares(&self.evidence, noises) - weighted_squares(&other.evidence, noises);
+        0.5 * (above(&self.noises) + above(&other.noises))
     }
 }
 

@@ -61,16 +61,33 @@ pub(super) fn replacements(
 /// A law that resembles the true one may be found before it, and be refused by what only the true one does.
 pub(super) fn in_place_of(problem: &impl Problem, baseline: &Fitted, refused: &Fitted, place: usize) -> Vec<Fitted> {
     let iteration = Iteration::new(problem.candidates(), refused);
-    let search = iteration.search();
-    let mut others = refused.included.clone();
-    others.remove(place);
-    let gain = search.gain(&refused.included) - search.gain(&others);
+    let gain = iteration.search().gain_of(&refused.included, place);
     let without = refused.without(problem, baseline, place).held_out();
     let is_equal = equal_to(problem, refused, &without);
     let refitted = refitted(problem, refused, &iteration, place, gain).into_iter();
     let mut equal: Vec<Fitted> = refitted.map(|rival| rival.fitted).filter(is_equal).collect();
     equal.sort_by(|a, b| a.held_out_misfit().total_cmp(&b.held_out_misfit()));
     equal
+}
+
+/// The sets with one member exchanged that are likelier than this one, each fitted in full, the likeliest first. The slopes at a
+/// wrong law may keep it before the true one.
+pub(super) fn likelier(problem: &impl Problem, present: &Fitted) -> Vec<Fitted> {
+    let iteration = Iteration::new(problem.candidates(), present);
+    let search = iteration.search();
+    let of_place = |place: usize| {
+        let gain = search.gain_of(&present.included, place);
+        let member = present.included[place];
+        let refitted = refitted(problem, present, &iteration, place, gain).into_iter();
+        let less_likely = |rival: Replacement| {
+            let dearer = search.cost(rival.candidate) - search.cost(member);
+            (rival.fitted.squares_above(present) + dearer, rival.fitted)
+        };
+        refitted.map(less_likely).filter(|(less_likely, _)| *less_likely < 0.0).collect::<Vec<_>>()
+    };
+    let mut likelier: Vec<(f64, Fitted)> = (0..present.included.len()).flat_map(of_place).collect();
+    likelier.sort_by(|a, b| a.0.total_cmp(&b.0));
+    likelier.into_iter().map(|(_, rival)| rival).collect()
 }
 
 /// Whether a rival is equal to the set with a member, `without` being what is left of held-out rows without that member.

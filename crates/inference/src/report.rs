@@ -151,9 +151,7 @@ pub(super) fn cause(
     let candidates = problem.candidates();
     let member = extended.included[place];
     let candidate = &candidates[member];
-    let fit = iteration.score.fit(&search.columns(&extended.included));
-    let others: Vec<usize> = extended.included.iter().copied().filter(|other| *other != member).collect();
-    let gain = fit.gain - if others.is_empty() { 0.0 } else { iteration.score.fit(&search.columns(&others)).gain };
+    let gain = search.gain_of(&extended.included, place);
     let df = iteration.regressors[member].columns.len();
     let parameters = change_point::with_scatter(problem, extended, iteration, place, stage);
 

@@ -104,6 +104,18 @@ impl<'a> SubsetSearch<'a> {
         if columns.is_empty() { 0.0 } else { self.score.fit(&columns).gain }
     }
 
+    /// How much a member explains beside the others of a set, in units of the noise.
+    pub fn gain_of(&self, members: &[usize], place: usize) -> f64 {
+        let mut others = members.to_vec();
+        others.remove(place);
+        self.gain(members) - self.gain(&others)
+    }
+
+    /// What a regressor costs.
+    pub fn cost(&self, regressor: usize) -> f64 {
+        self.costs[regressor]
+    }
+
     /// The best set of mechanisms alone: all singles and pairs, larger sets grown from the best ones.
     pub fn best_mechanisms(&self) -> Choice {
         let named: Vec<usize> = (0..self.regressors.len()).filter(|i| !self.regressors[*i].is_curve).collect();
