@@ -4,12 +4,8 @@
 //! every other one with a measured speed, and fails below the floors.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use glidepolar::diagnose::Diagnosis;
-use glidepolar::diagnose::sea::{Request, diagnose_vehicle};
-use glidepolar::reading;
-use glidepolar::vehicle::Vehicle;
 use glidepolar_virtual_sea::catalogue::parse_requests;
 use glidepolar_virtual_sea::worlds::{World, generate, generate_with};
 use rayon::prelude::*;
@@ -26,18 +22,7 @@ fn blind(seed: u64) -> (Option<Diagnosis>, String) {
 }
 
 fn diagnosed(world: &World) -> Option<Diagnosis> {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = |name: &str| folder.path().join(name);
-    std::fs::write(path("log.csv"), world.log.to_csv()).expect("the log");
-    std::fs::write(path("vehicle.toml"), &world.vehicle_toml).expect("the vehicle");
-    ask(&path("log.csv"), &path("vehicle.toml"))
-}
-
-fn ask(log: &Path, vehicle: &Path) -> Option<Diagnosis> {
-    let vehicle = Vehicle::load(&vehicle.to_string_lossy()).expect("a vehicle");
-    let log = reading::read(&[log.to_owned()], &vehicle, &reading::Request::default()).ok()?;
-    let found = diagnose_vehicle(&vehicle, &log.observations, &Request::default());
-    found.ok().map(|(_, found)| found.outcome.diagnosis)
+    glidepolar_tests::diagnosed(&world.log.to_csv(), &world.vehicle_toml)
 }
 
 /// The first name, or the verdict where there is none.

@@ -3,12 +3,14 @@
 //! `cargo xtask test` builds everything and tells the tests in environment variables. Under plain `cargo test` they are
 //! not set, and the tests that need them skip.
 
+mod blind;
 mod trajectory;
 
 use std::fs::OpenOptions;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+pub use blind::diagnosed;
 pub use trajectory::Trajectory;
 
 /// Something that `cargo xtask test` builds or makes.

@@ -160,6 +160,10 @@ pub(super) fn cause(
     let quantity = &extended.evidence.quantities[headline(problem, extended, &before, &after)];
     let as_read = |left: &DVector<f64>| extended.evidence.column_as_read(left);
     let group = replacements(problem, extended, iteration, place, &before, gain);
+    let log_likelihood_ratio = |rival: &Replacement| {
+        let name = candidates[rival.candidate].name.to_owned();
+        (name, -0.5 * rival.fitted.squares_above(extended))
+    };
     let cause = Cause {
         cause: candidate.name.to_owned(),
         parameters,
@@ -170,6 +174,7 @@ pub(super) fn cause(
         holdout_rms_after: holdout::rms(&as_read(&after), quantity.rows.clone()),
         stability: extended.halves(problem, place),
         indistinguishable_from: group.iter().map(|rival| candidates[rival.candidate].name.to_owned()).collect(),
+        log_likelihood_ratio: group.iter().map(log_likelihood_ratio).collect(),
     };
     Named { cause, candidate: member, group, gain, without: as_read(&before) }
 }

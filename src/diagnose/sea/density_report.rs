@@ -1,6 +1,8 @@
 //! Reports a density that the consistency checks found wrong, or could not check: the cause, the misfit of the log as read, and the
 //! equivalent mechanism. Knows the checks' answer and the diagnosis of the corrected log.
 
+use std::collections::BTreeMap;
+
 use super::SeaProblem;
 use super::consistency::{self, DensityError};
 use crate::diagnose::findings::{Cause, Check, Checked, Verdict};
@@ -76,6 +78,7 @@ fn density_cause(outcome: &Outcome, evidence: &Evidence, error: DensityError, ca
         holdout_rms_before: before,
         holdout_rms_after: after_it,
         stability: Vec::new(),
+        log_likelihood_ratio: BTreeMap::new(),
         indistinguishable_from: Vec::new(),
     }
 }

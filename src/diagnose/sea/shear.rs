@@ -74,7 +74,9 @@ impl UnknownShear {
         let sinks_m_s = rate_of_leg(samples);
         let headings = headings(samples);
         let components = headings.first().map_or(0, |components| components.len());
-        let n_modes = MOST_MODES.min(bins_of_a_leg(bins)).min(bins.len() / (ROWS_PER_MODE * components.max(1)));
+        // The two legs of a dive have their bins at other depths: even one on each tells of two modes.
+        let of_a_dive = 2 * bins_of_a_leg(bins);
+        let n_modes = MOST_MODES.min(of_a_dive).min(bins.len() / (ROWS_PER_MODE * components.max(1)));
         let mut modes = Vec::new();
         for (component, names) in NAMES.iter().enumerate().take(components) {
             for (k, name) in names.iter().enumerate().take(n_modes) {

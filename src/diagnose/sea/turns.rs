@@ -1,6 +1,8 @@
 //! What turns or leans the glider, beside what the vertical plane shows: causes of the turn rate and of the roll join the
 //! diagnosis, a list with its cost.
 
+use std::collections::BTreeMap;
+
 use crate::diagnose::findings::{Cause, Diagnosis, Gain, HalfSize, Rejected, Verdict, Why, Wrong};
 use crate::dynamics::Parameters;
 use crate::estimate::Estimate;
@@ -139,6 +141,7 @@ fn named(cause: &LateralCause, found: &LateralDiagnosis, vehicle: &Vehicle, obse
             })
             .collect(),
         indistinguishable_from: cause.indistinguishable_from.iter().map(|name| (*name).to_owned()).collect(),
+        log_likelihood_ratio: BTreeMap::new(),
     }
 }
 

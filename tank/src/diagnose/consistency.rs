@@ -42,6 +42,7 @@ pub fn signs(hulls: &[HullResults]) -> Option<Diagnosis> {
         holdout_rms_before: slope.abs(),
         holdout_rms_after: slope.abs(),
         stability: Vec::new(),
+        log_likelihood_ratio: BTreeMap::new(),
         indistinguishable_from: Vec::new(),
     };
     let quantity = cause.quantity.clone();
@@ -122,6 +123,7 @@ pub fn temperatures(data: &mut Data) -> Option<Cause> {
         holdout_rms_before: error.abs(),
         holdout_rms_after: variance.sqrt(),
         stability: Vec::new(),
+        log_likelihood_ratio: BTreeMap::new(),
         indistinguishable_from: Vec::new(),
     })
 }

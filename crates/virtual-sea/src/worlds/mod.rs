@@ -94,6 +94,11 @@ pub fn generate(seed: u64, speed: bool) -> World {
 
 /// Generates the world of a seed with effects hidden in it; nothing else of it changes with them.
 pub fn generate_with(seed: u64, speed: bool, effects: &[Request]) -> World {
+    generate_with_noise(seed, speed, effects, 1.0)
+}
+
+/// Generates the same world with this share of its noise: of the errors and steps of instruments, and of the water's random motion.
+pub fn generate_with_noise(seed: u64, speed: bool, effects: &[Request], share: f64) -> World {
     let random = &mut stream(seed, Part::Ocean);
     let bottom_m = match (5.0 * between(random, 0.0, 1.0)) as u32 {
         0 => between(random, 20.0, 60.0),
@@ -101,7 +106,9 @@ pub fn generate_with(seed: u64, speed: bool, effects: &[Request]) -> World {
         2 | 3 => between(random, 200.0, 500.0),
         _ => between(random, 500.0, 1000.0),
     };
-    let sea = Sea::draw(random, bottom_m);
+    let mut sea = Sea::draw(random, bottom_m);
+    sea.wander_m_s *= share;
+    sea.waves_m_s *= share;
     let random = &mut stream(seed, Part::Vehicle);
     let glider = DrawnGlider::draw(random, &sea);
     let motion = match (3.0 * between(random, 0.0, 1.0)) as u32 {
@@ -112,7 +119,7 @@ pub fn generate_with(seed: u64, speed: bool, effects: &[Request]) -> World {
     let random = &mut stream(seed, Part::Mission);
     let plan = Plan::draw(random, &glider, bottom_m);
     let random = &mut stream(seed, Part::Sensors);
-    let mut instruments = Instruments::draw(random, bottom_m, speed);
+    let mut instruments = Instruments::draw(random, bottom_m, speed, share);
     let described = describe(&sea, &glider, motion, &plan, &instruments);
 
     let vehicle = glider.as_vehicle(&glider.descent);
@@ -147,7 +154,7 @@ pub fn generate_with(seed: u64, speed: bool, effects: &[Request]) -> World {
 }
 
 impl Instruments {
-    fn draw(random: &mut Stream, bottom_m: f64, speed: bool) -> Self {
+    fn draw(random: &mut Stream, bottom_m: f64, speed: bool, share: f64) -> Self {
         let degree = std::f64::consts::PI / 180.0;
         // Shallow dives are over before a slow recorder has seen them.
         let slowest_s: f64 = if bottom_m < 60.0 {
@@ -163,8 +170,8 @@ impl Instruments {
             // Of one order of magnitude as likely as of another one.
             let sd = sd.0 * (sd.1 / sd.0).powf(between(random, 0.0, 1.0));
             let colour = Colour::draw(random, longest_s);
-            let noise = Noise::new(random, colour, sd);
-            Reading { noise, step: steps[(between(random, 0.0, 1.0) * steps.len() as f64) as usize] }
+            let noise = Noise::new(random, colour, share * sd);
+            Reading { noise, step: share * steps[(between(random, 0.0, 1.0) * steps.len() as f64) as usize] }
         };
         let pressure = reading((0.002, 0.03), &[0.0, 0.01, 0.03], 0.0);
         let pitch = reading((0.01 * degree, 0.3 * degree), &[0.0, 0.0, 0.001, 0.1 * degree, 0.3 * degree], 60.0);
