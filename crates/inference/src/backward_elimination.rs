@@ -95,7 +95,13 @@ impl Fitted {
             let p_value = |place: usize| {
                 let mut fewer = self.included.clone();
                 let tested = fewer.remove(place);
-                n_names * iteration.chance(&fewer, &[tested])
+                let by_slopes = n_names * iteration.chance(&fewer, &[tested]);
+                if by_slopes <= problem.most_chance() {
+                    return by_slopes;
+                }
+                // Without the member the polar may end far from here, where the slopes taken here say little.
+                let rise = self.rise_without(problem, baseline, place);
+                by_slopes.min(n_names * iteration.chance_of_rise(rise, &fewer, &[tested]))
             };
             let worst = (0..self.included.len())
                 .map(|place| (p_value(place), place))

@@ -62,8 +62,9 @@ fn clusters(block: &[usize], time_s: &[f64], longest_correlation_s: f64) -> Vec<
 }
 
 /// Probability that chance alone brings such an effect of the last `tested` of these columns. `all` are whitened columns,
-/// the target behind them, with the rows of the prior below those of the data; `clusters` are those of the data's rows.
-pub fn chance_by_clusters(all: &DMatrix<f64>, clusters: &[usize], tested: usize) -> f64 {
+/// the target behind them, with the rows of the prior below those of the data; `clusters` are those of the data's rows. The effect
+/// is `magnified` where the likelihood says that it explains more than by these columns; its scatter counts as it is by them.
+pub fn chance_by_clusters(all: &DMatrix<f64>, clusters: &[usize], tested: usize, magnified: f64) -> f64 {
     if tested == 0 {
         return 1.0;
     }
@@ -102,7 +103,7 @@ pub fn chance_by_clusters(all: &DMatrix<f64>, clusters: &[usize], tested: usize)
         between.ger((n - 1.0) / n, &apart, &apart, 1.0);
     }
     let Some(inverse) = between.cholesky() else { return 1.0 };
-    let square = here.dot(&inverse.solve(&here));
+    let square = magnified * here.dot(&inverse.solve(&here));
     let f = square * free / (tested as f64 * (n - 1.0));
     FisherSnedecor::new(tested as f64, free).map_or(1.0, |distribution| distribution.sf(f.max(0.0)))
 }
@@ -168,7 +169,7 @@ mod tests {
             seeds
                 .filter(|seed| {
                     let (all, clusters) = data(*seed, effect);
-                    chance_by_clusters(&all, &clusters, 2) < 0.05
+                    chance_by_clusters(&all, &clusters, 2, 1.0) < 0.05
                 })
                 .count()
         };

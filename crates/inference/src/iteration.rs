@@ -199,20 +199,35 @@ impl<'a> Iteration<'a> {
     /// the noise and that by the scatter between legs or runs.
     pub(super) fn chance(&self, others: &[usize], tested: &[usize]) -> f64 {
         let search = self.search();
-        let with: Vec<usize> = others.iter().chain(tested).copied().collect();
-        let columns = search.columns(tested);
         let by_model = match self.curves.iter().find(|curve| tested == [curve.regressor]) {
             Some(curve) if self.fitted.lasting == Lasting::White => {
                 self.chance_of_curve(&search.columns(others), curve)
             }
-            _ => chance(search.gain(&with) - search.gain(others), columns.len()),
+            _ => chance(self.gain_beside(others, tested), search.columns(tested).len()),
         };
-        // The second test costs more; where the first one is content it has no say.
+        self.or_by_clusters(by_model, others, tested, 1.0)
+    }
+
+    /// The same where the likelihood says that the tested members explain so much, which may be more than by the slopes.
+    pub(super) fn chance_of_rise(&self, rise: f64, others: &[usize], tested: &[usize]) -> f64 {
+        let magnified = (rise / self.gain_beside(others, tested)).max(1.0);
+        self.or_by_clusters(chance(rise, self.search().columns(tested).len()), others, tested, magnified)
+    }
+
+    fn gain_beside(&self, others: &[usize], tested: &[usize]) -> f64 {
+        let search = self.search();
+        let with: Vec<usize> = others.iter().chain(tested).copied().collect();
+        search.gain(&with) - search.gain(others)
+    }
+
+    /// The larger of a probability and that by the scatter between legs or runs. The second test costs more; where the first one is
+    /// content it has no say.
+    fn or_by_clusters(&self, by_model: f64, others: &[usize], tested: &[usize], magnified: f64) -> f64 {
+        let search = self.search();
         if by_model > 0.5 {
-            by_model
-        } else {
-            by_model.max(self.score.chance_by_clusters(&search.columns(others), &columns))
+            return by_model;
         }
+        by_model.max(self.score.chance_by_clusters(&search.columns(others), &search.columns(tested), magnified))
     }
 
     /// The same of a curve by what it leaves itself. The noise is that beside the mechanisms alone: what no mechanism explains is in it.

@@ -58,9 +58,9 @@ impl Fitted {
                 let row = n_baseline + column;
                 fit.step[column].abs() * certain / covariances.by_clusters[(row, row)].max(0.0).sqrt()
             };
-            let known_by_slopes = |place: usize| {
+            let known_by_model = |place: usize| {
                 let column = first_column(place);
-                (fit.step[column].abs() / fit.se(column)).min(known_by_clusters(place))
+                fit.step[column].abs() / fit.se(column)
             };
             let search = iteration.search();
             let without = |place: usize| {
@@ -73,12 +73,14 @@ impl Fitted {
                 problem.least_known(self.included[place]) * if Some(place) == largest { 1.0 } else { BESIDE_ANOTHER }
             };
             let known = |place: usize| {
-                let by_slopes = known_by_slopes(place);
+                let by_model = known_by_model(place);
+                let by_slopes = by_model.min(known_by_clusters(place));
                 if by_slopes >= asked(place) {
                     return by_slopes;
                 }
+                // The scatter between clusters counts as it does by the slopes.
                 let by_likelihood = self.rise_without(problem, baseline, place).max(0.0).sqrt();
-                by_slopes.max(by_likelihood.min(known_by_clusters(place)))
+                by_slopes.max(by_likelihood * by_slopes / by_model)
             };
             let hardly = (0..self.included.len())
                 .map(|place| (known(place), place))

@@ -138,13 +138,14 @@ impl Score {
     }
 
     /// Probability that chance alone brings an effect of the `tested` columns beside those of the `others`, by the scatter
-    /// between clusters.
-    pub fn chance_by_clusters(&self, others: &[usize], tested: &[usize]) -> f64 {
+    /// between clusters; `magnified` as in [`chance_by_clusters`].
+    pub fn chance_by_clusters(&self, others: &[usize], tested: &[usize], magnified: f64) -> f64 {
         let target = self.whitened.ncols() - 1;
         let columns = (0..self.n_baseline)
             .chain(others.iter().chain(tested).map(|column| self.n_baseline + column))
             .chain([target]);
-        chance_by_clusters(&self.whitened.select_columns(&columns.collect::<Vec<_>>()), &self.clusters, tested.len())
+        let columns = self.whitened.select_columns(&columns.collect::<Vec<_>>());
+        chance_by_clusters(&columns, &self.clusters, tested.len(), magnified)
     }
 
     /// The sum of squares that a fit of these columns leaves in each cluster.
