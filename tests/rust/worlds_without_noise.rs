@@ -14,7 +14,7 @@ use rayon::prelude::*;
 /// Of the noise of a world.
 const SHARE: f64 = 0.01;
 
-/// By how much a size may be off, relative to it: what a pilot would not correct for.
+/// By how much a size may be off, relative to it, beside its interval: what a pilot would not correct for.
 const OFF: f64 = 0.1;
 
 /// Of the sizes, how many may be off by more; of the logs, how many may have a wrong answer.
@@ -24,8 +24,8 @@ const MISSED: f64 = 0.05;
 struct Answer {
     /// Effect, seed, what was said.
     line: String,
-    /// Found over hidden, where the true mechanism is named, or its size stands beside the name.
-    ratio: Option<f64>,
+    /// Whether the size is off by more than its interval and [`OFF`]; where the true mechanism is named, or its size stands beside the name.
+    is_off: Option<bool>,
     /// Nothing, or a name with the true one in its group.
     is_right: bool,
 }
@@ -45,16 +45,15 @@ fn answer(effect: &str, seed: u64) -> Option<Answer> {
     let names: Vec<&str> = found.causes.iter().map(|cause| cause.cause.as_str()).collect();
     // A scale is off by what it differs from neutral.
     let neutral = if glidepolar::mechanisms::at_sea(effect)?.size.is_ratio { 1.0 } else { 0.0 };
-    let ratio = size.map(|size| (size.value - neutral) / (hidden - neutral));
-    let said = size.map_or_else(String::new, |size| format!("{:.4} +- {:.4}", size.value, size.se));
-    let line = format!(
-        "{effect:<24} {seed} {:?} {} {hidden:.4} found {said}, ratio {:.3}; {}",
-        found.verdict,
-        names.join("+"),
-        ratio.unwrap_or(f64::NAN),
-        world.drawn
-    );
-    Some(Answer { line, ratio, is_right })
+    let ratio = |size: &Estimate| (size.value - neutral) / (hidden - neutral);
+    let is_beyond = |size: &Estimate| hidden < size.ci95[0] || hidden > size.ci95[1];
+    let is_off = size.map(|size| is_beyond(size) && (ratio(size) - 1.0).abs() > OFF);
+    let said = size.map_or_else(String::new, |size| {
+        format!("found {:.3e} +- {:.1e}, ratio {:.3}", size.value, size.se, ratio(size))
+    });
+    let names = names.join("+");
+    let line = format!("{effect:<24} {seed} {:?} {names} {hidden:.3e} {said}; {}", found.verdict, world.drawn);
+    Some(Answer { line, is_off, is_right })
 }
 
 /// The size of the true mechanism: as named, or alone in the place of the named one.
@@ -72,8 +71,8 @@ fn check(seeds: std::ops::Range<u64>) {
     let tasks: Vec<(&str, u64)> =
         with_size.flat_map(|mechanism| seeds.clone().map(|seed| (mechanism.name, seed))).collect();
     let answers: Vec<Answer> = tasks.into_par_iter().filter_map(|(effect, seed)| answer(effect, seed)).collect();
-    let is_off = |answer: &&Answer| answer.ratio.is_some_and(|ratio| (ratio - 1.0).abs() > OFF);
-    let sized = answers.iter().filter(|answer| answer.ratio.is_some()).count();
+    let sized = answers.iter().filter(|answer| answer.is_off.is_some()).count();
+    let is_off = |answer: &&Answer| answer.is_off == Some(true);
     let off: Vec<&str> = answers.iter().filter(is_off).map(|answer| answer.line.as_str()).collect();
     let wrong: Vec<&str> =
         answers.iter().filter(|answer| !answer.is_right).map(|answer| answer.line.as_str()).collect();

@@ -20,6 +20,9 @@ use super::subset_search::{Choice, MARGIN};
 /// Alternations of fit and search.
 const MAX_ROUNDS: usize = 6;
 
+/// Most mechanisms that are asked whether they stand alone, as many as are fitted in full in the place of one.
+const MOST_ALONE: usize = 8;
+
 /// Share of what the best curve explains that few parameters with a name must reach to keep it: what a rigid law explains
 /// but for a twentieth is that law, imperfectly written down, and the rest is reported as unexplained.
 const FULL_SHARE: f64 = 0.95;
@@ -50,13 +53,11 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
     if let Some((standing, of_standing)) = found.stands_with_another(problem, &baseline, &mut dropped) {
         (present, refuted) = (standing, of_standing);
     }
-    // Several laws that fit together may not predict together: then the best of them all by the slopes may stand alone.
-    if present.included.is_empty()
-        && found.included.len() > 1
-        && let Some(mut alone) = baseline.best_alone(problem)
-    {
-        refuted = refuted.or(alone.eliminate_backward(problem, &baseline, &mut dropped));
-        present = alone;
+    // Several laws that fit together may not predict together, or be what they are not: then one of them all may stand alone.
+    if present.included.is_empty() && found.included.len() > 1 {
+        let (alone, of_alone) = baseline.stands_alone(problem, &mut dropped);
+        refuted = refuted.or(of_alone);
+        present = alone.unwrap_or(present);
     }
     // What was found in full, alone, stands where the slopes' choice does no better: in the place of one of its mechanisms,
     // or of them all where backward elimination left no more than one.
@@ -219,13 +220,38 @@ fn decide(
 }
 
 impl Fitted {
-    /// The mechanism that explains most for its cost by the slopes here, fitted in full.
-    fn best_alone(&self, problem: &impl Problem) -> Option<Fitted> {
-        let iteration = Iteration::new(problem.candidates(), self);
-        let members = iteration.search().within(0.0, 1).into_iter().next()?.members;
-        let mut alone = Fitted::new(problem, iteration.point_of(&members, problem), members);
-        alone.converge(problem);
-        alone.is_possible(problem.candidates()).then_some(alone)
+    /// The first mechanism that stands alone, those that explain most for their cost by the slopes here first; with the covariate of what
+    /// was refuted on the way. After the first only one that removes nearly all of a gross misfit: many are asked, and chance answers.
+    fn stands_alone(
+        &self,
+        problem: &impl Problem,
+        dropped: &mut Vec<(usize, Why)>,
+    ) -> (Option<Fitted>, Option<String>) {
+        let candidates = problem.candidates();
+        let iteration = Iteration::new(candidates, self);
+        let mut names: Vec<&str> = Vec::new();
+        let mut singles = iteration.search().within(0.0, 1);
+        singles.retain(|single| {
+            let name = candidates[single.members[0]].name;
+            let is_first = !names.contains(&name);
+            names.extend(is_first.then_some(name));
+            is_first
+        });
+        let mut refuted = None;
+        for (place, single) in singles.into_iter().take(MOST_ALONE).enumerate() {
+            let mut alone = Fitted::new(problem, iteration.point_of(&single.members, problem), single.members);
+            alone.converge(problem);
+            if !alone.is_possible(candidates) {
+                continue;
+            }
+            let of_alone = alone.eliminate_backward(problem, self, dropped);
+            refuted = refuted.or(of_alone);
+            if !alone.included.is_empty() && (place == 0 || alone.removes_nearly_all(self)) {
+                dropped.retain(|(member, _)| !alone.included.contains(member));
+                return (Some(alone), refuted);
+            }
+        }
+        (None, refuted)
     }
 
     /// This set with one of its refused members exchanged for a mechanism that predicts as well, if then all of them stand; with

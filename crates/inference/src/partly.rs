@@ -50,7 +50,7 @@ impl Fitted {
     }
 
     /// Whether these mechanisms remove nearly all of a gross misfit on held-out data, and spoil no quantity.
-    fn removes_nearly_all(&self, baseline: &Fitted) -> bool {
+    pub(super) fn removes_nearly_all(&self, baseline: &Fitted) -> bool {
         let (before, after) = (baseline.held_out(), self.held_out());
         let rms = |values, quantity: usize| holdout::rms(values, self.evidence.quantities[quantity].rows.clone());
         // What the baseline takes for noise holds a part of its misfit: the measurement's own is known beside the mechanism.
