@@ -88,6 +88,11 @@ fn what_explains_all_of_a_misfit_is_named() {
         let found = diagnosed(&world).expect("a diagnosis");
         let shown = || format!("{effect}: {}; {}", verdict(Some(&found)), what_is_left(Some(&found)));
         let first = found.causes.first().unwrap_or_else(|| panic!("{}", shown()));
+        for (name, ratio) in &first.log_likelihood_ratio {
+            assert!(first.indistinguishable_from.contains(name), "{name} is none of the group");
+            // A likelier one that stands has the name; one that is not named costs more, or does not stand.
+            assert!(ratio.is_finite() && *ratio < 3.0, "{name}: {ratio}");
+        }
         let beside = || found.alternatives.iter().filter(|set| set.len() == 1).flat_map(|set| &set[0].parameters);
         let sizes = first.parameters.iter().chain(beside());
         let size = sizes.filter(|(name, _)| *name == parameter).map(|(_, size)| size.ci95).next();

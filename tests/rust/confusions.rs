@@ -337,6 +337,20 @@ fn a_scale_of_the_speed_is_named_in_deep_water() {
     assert_eq!(answer.said, "speed_scale", "{}", answer.evidence);
 }
 
+/// Logs in which the slopes at another law hide the true one:
+///
+/// - carried water, before which a ballast scale of 0.74 stood, though its sum of squares was larger by 23;
+/// - a scale of the pressure. Without it the polar runs away, and slopes count 19 of the 62 by which the sum of squares falls;
+/// - carried water behind a creep and an expansion that fit together, neither with a size that nature has.
+#[test]
+fn what_the_slopes_at_another_law_hide_is_found() {
+    for (effect, seed) in [("carried_water", 81_000), ("pressure_scale", 81_202), ("carried_water", 81_307)] {
+        let answer = Answer::diagnose(effect, seed, true, true).expect("a diagnosis");
+        assert!(answer.is_in_group() && answer.wrong_names() == 0, "{seed}: {}", answer.evidence);
+        assert!(effect == "pressure_scale" || answer.is_right(), "{seed}: {}", answer.evidence);
+    }
+}
+
 /// Dives to 41 m of one bin a leg, through 0.22 m/s of shear in 11 m: with one mode of the shear a misfit along the heading hid the current.
 #[test]
 fn a_shear_that_one_bin_on_each_leg_meets_does_not_hide_a_vertical_current() {

@@ -53,7 +53,7 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
     if let Some((standing, of_standing)) = found.stands_with_another(problem, &baseline, &mut dropped) {
         (present, refuted) = (standing, of_standing);
     }
-    // Several laws that fit together may not predict together, or be what they are not: then one of them all may stand alone.
+    // Several laws that fit together may not predict together, or have sizes that nature does not have: then one may stand alone.
     if present.included.is_empty() && found.included.len() > 1 {
         let (alone, of_alone) = baseline.stands_alone(problem, &mut dropped);
         refuted = refuted.or(of_alone);

@@ -315,6 +315,13 @@ pub(super) fn weighted(evidence: &Evidence, noises: &[Noise], values: &DVector<f
     column.norm_squared() + belief_squares(evidence)
 }
 
+/// Minus twice the logarithm of the likelihood under these noises, with what is believed, up to a constant.
+pub(super) fn deviance(evidence: &Evidence, noises: &[Noise]) -> f64 {
+    let mut column = DMatrix::from_column_slice(evidence.residual.len(), 1, evidence.residual.as_slice());
+    let log_determinant = whiten(evidence, noises, &mut column);
+    log_determinant + column.norm_squared() + belief_squares(evidence)
+}
+
 /// Squares of how far the parameters are from what is believed, in units of its standard deviations.
 pub(super) fn belief_squares(evidence: &Evidence) -> f64 {
     evidence.prior.iter().map(|(belief, sd)| (belief / sd).powi(2)).sum()

@@ -6,7 +6,7 @@ use std::cmp::Ordering;
 use rayon::prelude::*;
 
 use super::evidence::{Evidence, Point, Problem, Quantity};
-use super::fitted::{Fitted, MAX_NOISE_ROUNDS, belief_squares, believing, noises, weighted_squares};
+use super::fitted::{Fitted, MAX_NOISE_ROUNDS, belief_squares, believing, deviance, noises};
 use super::holdout;
 use super::iteration::Iteration;
 use super::score::{SIGNIFICANT, chance};
@@ -193,15 +193,19 @@ impl Fitted {
         match self.included.len().cmp(&other.included.len()) {
             _ if self.included == other.included => false,
             Ordering::Less => false,
-            Ordering::Equal => self.squares_above(other) <= 0.0,
+            Ordering::Equal => self.deviance_above(other) <= 0.0,
             Ordering::Greater => self.held_out_misfit() <= other.held_out_misfit(),
         }
     }
 
-    /// Returns by how much its sum of squares exceeds that of another set, in units of the noise: the mean of what each takes for noise.
-    pub(super) fn squares_above(&self, other: &Fitted) -> f64 {
-        let above = |noises| weighted_squares(&self.evidence, noises) - weighted_squares(&other.evidence, noises);
-        0.5 * (above(&self.noises) + above(&other.noises))
+    /// Returns by how much it is less likely than another set: minus twice the logarithm of the ratio of likelihoods, each set with
+    /// that noise of the two under which it is the likelier.
+    pub(super) fn deviance_above(&self, other: &Fitted) -> f64 {
+        let least = |fitted: &Fitted| {
+            let under = |noises: &[Noise]| deviance(&fitted.evidence, noises);
+            under(&self.noises).min(under(&other.noises))
+        };
+        least(self) - least(other)
     }
 }
 

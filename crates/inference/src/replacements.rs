@@ -70,8 +70,8 @@ pub(super) fn in_place_of(problem: &impl Problem, baseline: &Fitted, refused: &F
     equal
 }
 
-/// The sets with one member exchanged that are likelier than this one, each fitted in full, the likeliest first. The slopes at a
-/// wrong law may keep it before the true one.
+/// The sets with one member exchanged that are likelier than this one and predict held-out data no worse, each fitted in full, the
+/// likeliest first. The slopes at a wrong law may keep it before the true one. Likelihood alone forgives what is slow, as noise may be.
 pub(super) fn likelier(problem: &impl Problem, present: &Fitted) -> Vec<Fitted> {
     let iteration = Iteration::new(problem.candidates(), present);
     let search = iteration.search();
@@ -81,9 +81,12 @@ pub(super) fn likelier(problem: &impl Problem, present: &Fitted) -> Vec<Fitted> 
         let refitted = refitted(problem, present, &iteration, place, gain).into_iter();
         let less_likely = |rival: Replacement| {
             let dearer = search.cost(rival.candidate) - search.cost(member);
-            (rival.fitted.squares_above(present) + dearer, rival.fitted)
+            (rival.fitted.deviance_above(present) + dearer, rival.fitted)
         };
-        refitted.map(less_likely).filter(|(less_likely, _)| *less_likely < 0.0).collect::<Vec<_>>()
+        let is_likelier = |(less_likely, rival): &(f64, Fitted)| {
+            *less_likely < 0.0 && rival.held_out_misfit() <= present.held_out_misfit()
+        };
+        refitted.map(less_likely).filter(is_likelier).collect::<Vec<_>>()
     };
     let mut likelier: Vec<(f64, Fitted)> = (0..present.included.len()).flat_map(of_place).collect();
     likelier.sort_by(|a, b| a.0.total_cmp(&b.0));

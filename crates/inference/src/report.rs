@@ -162,7 +162,7 @@ pub(super) fn cause(
     let group = replacements(problem, extended, iteration, place, &before, gain);
     let log_likelihood_ratio = |rival: &Replacement| {
         let name = candidates[rival.candidate].name.to_owned();
-        (name, -0.5 * rival.fitted.squares_above(extended))
+        (name, -0.5 * rival.fitted.deviance_above(extended))
     };
     let cause = Cause {
         cause: candidate.name.to_owned(),

@@ -63,14 +63,16 @@ pub fn whiten_with_prior(evidence: &Evidence, noises: &[Noise], columns: &DMatri
     all
 }
 
-/// Whitens every column of each quantity by its noise.
-pub fn whiten(evidence: &Evidence, noises: &[Noise], columns: &mut DMatrix<f64>) {
+/// Whitens every column of each quantity by its noise; returns the logarithm of the determinant of the covariance.
+pub fn whiten(evidence: &Evidence, noises: &[Noise], columns: &mut DMatrix<f64>) -> f64 {
+    let mut log_determinant = 0.0;
     for (quantity, noise) in evidence.quantities.iter().zip(noises) {
         let rows = quantity.rows.clone();
         let mut part = columns.rows(rows.start, rows.len()).into_owned();
-        noise::whiten(evidence.series(quantity), noise, &mut part);
+        log_determinant += noise::whiten(evidence.series(quantity), noise, &mut part);
         columns.rows_mut(rows.start, rows.len()).copy_from(&part);
     }
+    log_determinant
 }
 
 impl ScoreFit {
