@@ -74,9 +74,7 @@ impl UnknownShear {
         let sinks_m_s = rate_of_leg(samples);
         let headings = headings(samples);
         let components = headings.first().map_or(0, |components| components.len());
-        // The two legs of a dive have their bins at other depths: even one on each tells of two modes.
-        let of_a_dive = 2 * bins_of_a_leg(bins);
-        let n_modes = MOST_MODES.min(of_a_dive).min(bins.len() / (ROWS_PER_MODE * components.max(1)));
+        let n_modes = MOST_MODES.min(depths_of_a_dive(bins)).min(bins.len() / (ROWS_PER_MODE * components.max(1)));
         let mut modes = Vec::new();
         for (component, names) in NAMES.iter().enumerate().take(components) {
             for (k, name) in names.iter().enumerate().take(n_modes) {
@@ -219,10 +217,22 @@ fn headings(samples: &[Observation]) -> Vec<Vec<f64>> {
     known.collect()
 }
 
-/// The median number of bins on a leg.
-fn bins_of_a_leg(bins: &[Bin]) -> usize {
+/// At how many depths a dive has bins: as many as the median leg has. One on each leg are two where descents and ascents have theirs
+/// at other depths, by what the thinnest mode resolves; a row that stands for a whole leg is in the middle on both.
+fn depths_of_a_dive(bins: &[Bin]) -> usize {
     let mut counts: Vec<f64> = bins.chunk_by(|a, b| a.mean.leg == b.mean.leg).map(|leg| leg.len() as f64).collect();
-    if counts.is_empty() { 0 } else { crate::log::median(&mut counts) as usize }
+    if counts.is_empty() {
+        return 0;
+    }
+    let of_a_leg = crate::log::median(&mut counts) as usize;
+    let median_depth_m = |sinks: bool| {
+        let of_legs = bins.iter().filter(|bin| (bin.mean.sink_m_s > 0.0) == sinks);
+        let mut depths_m: Vec<f64> = of_legs.map(|bin| depth_m(&bin.mean)).collect();
+        if depths_m.is_empty() { f64::NAN } else { crate::log::median(&mut depths_m) }
+    };
+    let deepest_m = bins.iter().map(|bin| depth_m(&bin.mean)).fold(0.0, f64::max);
+    let are_apart = (median_depth_m(true) - median_depth_m(false)).abs() > deepest_m / MOST_MODES as f64;
+    of_a_leg.max(if are_apart { 2 } else { 1 })
 }
 
 #[cfg(test)]
