@@ -11,7 +11,7 @@ use glidepolar_virtual_sea::catalogue::parse_requests;
 use glidepolar_virtual_sea::worlds::generate_with_noise;
 use rayon::prelude::*;
 
-/// Of the noise of a world.
+/// Share of the noise of a world.
 const SHARE: f64 = 0.01;
 
 /// By how much a size may be off, relative to it, beside its interval: what a pilot would not correct for.

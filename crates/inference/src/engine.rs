@@ -221,7 +221,7 @@ fn decide(
 
 impl Fitted {
     /// The first mechanism that stands alone, those that explain most for their cost by the slopes here first; with the covariate of what
-    /// was refuted on the way. After the first only one that removes nearly all of a gross misfit: many are asked, and chance answers.
+    /// was refuted on the way. After the first only one that removes nearly all of a gross misfit: of many that are tried one may fit by chance.
     fn stands_alone(
         &self,
         problem: &impl Problem,

@@ -71,7 +71,7 @@ pub(super) fn in_place_of(problem: &impl Problem, baseline: &Fitted, refused: &F
 }
 
 /// The sets with one member exchanged that are likelier than this one and predict held-out data no worse, each fitted in full, the
-/// likeliest first. The slopes at a wrong law may keep it before the true one. Likelihood alone forgives what is slow, as noise may be.
+/// likeliest first. The slopes at a wrong law may keep it before the true one. The likelihood alone may take a slow misfit for noise.
 pub(super) fn likelier(problem: &impl Problem, present: &Fitted) -> Vec<Fitted> {
     let iteration = Iteration::new(problem.candidates(), present);
     let search = iteration.search();
@@ -80,8 +80,8 @@ pub(super) fn likelier(problem: &impl Problem, present: &Fitted) -> Vec<Fitted> 
         let member = present.included[place];
         let refitted = refitted(problem, present, &iteration, place, gain).into_iter();
         let less_likely = |rival: Replacement| {
-            let dearer = search.cost(rival.candidate) - search.cost(member);
-            (rival.fitted.deviance_above(present) + dearer, rival.fitted)
+            let cost_above = search.cost(rival.candidate) - search.cost(member);
+            (rival.fitted.deviance_above(present) + cost_above, rival.fitted)
         };
         let is_likelier = |(less_likely, rival): &(f64, Fitted)| {
             *less_likely < 0.0 && rival.held_out_misfit() <= present.held_out_misfit()
