@@ -140,7 +140,7 @@ impl Score {
     }
 
     /// Probability that chance alone brings an effect of the `tested` columns beside those of the `others`, by the scatter
-    /// between clusters; `magnified` as in [`chance_by_clusters`].
+    /// between clusters. The effect is `magnified` where the likelihood says that it explains more than these columns show.
     pub fn chance_by_clusters(&self, others: &[usize], tested: &[usize], magnified: f64) -> f64 {
         let target = self.whitened.ncols() - 1;
         let columns = (0..self.n_baseline)
