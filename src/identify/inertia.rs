@@ -75,6 +75,15 @@ pub(super) fn courses<'o>(
         let goes_on = a.leg == b.leg && step_s > 0.0 && step_s <= gap_s;
         goes_on.then(|| ((to.speed_m_s - from.speed_m_s) / step_s, step_s))
     };
+    // What a late sensor reads is behind by its lag.
+    let true_sink_m_s = |j: usize| {
+        let read_m_s = |j: usize| observations[j].sink_m_s;
+        let [before, after] =
+            [j.saturating_sub(1), j + 1].map(|k| if rate(k.min(j), k.max(j)).is_some() { k } else { j });
+        let over_s = observations[after].time_s - observations[before].time_s;
+        let slope = if over_s > 0.0 { (read_m_s(after) - read_m_s(before)) / over_s } else { 0.0 };
+        read_m_s(j) + parameters.pressure_lag_s * slope
+    };
     let mut late_m_s = 0.0;
     let nothing = Course { inertia: Inertia::NONE, at_rest: Inertia::NONE, steady_m_s: None };
     let mut found = vec![nothing; observations.len()];
@@ -95,9 +104,9 @@ pub(super) fn courses<'o>(
                     let goes_on = *j == i || rate(j - 1, *j).is_some();
                     goes_on && is_run_in(*j) && observations[*j].time_s <= observations[i].time_s + MEASURED_S
                 };
-                let measured: Vec<(&Steady, &Observation)> = (i..steady.len())
+                let measured: Vec<(&Steady, f64, f64)> = (i..steady.len())
                     .take_while(is_in)
-                    .filter_map(|j| Some((steady[j].as_ref()?, observations[j])))
+                    .filter_map(|j| Some((steady[j].as_ref()?, observations[j].time_s, true_sink_m_s(j))))
                     .collect();
                 begun_as_measured(behind, &measured)
             }
@@ -115,9 +124,10 @@ pub(super) fn courses<'o>(
     }
     let time_s: Vec<f64> = observations.iter().map(|o| o.time_s).collect();
     let goes_on = |i: usize, j: usize| rate(i, j).is_some();
-    let late = rates_read(parameters.pressure_lag_s, &time_s, &sink_m_s, goes_on);
+    let read_m_s = |i: usize| is_run_in(i).then(|| observations[i].sink_m_s);
+    let late = rates_read(parameters.pressure_lag_s, &time_s, &sink_m_s, goes_on, read_m_s);
     let steady_m_s: Vec<f64> = steady.iter().map(|steady| steady.map_or(f64::NAN, |steady| steady.sink_m_s)).collect();
-    let at_rest = rates_read(parameters.pressure_lag_s, &time_s, &steady_m_s, goes_on);
+    let at_rest = rates_read(parameters.pressure_lag_s, &time_s, &steady_m_s, goes_on, read_m_s);
     for (found, (late, at_rest)) in found.iter_mut().zip(late.into_iter().zip(at_rest)) {
         (found.inertia.sink_rate_m_s2, found.at_rest.sink_rate_m_s2) = (late, at_rest);
         if let Some([sink_m_s, _]) = &mut found.steady_m_s {
@@ -128,9 +138,39 @@ pub(super) fn courses<'o>(
 }
 
 /// Rates of the vertical velocity that a sensor reads which follows the true one as a first-order lag \[m/s2\]: what is read is the
-/// true one less the lag times this. A stretch begins as if it had long been going along its first straight line.
-fn rates_read(lag_s: f64, time_s: &[f64], sink_m_s: &[f64], goes_on: impl Fn(usize, usize) -> bool) -> Vec<f64> {
+/// true one less the lag times this. A stretch begins so that it reads what was `read_m_s` in the samples before the first that counts,
+/// as after a turn; without any, as if it had long been going along its first straight line.
+fn rates_read(
+    lag_s: f64,
+    time_s: &[f64],
+    sink_m_s: &[f64],
+    goes_on: impl Fn(usize, usize) -> bool,
+    read_m_s: impl Fn(usize) -> Option<f64>,
+) -> Vec<f64> {
     let slope = |i: usize, j: usize| (sink_m_s[j] - sink_m_s[i]) / (time_s[j] - time_s[i]);
+    // What is left of being behind at one sample when the next comes, and how far behind the line between them leaves it.
+    let follow = |late_m_s: f64, i: usize| {
+        let behind_m_s = lag_s * slope(i - 1, i);
+        behind_m_s + (late_m_s - behind_m_s) * (-(time_s[i] - time_s[i - 1]) / lag_s.abs()).exp()
+    };
+    let begin = |i: usize| {
+        // From no lag behind at all, what is read says how far behind it began: least squares of what has not died away.
+        let (mut late_m_s, mut moment, mut squares) = (0.0, 0.0, 0.0);
+        for j in i..time_s.len() {
+            if j > i {
+                if !goes_on(j - 1, j) {
+                    break;
+                }
+                late_m_s = follow(late_m_s, j);
+            }
+            let Some(read_m_s) = read_m_s(j) else { break };
+            let left = (-(time_s[j] - time_s[i]) / lag_s.abs()).exp();
+            moment += left * (sink_m_s[j] - read_m_s - late_m_s);
+            squares += left * left;
+        }
+        let begins_m_s = moment / squares;
+        if begins_m_s.is_finite() { begins_m_s } else { lag_s * slope(i, i + 1) }
+    };
     let mut late_m_s = 0.0;
     let of_one = |i: usize| {
         let (begins, ends) = (i == 0 || !goes_on(i - 1, i), !goes_on(i, i + 1));
@@ -144,29 +184,26 @@ fn rates_read(lag_s: f64, time_s: &[f64], sink_m_s: &[f64], goes_on: impl Fn(usi
         }
         late_m_s = match (begins, ends) {
             (true, true) => 0.0,
-            (true, false) => lag_s * slope(i, i + 1),
-            (false, _) => {
-                let behind_m_s = lag_s * slope(i - 1, i);
-                behind_m_s + (late_m_s - behind_m_s) * (-(time_s[i] - time_s[i - 1]) / lag_s.abs()).exp()
-            }
+            (true, false) => begin(i),
+            (false, _) => follow(late_m_s, i),
         };
         late_m_s / lag_s
     };
     (0..time_s.len()).map(of_one).collect()
 }
 
-/// By how much a glider is behind at the first of these samples, so that it flies as fast as was measured on them: least squares over
+/// By how much a glider is behind at the first of these samples, each with its time and measured vertical velocity, so that it flies as fast as was measured on them: least squares over
 /// the speeds that follow, from the given guess on.
-fn begun_as_measured(guess_m_s: f64, samples: &[(&Steady, &Observation)]) -> f64 {
-    let measured: Vec<Option<f64>> = samples.iter().map(|(steady, o)| steady.speed_at(o.sink_m_s)).collect();
+fn begun_as_measured(guess_m_s: f64, samples: &[(&Steady, f64, f64)]) -> f64 {
+    let measured: Vec<Option<f64>> = samples.iter().map(|(steady, _, sink_m_s)| steady.speed_at(*sink_m_s)).collect();
     let mut begin_m_s = guess_m_s;
     // What follows depends on the beginning nearly in proportion.
     for _ in 0..2 {
         let (mut late_m_s, mut left) = (begin_m_s, 1.0);
         let (mut moment, mut squares) = (0.0, 0.0);
-        for (place, (steady, observed)) in samples.iter().enumerate() {
-            if let Some((before, earlier)) = place.checked_sub(1).map(|before| samples[before]) {
-                let step_s = observed.time_s - earlier.time_s;
+        for (place, (steady, time_s, _)) in samples.iter().enumerate() {
+            if let Some((before, earlier_s, _)) = place.checked_sub(1).map(|before| samples[before]) {
+                let step_s = time_s - earlier_s;
                 let rate = (steady.speed_m_s - before.speed_m_s) / step_s;
                 late_m_s = steady.follow(late_m_s, rate, step_s);
                 left *= (-step_s / steady.slow_s(1.0)).exp();
@@ -178,7 +215,7 @@ fn begun_as_measured(guess_m_s: f64, samples: &[(&Steady, &Observation)]) -> f64
         if squares == 0.0 {
             return guess_m_s;
         }
-        let (first, _) = samples[0];
+        let (first, _, _) = samples[0];
         let most = (1.0 - SLOWEST_BEGINNING) * first.speed_m_s;
         begin_m_s = (begin_m_s + moment / squares).clamp(-most, most);
     }
@@ -207,7 +244,7 @@ pub(super) mod tests {
         let time_s: Vec<f64> = (0..600).map(|i| 2.0 * f64::from(i)).collect();
         let goes_on = |i: usize, j: usize| j < 600 && i < j;
         let read = |sink: &[f64]| -> Vec<f64> {
-            let rates = rates_read(lag_s, &time_s, sink, goes_on);
+            let rates = rates_read(lag_s, &time_s, sink, goes_on, |_| None);
             sink.iter().zip(rates).map(|(sink, rate)| sink - lag_s * rate).collect()
         };
         let ramp: Vec<f64> = time_s.iter().map(|t| 0.1 + 1e-4 * t).collect();
@@ -222,8 +259,15 @@ pub(super) mod tests {
             let expected = 0.01 * left * (per_s * t - late_rad).sin();
             assert!((read - expected).abs() < 2e-5, "{t} s: {read} against {expected}");
         }
+        // After a turn it still reads the other leg: what it read in the first minute says how far behind it began.
+        let sinks = vec![0.1; 600];
+        let turned = |t: f64| 0.1 - 0.2 * (-(t + 10.0) / lag_s).exp();
+        let rates = rates_read(lag_s, &time_s, &sinks, goes_on, |i| (i < 30).then(|| turned(time_s[i])));
+        for (t, rate) in time_s.iter().zip(rates) {
+            assert!((0.1 - lag_s * rate - turned(*t)).abs() < 1e-12, "{t} s");
+        }
         // Without a lag the rate is that of the velocity itself.
-        let rates = rates_read(0.0, &time_s, &hunting, goes_on);
+        let rates = rates_read(0.0, &time_s, &hunting, goes_on, |_| None);
         for (t, rate) in time_s.iter().zip(rates).skip(1).take(598) {
             assert!((rate - 0.01 * per_s * (per_s * t).cos()).abs() < 2e-6, "{t} s: {rate}");
         }
