@@ -120,6 +120,8 @@ pub fn list(bins: &[Bin], channels: &Channels, tried: &Tried, parameters: &Param
         let possible = match mechanism.name {
             // No more comes late than expands at all.
             "late_expansion" => [least, most.min(parameters.hull_thermal_expansion_per_K)],
+            // Without salinity the density may be that at p = 0, which looks like a hull that is stiffer by as much.
+            "hull_compressibility" if !has_salinity => [least - WATER_COMPRESSIBILITY_PER_PA, most],
             _ => [least, most],
         };
         for version in versions {

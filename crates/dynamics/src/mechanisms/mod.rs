@@ -101,8 +101,8 @@ pub const AT_SEA: &[Mechanism] = &[
         "hull_compressibility",
         Motion,
         ["hull_compressibility_per_Pa"],
-        // A density evaluated at p = 0 looks like a hull that is stiffer by the compressibility of sea water, 4.4e-10 1/Pa.
-        bounded(5e-10).no_less_than(-5e-10),
+        // Hulls lie between a rigid one and one as soft as sea water, 4.4e-10 1/Pa: two standard deviations from one to the other.
+        bounded(2.5e-10).no_less_than(0.0),
         "The hull loses volume with pressure",
         "Merckelbach et al. 2010",
         "grows with depth"
