@@ -20,9 +20,6 @@ use super::subset_search::{Choice, MARGIN};
 /// Alternations of fit and search.
 const MAX_ROUNDS: usize = 6;
 
-/// Most mechanisms that are asked whether they stand alone, as many as are fitted in full in the place of one.
-const MOST_ALONE: usize = 8;
-
 /// Share of what the best curve explains that few parameters with a name must reach to keep it: what a rigid law explains
 /// but for a twentieth is that law, imperfectly written down, and the rest is reported as unexplained.
 const FULL_SHARE: f64 = 0.95;
@@ -53,8 +50,9 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
     if let Some((standing, of_standing)) = found.stands_with_another(problem, &baseline, &mut dropped) {
         (present, refuted) = (standing, of_standing);
     }
-    // Several laws that fit together may not predict together, or have sizes that nature does not have: then one may stand alone.
-    if present.included.is_empty() && found.included.len() > 1 {
+    // Several laws that fit together may not predict together, or have sizes that nature does not have; a curve may resemble a law that
+    // the slopes hide. Where nothing stands, one law fitted in full may.
+    if present.included.is_empty() && (found.included.len() > 1 || baseline.misses_something(problem)) {
         let (alone, of_alone) = baseline.stands_alone(problem, &mut dropped);
         refuted = refuted.or(of_alone);
         present = alone.unwrap_or(present);
@@ -70,6 +68,9 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
     }
     if let Some((likelier, of_likelier)) = present.likelier_that_stands(problem, &baseline, &mut dropped) {
         (present, refuted) = (likelier, refuted.or(of_likelier));
+    }
+    if let Some(better) = present.better_alone(problem, &baseline, &mut dropped) {
+        present = better;
     }
     let mut is_part = false;
     if present.included.len() > problem.max_causes() {
@@ -220,8 +221,14 @@ fn decide(
 }
 
 impl Fitted {
-    /// The first mechanism that stands alone, those that explain most for their cost by the slopes here first; with the covariate of what
-    /// was refuted on the way. After the first only one that removes nearly all of a gross misfit: of many that are tried one may fit by chance.
+    /// Whether a misfit is left that is clear and large enough to act on.
+    fn misses_something(&self, problem: &impl Problem) -> bool {
+        Iteration::new(problem.candidates(), self).is_anything_wrong(&self.included, &self.limits(problem))
+    }
+
+    /// The likeliest mechanism that stands alone, each fitted in full whatever the slopes here say of it; with the covariate of what was
+    /// refuted on the way. Of many that are tried one may fit by chance: it must leave nothing wrong, or remove nearly all of a gross
+    /// misfit; one that is clearly less likely than another must remove that.
     fn stands_alone(
         &self,
         problem: &impl Problem,
@@ -229,29 +236,65 @@ impl Fitted {
     ) -> (Option<Fitted>, Option<String>) {
         let candidates = problem.candidates();
         let iteration = Iteration::new(candidates, self);
+        let search = iteration.search();
+        // Of the versions of a mechanism the best by the slopes stands for all.
+        let mut singles: Vec<usize> = (0..candidates.len()).collect();
+        singles.sort_by(|a, b| search.criterion(&[*a]).total_cmp(&search.criterion(&[*b])));
         let mut names: Vec<&str> = Vec::new();
-        let mut singles = iteration.search().within(0.0, 1);
-        singles.retain(|single| {
-            let name = candidates[single.members[0]].name;
+        singles.retain(|member| {
+            let name = candidates[*member].name;
             let is_first = !names.contains(&name);
             names.extend(is_first.then_some(name));
             is_first
         });
-        let mut refuted = None;
-        for (place, single) in singles.into_iter().take(MOST_ALONE).enumerate() {
-            let mut alone = Fitted::new(problem, iteration.point_of(&single.members, problem), single.members);
+        let fitted = |member: usize| {
+            let cost = search.cost(member);
+            let mut alone = Fitted::new(problem, iteration.point_of(&[member], problem), vec![member]);
             alone.converge(problem);
-            if !alone.is_possible(candidates) {
-                continue;
-            }
+            alone.is_possible(candidates).then(|| (alone.deviance_above(self) + cost, alone))
+        };
+        let mut fitted: Vec<(f64, Fitted)> = singles.into_par_iter().filter_map(fitted).collect();
+        fitted.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let likeliest = fitted.first().map_or(0.0, |(less_likely, _)| *less_likely);
+        let mut refuted = None;
+        // What explains less than its cost says nothing.
+        for (less_likely, mut alone) in fitted.into_iter().take_while(|(less_likely, _)| *less_likely < 0.0) {
             let of_alone = alone.eliminate_backward(problem, self, dropped);
             refuted = refuted.or(of_alone);
-            if !alone.included.is_empty() && (place == 0 || alone.removes_nearly_all(self)) {
+            let is_likeliest = less_likely < likeliest + MARGIN;
+            let explains_all = || is_likeliest && !alone.misses_something(problem);
+            if !alone.included.is_empty() && (explains_all() || alone.removes_nearly_all(self)) {
                 dropped.retain(|(member, _)| !alone.included.contains(member));
                 return (Some(alone), refuted);
             }
         }
         (None, refuted)
+    }
+
+    /// The mechanism that stands alone and leaves nothing wrong, where this set leaves something, is less likely and predicts no better:
+    /// what stands may resemble a law of which the slopes at it say nothing.
+    fn better_alone(
+        &self,
+        problem: &impl Problem,
+        baseline: &Fitted,
+        dropped: &mut Vec<(usize, Why)>,
+    ) -> Option<Fitted> {
+        if self.included.is_empty() || !self.misses_something(problem) {
+            return None;
+        }
+        let mut of_alone = dropped.clone();
+        let (alone, _) = baseline.stands_alone(problem, &mut of_alone);
+        let is_better = |alone: &Fitted| {
+            alone.included != self.included
+                && !alone.misses_something(problem)
+                && alone.deviance_above(self) < 0.0
+                && alone.held_out_misfit() <= self.held_out_misfit()
+        };
+        let alone = alone.filter(is_better)?;
+        *dropped = of_alone;
+        let gone = self.included.iter().filter(|member| !alone.included.contains(member));
+        dropped.extend(gone.map(|member| (*member, Why::Equivalent)));
+        Some(alone)
     }
 
     /// This set with one of its refused members exchanged for a mechanism that predicts as well, if then all of them stand; with
