@@ -52,7 +52,7 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
     }
     // Several laws that fit together may not predict together, or have sizes that nature does not have; a curve may resemble a law that
     // the slopes hide. Where nothing stands, one law fitted in full may.
-    if present.included.is_empty() && (found.included.len() > 1 || baseline.misses_something(problem)) {
+    if present.included.is_empty() && (found.included.len() > 1 || baseline.may_miss_something(problem)) {
         let (alone, of_alone) = baseline.stands_alone(problem, &mut dropped);
         refuted = refuted.or(of_alone);
         present = alone.unwrap_or(present);
@@ -221,8 +221,13 @@ fn decide(
 }
 
 impl Fitted {
+    /// Whether a misfit may be left that is large enough to act on.
+    fn may_miss_something(&self, problem: &impl Problem) -> bool {
+        Iteration::new(problem.candidates(), self).may_be_wrong(&self.included, &self.limits(problem), SIGNIFICANT)
+    }
+
     /// Whether a misfit is left that is clear and large enough to act on.
-    fn misses_something(&self, problem: &impl Problem) -> bool {
+    pub(super) fn misses_something(&self, problem: &impl Problem) -> bool {
         Iteration::new(problem.candidates(), self).is_anything_wrong(&self.included, &self.limits(problem))
     }
 
@@ -249,8 +254,7 @@ impl Fitted {
         });
         let fitted = |member: usize| {
             let cost = search.cost(member);
-            let mut alone = Fitted::new(problem, iteration.point_of(&[member], problem), vec![member]);
-            alone.converge(problem);
+            let alone = self.with_one(problem, &iteration, member);
             alone.is_possible(candidates).then(|| (alone.deviance_above(self) + cost, alone))
         };
         let mut fitted: Vec<(f64, Fitted)> = singles.into_par_iter().filter_map(fitted).collect();
@@ -279,7 +283,7 @@ impl Fitted {
         baseline: &Fitted,
         dropped: &mut Vec<(usize, Why)>,
     ) -> Option<Fitted> {
-        if self.included.is_empty() || !self.misses_something(problem) {
+        if self.included.is_empty() || !self.may_miss_something(problem) {
             return None;
         }
         let mut of_alone = dropped.clone();

@@ -339,9 +339,14 @@ impl<'a> Iteration<'a> {
             && tests * self.chance(others, &[curve]) <= most_chance
     }
 
-    /// Whether any curve is there beside these members and large enough to act on.
+    /// Whether any curve is there beside these members, clearly, and large enough to act on.
     pub(super) fn is_anything_wrong(&self, members: &[usize], limits: &[f64]) -> bool {
-        self.curves.iter().any(|curve| self.is_wrong(members, curve.regressor, limits, CLEARLY_WRONG))
+        self.may_be_wrong(members, limits, CLEARLY_WRONG)
+    }
+
+    /// Whether any curve of which chance explains no more than this is there beside these members, and large enough to act on.
+    pub(super) fn may_be_wrong(&self, members: &[usize], limits: &[f64], most_chance: f64) -> bool {
+        self.curves.iter().any(|curve| self.is_wrong(members, curve.regressor, limits, most_chance))
     }
 
     pub(super) fn curve_name(&self, regressor: usize) -> Option<&str> {

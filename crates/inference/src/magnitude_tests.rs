@@ -17,6 +17,10 @@ const LEAST_CHANGE: f64 = 0.1;
 /// Standard errors by which a mechanism must show on each leg where it is named on both: 95 %, one-sided.
 const SHOWN_ON_A_LEG: f64 = 1.645;
 
+/// Standard errors by which one leg must show it where the other could not, nothing else being wrong: another law of that leg is mistaken
+/// for it only if its effect has a correlation of 0.99, since it differs by `sqrt(1 - 0.99^2)`, and three standard errors show that.
+const SHOWN_BY_ONE_LEG: f64 = 21.0;
+
 /// Standard errors by which the sizes on the halves of the data, or on the legs, must differ: 1 in 400 by chance, the few that are
 /// named being tested.
 const SURELY_APART: f64 = 3.0;
@@ -135,8 +139,8 @@ impl Fitted {
         refuted
     }
 
-    /// A mechanism that may be absent on one of two legs may as well be something else on the other one: it goes, and so does
-    /// one whose sizes on the legs differ for certain and by more than may stay unexplained. A mechanism with an onset is
+    /// A mechanism that may be absent on one of two legs may as well be something else on the other one: it goes, unless that leg shows it
+    /// too clearly for a look-alike. So does one whose sizes on the legs differ for certain and by more than may stay unexplained. A mechanism with an onset is
     /// known by the data before it, and may be uncertain on one leg.
     pub(super) fn drop_what_one_leg_shows(&mut self, problem: &impl Problem, baseline: &Fitted) {
         while problem.needs_both_legs() {
@@ -145,8 +149,13 @@ impl Fitted {
                 let version = problem.candidates()[self.included[*place]].version;
                 let shown =
                     if version.is_some_and(|version| version.is_onset) { f64::NEG_INFINITY } else { SHOWN_ON_A_LEG };
-                regimes::on_each_leg(&self.evidence, &self.noises, &included, *place)
-                    .is_some_and(|legs| legs.disagree(shown, SURELY_APART, problem.part_unexplained()))
+                let legs = regimes::on_each_leg(&self.evidence, &self.noises, &included, *place);
+                let disagree = |legs: &regimes::OnParts| {
+                    let part = problem.part_unexplained();
+                    let is_shown_by_one = legs.best_known() >= SHOWN_BY_ONE_LEG && !legs.differ(SURELY_APART, part);
+                    legs.disagree(shown, SURELY_APART, part) && !(is_shown_by_one && !self.misses_something(problem))
+                };
+                legs.as_ref().is_some_and(disagree)
             };
             let Some(place) = (0..self.included.len()).find(is_of_one_leg) else { return };
             *self = self.without(problem, baseline, place);

@@ -145,15 +145,32 @@ impl Fitted {
             }
             let at_prior = |point: &Point| Point { baseline: problem.start().baseline, ..point.clone() };
             let starts = [at_prior(&linearised), at_prior(&current), linearised, current];
-            let evidence = |point: &Point| believing(problem, problem.evidence_of(point, &members), point, &members);
-            let of = |point: Point| (objective(&evidence(&point)), point);
-            let best =
-                starts.into_iter().filter(|point| problem.admits(point)).map(of).min_by(|a, b| a.0.total_cmp(&b.0));
-            start = best.map_or(start, |(_, point)| point);
+            start = likeliest(problem, starts, &members).unwrap_or(start);
         }
         let mut fitted = Fitted::new(problem, start, members);
         fitted.converge(problem);
         fitted
+    }
+
+    /// Fits one mechanism beside this baseline: from its linearised magnitude, and from the usual one on that side of neutral where the
+    /// objective is smaller; the likelier stands. What is late has minima between which slopes do not tell.
+    pub(super) fn with_one(&self, problem: &impl Problem, iteration: &Iteration<'_>, member: usize) -> Fitted {
+        let candidate = &problem.candidates()[member];
+        let usual = [-candidate.prior_sd[0], candidate.prior_sd[0]].map(|size| {
+            let mut point = self.point.clone();
+            point.candidates[member].clone_from(&candidate.neutral);
+            point.candidates[member][0] += size;
+            point
+        });
+        let possible = usual.into_iter().filter(|point| !candidate.is_impossible(point.candidates[member][0]));
+        let starts = [Some(iteration.point_of(&[member], problem)), likeliest(problem, possible, &[member])];
+        let fitted = starts.into_iter().flatten().map(|start| {
+            let mut fitted = Fitted::new(problem, start, vec![member]);
+            fitted.converge(problem);
+            fitted
+        });
+        let likelier = |a: Fitted, b: Fitted| if b.deviance_above(&a) < 0.0 { b } else { a };
+        fitted.reduce(likelier).expect("one fit at least")
     }
 
     /// Returns the sets that contain the mechanism found by the nonlinear refit and predict no worse than this one, best first: that
@@ -207,6 +224,14 @@ impl Fitted {
         };
         least(self) - least(other)
     }
+}
+
+/// Returns the point with the smallest objective of those that a problem admits.
+fn likeliest(problem: &impl Problem, starts: impl IntoIterator<Item = Point>, members: &[usize]) -> Option<Point> {
+    let evidence = |point: &Point| believing(problem, problem.evidence_of(point, members), point, members);
+    let admitted = starts.into_iter().filter(|point| problem.admits(point));
+    let of = |point: Point| (objective(&evidence(&point)), point);
+    admitted.map(of).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, point)| point)
 }
 
 /// Returns white noise with the variance of the residuals.

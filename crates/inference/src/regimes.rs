@@ -148,6 +148,11 @@ impl OnParts {
         self.together().powi(2) / self.variance_together()
     }
 
+    /// Standard errors by which the leg that knows it better shows it.
+    pub fn best_known(&self) -> f64 {
+        (0..2).map(|leg| self.size[leg].abs() / self.variance[leg].sqrt()).fold(0.0, f64::max)
+    }
+
     /// Whether the mechanism may be absent on a leg, or has another size there: it does not show on a leg by `shown` standard errors,
     /// or the sizes [differ](OnParts::differ).
     ///
