@@ -283,7 +283,7 @@ impl Fitted {
         baseline: &Fitted,
         dropped: &mut Vec<(usize, Why)>,
     ) -> Option<Fitted> {
-        if self.included.is_empty() || !self.may_miss_something(problem) {
+        if self.included.is_empty() || !self.misses_something(problem) {
             return None;
         }
         let mut of_alone = dropped.clone();

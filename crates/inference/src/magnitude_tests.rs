@@ -153,7 +153,7 @@ impl Fitted {
                 let disagree = |legs: &regimes::OnParts| {
                     let part = problem.part_unexplained();
                     let is_shown_by_one = legs.best_known() >= SHOWN_BY_ONE_LEG && !legs.differ(SURELY_APART, part);
-                    legs.disagree(shown, SURELY_APART, part) && !(is_shown_by_one && !self.misses_something(problem))
+                    legs.disagree(shown, SURELY_APART, part) && (!is_shown_by_one || self.misses_something(problem))
                 };
                 legs.as_ref().is_some_and(disagree)
             };

@@ -152,8 +152,8 @@ impl Fitted {
         fitted
     }
 
-    /// Fits one mechanism beside this baseline: from its linearised magnitude, and from the usual one on that side of neutral where the
-    /// objective is smaller; the likelier stands. What is late has minima between which slopes do not tell.
+    /// Fits one mechanism beside this baseline: from its linearised magnitude, and from a usual one on either side of neutral where the
+    /// objective is smaller there; the likelier stands. What is late has minima between which slopes do not tell.
     pub(super) fn with_one(&self, problem: &impl Problem, iteration: &Iteration<'_>, member: usize) -> Fitted {
         let candidate = &problem.candidates()[member];
         let usual = [-candidate.prior_sd[0], candidate.prior_sd[0]].map(|size| {
@@ -163,7 +163,10 @@ impl Fitted {
             point
         });
         let possible = usual.into_iter().filter(|point| !candidate.is_impossible(point.candidates[member][0]));
-        let starts = [Some(iteration.point_of(&[member], problem)), likeliest(problem, possible, &[member])];
+        let linearised = iteration.point_of(&[member], problem);
+        let best = likeliest(problem, possible.chain([linearised.clone()]), &[member]);
+        let is_other = |point: &Point| point.candidates[member] != linearised.candidates[member];
+        let starts = [best.filter(is_other), Some(linearised.clone())];
         let fitted = starts.into_iter().flatten().map(|start| {
             let mut fitted = Fitted::new(problem, start, vec![member]);
             fitted.converge(problem);

@@ -115,7 +115,7 @@ pub fn list(bins: &[Bin], channels: &Channels, tried: &Tried, parameters: &Param
         } else {
             let most = super::MOST_USUAL * prior_sd;
             let lowest = if mechanism.size.is_ratio { neutral / (1.0 + most) } else { neutral - most };
-            (f64::INFINITY, [least.max(lowest), neutral + most])
+            (f64::INFINITY, [least.max(lowest), neutral + most.min(furthest)])
         };
         let possible = match mechanism.name {
             // No more comes late than expands at all.

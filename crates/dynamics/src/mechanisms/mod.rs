@@ -29,7 +29,7 @@ pub struct Size {
     /// Whether nothing bounds it: what accumulates, what is carried or caught, what is late, what the water does. Others are
     /// bounded by design and calibration.
     pub is_open_ended: bool,
-    /// How far from neutral it may lie at most, whatever bounds it.
+    /// How far from neutral it may lie at most, whatever its prior says.
     pub furthest: f64,
     /// Whether it is a ratio that may as well be taken the other way round: one leg to the other, what is to what is read. Its least is then
     /// the reciprocal of its most.
@@ -101,8 +101,8 @@ pub const AT_SEA: &[Mechanism] = &[
         "hull_compressibility",
         Motion,
         ["hull_compressibility_per_Pa"],
-        // Hulls lie between a rigid one and one as soft as sea water, 4.4e-10 1/Pa: two standard deviations from one to the other.
-        bounded(2.5e-10).no_less_than(0.0),
+        // Hulls lie between a rigid one and one as soft as sea water, 4.4e-10 1/Pa; rubber and foam add to it.
+        bounded(5e-10).no_less_than(0.0).no_further_than(7.5e-10),
         "The hull loses volume with pressure",
         "Merckelbach et al. 2010",
         "grows with depth"
