@@ -440,8 +440,8 @@ fn first_by_likelihood(answers: &[Answer]) {
     println!("first of those that have a name: {right} of {}, by the likelihoods {promised:.1}", named.len());
 }
 
-/// Prints what is said of relevant effects that are neither named nor in the group: nothing where the misfit is less clear than what
-/// the diagnosis calls wrong.
+/// Prints the verdicts on relevant effects that are neither named nor in the group. The verdict is `none` where the misfit is not
+/// significant at the level of the diagnosis, 1e-4.
 fn missed(answers: &[Answer]) {
     let missed: Vec<&Answer> = answers.iter().filter(|answer| answer.is_relevant && !answer.is_in_group()).collect();
     let said = |what: &str| missed.iter().filter(|answer| answer.said == what).count();

@@ -17,8 +17,8 @@ const LEAST_CHANGE: f64 = 0.1;
 /// Standard errors by which a mechanism must show on each leg where it is named on both: 95 %, one-sided.
 const SHOWN_ON_A_LEG: f64 = 1.645;
 
-/// Standard errors by which one leg must show it where the other could not, nothing else being wrong: another law of that leg is mistaken
-/// for it only if its effect has a correlation of 0.99, since it differs by `sqrt(1 - 0.99^2)`, and three standard errors show that.
+/// Standard errors by which one leg must show a mechanism that the other does not, nothing else being wrong: another law of that leg is
+/// mistaken for it only if the effects have a correlation of 0.99. They differ by `sqrt(1 - 0.99^2)`, which three standard errors show.
 const SHOWN_BY_ONE_LEG: f64 = 21.0;
 
 /// Standard errors by which the sizes on the halves of the data, or on the legs, must differ: 1 in 400 by chance, the few that are
@@ -140,8 +140,8 @@ impl Fitted {
     }
 
     /// A mechanism that may be absent on one of two legs may as well be something else on the other one: it goes, unless that leg shows it
-    /// too clearly for a look-alike. So does one whose sizes on the legs differ for certain and by more than may stay unexplained. A mechanism with an onset is
-    /// known by the data before it, and may be uncertain on one leg.
+    /// too clearly for another law that resembles it. So does one whose sizes on the legs differ for certain and by more than may stay
+    /// unexplained. A mechanism with an onset is known by the data before it, and may be uncertain on one leg.
     pub(super) fn drop_what_one_leg_shows(&mut self, problem: &impl Problem, baseline: &Fitted) {
         while problem.needs_both_legs() {
             let included = self.regimes_included(problem);
