@@ -158,6 +158,10 @@ const LARGEST_ATTACK_RAD: f64 = 0.35;
 /// back of its drag curve has no rate at all, and a pilot, or a controller, holds it.
 const LEAST_RATE: f64 = 0.1;
 
+/// Change of the angle of attack \[rad\], and of the inertia across the path over the weight, that ends the search for both: a part in a
+/// million of what is read.
+const FOUND: f64 = 1e-9;
+
 /// Steps in which a speed is looked for, of the steady one.
 const SEARCH_STEP: f64 = 0.05;
 
@@ -189,6 +193,7 @@ impl Steady {
             let (sin, cos) = of_path;
             let (lift, slope) = self.coefficients.lift(found.attack_rad);
             let step_rad = (lift - of_lift * (cos - found.across)) / (slope + of_lift * sin);
+            let before = found;
             found.attack_rad = (found.attack_rad - step_rad).clamp(-most_rad, most_rad);
             let of_attack;
             (of_attack, of_path) = self.sines(found.attack_rad);
@@ -205,6 +210,9 @@ impl Steady {
             found.growth_per_s = share / self.free_s;
             let turning = u * turn * (share - self.free_s * u * growth_per_s);
             found.across = mixed * share + (sin * sin + self.across * cos * cos) * turning;
+            if (found.attack_rad - before.attack_rad).abs().max((found.across - before.across).abs()) < FOUND {
+                break;
+            }
         }
         found
     }

@@ -180,8 +180,7 @@ impl Fitted {
             if has_own_evidence || !is_as_good {
                 continue;
             }
-            let mut other = Fitted::new(problem, iteration.point_of(&exchanged, problem), exchanged);
-            other.converge(problem);
+            let other = Fitted::from(problem, iteration.point_of(&exchanged, problem), exchanged);
             if other.is_possible(problem.candidates()) {
                 *self = other;
                 return;
@@ -238,8 +237,6 @@ impl Fitted {
         }
         let mut point = self.point.clone();
         point.candidates[gone].clone_from(&problem.candidates()[gone].neutral);
-        let mut other = Fitted::new(problem, point, fewer);
-        other.converge(problem);
-        other
+        Fitted::from(problem, point, fewer)
     }
 }

@@ -12,7 +12,7 @@ use super::fitted::{Fitted, weighted_squares};
 use super::holdout;
 use super::iteration::Iteration;
 use super::outcome::{Outcome, Stage};
-use super::replacements::{in_place_of, likelier};
+use super::replacements::{REFITTED_SHARE, REFITTED_WITHIN, first_versions, in_place_of, likelier};
 use super::report::{report, wrong};
 use super::score::SIGNIFICANT;
 use super::subset_search::{Choice, MARGIN};
@@ -155,16 +155,13 @@ pub fn decided(
     curve: Option<String>,
 ) -> Outcome {
     let baseline = Fitted::baseline(problem);
-    let mut present = Fitted::new(problem, point.clone(), included.to_vec());
-    present.converge(problem);
+    let present = Fitted::from(problem, point.clone(), included.to_vec());
     report(problem, &baseline, &present, curve, &[], nuisance)
 }
 
 /// What is left of held-out rows where these candidates are fitted from this point on.
 pub fn held_out(problem: &impl Problem, point: &Point, included: &[usize]) -> DVector<f64> {
-    let mut fitted = Fitted::new(problem, point.clone(), included.to_vec());
-    fitted.converge(problem);
-    fitted.held_out()
+    Fitted::from(problem, point.clone(), included.to_vec()).held_out()
 }
 
 /// Whether the curve in a choice is there beside its mechanisms, and large enough to act on.
@@ -231,8 +228,8 @@ impl Fitted {
         Iteration::new(problem.candidates(), self).is_anything_wrong(&self.included, &self.limits(problem))
     }
 
-    /// The likeliest mechanism that stands alone, each fitted in full whatever the slopes here say of it; with the covariate of what was
-    /// refuted on the way. Of many that are tried one may fit by chance: it must leave nothing wrong, or remove nearly all of a gross
+    /// The likeliest mechanism that stands alone, each fitted whatever the slopes here say of it; with the covariate of what was refuted
+    /// on the way. Of many that are tried one may fit by chance: it must leave nothing wrong, or remove nearly all of a gross
     /// misfit; one that is clearly less likely than another must remove that.
     fn stands_alone(
         &self,
@@ -245,19 +242,24 @@ impl Fitted {
         // Of the versions of a mechanism the best by the slopes stands for all.
         let mut singles: Vec<usize> = (0..candidates.len()).collect();
         singles.sort_by(|a, b| search.criterion(&[*a]).total_cmp(&search.criterion(&[*b])));
-        let mut names: Vec<&str> = Vec::new();
-        singles.retain(|member| {
-            let name = candidates[*member].name;
-            let is_first = !names.contains(&name);
-            names.extend(is_first.then_some(name));
-            is_first
-        });
-        let fitted = |member: usize| {
-            let cost = search.cost(member);
-            let alone = self.with_one(problem, &iteration, member);
-            alone.is_possible(candidates).then(|| (alone.deviance_above(self) + cost, alone))
+        let singles = first_versions(candidates, singles, None);
+        let less_likely = |alone: &Fitted| alone.deviance_above(self) + search.cost(alone.included[0]);
+        let quicker = problem.for_first_search(&self.point);
+        let quickly = |member: usize| {
+            let first = quicker.as_ref().filter(|_| !problem.is_held_in_first_search(member)).unwrap_or(problem);
+            let alone = self.with_one(first, &iteration, member);
+            (less_likely(&alone), alone)
         };
-        let mut fitted: Vec<(f64, Fitted)> = singles.into_par_iter().filter_map(fitted).collect();
+        let quickly: Vec<(f64, Fitted)> = singles.into_par_iter().map(quickly).collect();
+        // What a quicker problem holds fixed changes a fit by less than the slopes at one law are wrong for another.
+        let least = quickly.iter().map(|(less_likely, _)| *less_likely).fold(f64::INFINITY, f64::min);
+        let near = least + REFITTED_WITHIN.max(REFITTED_SHARE * -least);
+        let is_promising = |(less_likely, alone): &(f64, Fitted)| *less_likely < near || alone.removes_nearly_all(self);
+        let in_full = |(_, quickly): (f64, Fitted)| {
+            let alone = Fitted::from(problem, quickly.point, quickly.included);
+            alone.is_possible(candidates).then(|| (less_likely(&alone), alone))
+        };
+        let mut fitted: Vec<(f64, Fitted)> = quickly.into_par_iter().filter(is_promising).filter_map(in_full).collect();
         fitted.sort_by(|a, b| a.0.total_cmp(&b.0));
         let likeliest = fitted.first().map_or(0.0, |(less_likely, _)| *less_likely);
         let mut refuted = None;

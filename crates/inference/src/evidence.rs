@@ -303,6 +303,12 @@ pub trait Problem: Sync {
         None
     }
 
+    /// Whether most of what a candidate does is held fixed in the problem for a first search, which then says nothing of it.
+    fn is_held_in_first_search(&self, candidate: usize) -> bool {
+        let _ = candidate;
+        false
+    }
+
     /// Whether the covariates span regimes in each of which a mechanism must have one size.
     fn has_regimes(&self) -> bool {
         false

@@ -41,6 +41,13 @@ impl Fitted {
         Fitted { point, included, evidence, noises, lasting: problem.lasting() }
     }
 
+    /// The fit of these candidates that begins at this point.
+    pub(super) fn from(problem: &impl Problem, point: Point, included: Vec<usize>) -> Self {
+        let mut fitted = Fitted::new(problem, point, included);
+        fitted.converge(problem);
+        fitted
+    }
+
     /// The fit and its noise, each with the other as it is, until the sum of squares no longer falls.
     pub(super) fn converge(&mut self, problem: &impl Problem) {
         let mut quicker = None;
@@ -109,12 +116,17 @@ impl Fitted {
         for _ in 0..MAX_FIT_STEPS {
             let columns = self.columns();
             let step = solve(&self.evidence, &self.noises, &columns, &self.evidence.residual);
-            if self.predicted_fall(&columns, &step) < LEAST_FALL {
+            let predicted = self.predicted_fall(&columns, &step);
+            if predicted < LEAST_FALL {
                 break;
             }
             let before = weighted_squares(&self.evidence, &self.noises);
             let mut fall = 0.0;
             for shortening in [1.0, 0.5, 0.25, 0.1, 0.03] {
+                // A parabola falls by this much after a part of the way to its bottom: too little is the end.
+                if shortening * (2.0 - shortening) * predicted < LEAST_FALL {
+                    break;
+                }
                 let point = self.moved(problem, &(&step * shortening));
                 if !problem.admits(&point) {
                     continue;

@@ -25,11 +25,7 @@ impl Fitted {
     /// Fits the baseline alone. A fit that contradicts the prior may have ended in a local minimum: then it is repeated from other
     /// starting points, and the one with the smallest objective is returned.
     pub(super) fn baseline(problem: &impl Problem) -> Self {
-        let from = |start: Point| {
-            let mut baseline = Fitted::new(problem, start, Vec::new());
-            baseline.converge(problem);
-            baseline
-        };
+        let from = |start: Point| Fitted::from(problem, start, Vec::new());
         let first = from(problem.start());
         if first.agrees_with_prior() {
             return first;
@@ -145,15 +141,17 @@ impl Fitted {
             }
             let at_prior = |point: &Point| Point { baseline: problem.start().baseline, ..point.clone() };
             let starts = [at_prior(&linearised), at_prior(&current), linearised, current];
-            start = likeliest(problem, starts, &members).unwrap_or(start);
+            let is_held = |member: &usize| problem.is_held_in_first_search(*member);
+            let is_any_held = members.iter().chain(&self.included).any(is_held);
+            let quicker = (!is_any_held).then(|| problem.for_first_search(&self.point)).flatten();
+            start = likeliest(quicker.as_ref().unwrap_or(problem), starts, &members).unwrap_or(start);
         }
-        let mut fitted = Fitted::new(problem, start, members);
-        fitted.converge(problem);
-        fitted
+        Fitted::from(problem, start, members)
     }
 
     /// Fits one mechanism beside this baseline: from its linearised magnitude, and from a usual one on either side of neutral where the
-    /// objective is smaller there; the likelier stands. What is late has minima between which slopes do not tell.
+    /// objective is smaller there; the likelier stands. What is late has minima between which slopes do not tell. `iteration` is that of
+    /// this fit.
     pub(super) fn with_one(&self, problem: &impl Problem, iteration: &Iteration<'_>, member: usize) -> Fitted {
         let candidate = &problem.candidates()[member];
         let usual = [-candidate.prior_sd[0], candidate.prior_sd[0]].map(|size| {
@@ -167,11 +165,7 @@ impl Fitted {
         let best = likeliest(problem, possible.chain([linearised.clone()]), &[member]);
         let is_other = |point: &Point| point.candidates[member] != linearised.candidates[member];
         let starts = [best.filter(is_other), Some(linearised.clone())];
-        let fitted = starts.into_iter().flatten().map(|start| {
-            let mut fitted = Fitted::new(problem, start, vec![member]);
-            fitted.converge(problem);
-            fitted
-        });
+        let fitted = starts.into_iter().flatten().map(|start| Fitted::from(problem, start, vec![member]));
         let likelier = |a: Fitted, b: Fitted| if b.deviance_above(&a) < 0.0 { b } else { a };
         fitted.reduce(likelier).expect("one fit at least")
     }
@@ -190,9 +184,7 @@ impl Fitted {
                 members.push(other);
             }
             members.sort_unstable();
-            let mut rival = Fitted::new(problem, point, members);
-            rival.converge(problem);
-            rival
+            Fitted::from(problem, point, members)
         });
         let here = self.held_out();
         let is_no_worse = |rival: &Fitted| {

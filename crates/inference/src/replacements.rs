@@ -7,7 +7,7 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::evidence::Problem;
+use super::evidence::{Candidate, Problem};
 use super::fitted::{Fitted, weighted_squares};
 use super::holdout;
 use super::iteration::Iteration;
@@ -15,14 +15,14 @@ use super::subset_search::MARGIN;
 
 /// How much worse by the slopes a mechanism may be and still be fitted in full: where the model is nonlinear the slopes at the
 /// named one say little of the others.
-const REFITTED_WITHIN: f64 = 3.0 * MARGIN;
+pub(super) const REFITTED_WITHIN: f64 = 3.0 * MARGIN;
 
 /// Most mechanisms that are fitted in full in the place of one.
 const MOST_REFITTED: usize = 8;
 
 /// The same where a named mechanism explains much, as a share of what it explains. Judgement: where the named one is large, slopes at it are
 /// off by tens of per cent for a rival.
-const REFITTED_SHARE: f64 = 0.2;
+pub(super) const REFITTED_SHARE: f64 = 0.2;
 
 /// Share of the squared error that the named one removes which a rival may leave: a fifth of the effect itself, as a size may change
 /// from regime to regime and still be one.
@@ -119,22 +119,15 @@ fn refitted(
 ) -> Vec<Replacement> {
     let candidates = problem.candidates();
     let refitted_within = REFITTED_WITHIN.max(REFITTED_SHARE * gain);
-    let mut names: Vec<&str> = vec![candidates[extended.included[place]].name];
-    let mut others = iteration.search().replacements(&extended.included, place, refitted_within);
+    let others = iteration.search().replacements(&extended.included, place, refitted_within);
     // Of the versions of a mechanism the best by the slopes stands for all.
-    others.retain(|other| {
-        let name = candidates[*other].name;
-        let is_first = !names.contains(&name);
-        names.extend(is_first.then_some(name));
-        is_first
-    });
+    let mut others = first_versions(candidates, others, Some(candidates[extended.included[place]].name));
     others.truncate(MOST_REFITTED);
     let refit = |other: usize| {
         let mut members = extended.included.clone();
         members[place] = other;
         members.sort_unstable();
-        let mut rival = Fitted::new(problem, iteration.point_of(&members, problem), members);
-        rival.converge(problem);
+        let rival = Fitted::from(problem, iteration.point_of(&members, problem), members);
         let cannot_be = |place: usize| {
             let candidate = &candidates[rival.included[place]];
             candidate.is_unusual(rival.point.candidates[rival.included[place]][0])
@@ -144,6 +137,18 @@ fn refitted(
         exists.then_some(Replacement { candidate: other, fitted: rival })
     };
     others.into_par_iter().filter_map(refit).collect()
+}
+
+/// The first version of each mechanism in this order, but for those of one name.
+pub(super) fn first_versions(candidates: &[Candidate], ordered: Vec<usize>, but: Option<&str>) -> Vec<usize> {
+    let mut names: Vec<&str> = but.into_iter().collect();
+    let is_first = |member: &usize| {
+        let name = candidates[*member].name;
+        let is_first = !names.contains(&name);
+        names.extend(is_first.then_some(name));
+        is_first
+    };
+    ordered.into_iter().filter(is_first).collect()
 }
 
 /// Whether twice the logarithm of the ratio of likelihoods is no strong evidence for the named one against a rival: below 6 (Kass and

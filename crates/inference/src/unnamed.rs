@@ -51,7 +51,5 @@ pub fn best_unnamed(
 
 /// These candidates fitted again in full from a point, with what is left of held-out data taken from elsewhere.
 pub fn fitted_again(problem: &impl Problem, point: &Point, fitted: &[usize], held_out: DVector<f64>) -> Stage {
-    let mut fit = Fitted::new(problem, point.clone(), fitted.to_vec());
-    fit.converge(problem);
-    fit.stage(held_out)
+    Fitted::from(problem, point.clone(), fitted.to_vec()).stage(held_out)
 }

@@ -35,6 +35,7 @@ mod turns;
 mod unknown_temperature;
 mod vehicle_log;
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use crate::dynamics::empirical::ActsOn;
@@ -157,8 +158,8 @@ enum Slopes {
         /// The direction, where it is one.
         carrier: Option<usize>,
     },
-    /// For the clock of the attitude: the rate of the pitch in each bin, times the slopes along an offset of the pitch.
-    PitchRate,
+    /// For the clock of the attitude: whole flights with the pitch of another time.
+    LateAttitude,
     /// For the scale of the measured speed: the speed itself.
     Speed,
 }
@@ -356,7 +357,7 @@ impl SeaProblem {
                 continue;
             }
             let slopes = match history::acts(candidate.name) {
-                None if candidate.name == late_attitude::MECHANISM => Slopes::PitchRate,
+                None if candidate.name == late_attitude::MECHANISM => Slopes::LateAttitude,
                 None if candidate.name == "speed_scale" => Slopes::Speed,
                 // The model's slope along a step is zero before it. Behind any other time it is the slope along the offset.
                 None if candidate.name == "net_mass_step" => Slopes::Direction(self.directions.index_of(offset_row)),
@@ -465,17 +466,22 @@ impl SeaProblem {
     /// The bins at these parameters, where the attitude has another clock; none where it has the same.
     fn shifted(&self, parameters: &Parameters<f64>) -> Option<Shifted> {
         let late_s = parameters.clock_offset_s;
-        (late_s != 0.0).then(|| {
-            let shifted = self.late_attitude.shifted(late_s, &self.bins);
-            let parts = if self.is_quasi_steady() { shifted.parts.without_inertia() } else { shifted.parts };
-            Shifted { parts, ..shifted }
-        })
+        (late_s != 0.0).then(|| self.late_attitude.shifted(late_s, &self.bins))
+    }
+
+    /// The bins at a point in parts, whose pitch may be that of another time.
+    fn parts_of(&self, shifted: Option<&Shifted>) -> Cow<'_, Parts> {
+        let of = |shifted: &Shifted| {
+            let parts = shifted.parts();
+            if self.is_quasi_steady() { parts.without_inertia() } else { parts }
+        };
+        shifted.map_or(Cow::Borrowed(&self.parts), |shifted| Cow::Owned(of(shifted)))
     }
 
     /// What happens inside each bin at a point, whose pitch may be that of another time.
     fn within_at(&self, point: &Point, shifted: Option<&Shifted>) -> Within {
-        let (bins, parts) = shifted.map_or((&self.bins, &self.parts), |shifted| (&shifted.bins, &shifted.parts));
-        self.within_of(point, &self.parameters_at(point), bins, parts)
+        let bins = shifted.map_or(&self.bins, |shifted| &shifted.bins);
+        self.within_of(point, &self.parameters_at(point), bins, &self.parts_of(shifted))
     }
 
     /// The same with the net mass that mechanisms of the past add in each part of the bins.
@@ -485,10 +491,10 @@ impl SeaProblem {
         shifted: Option<&Shifted>,
         past: Option<&Vec<history::Effect>>,
     ) -> Within {
-        let (bins, parts) = shifted.map_or((&self.bins, &self.parts), |shifted| (&shifted.bins, &shifted.parts));
+        let (bins, parts) = (shifted.map_or(&self.bins, |shifted| &shifted.bins), self.parts_of(shifted));
         let parameters = self.parameters_at(point);
         let added = past.and_then(|past| Some((past, self.past.added_kg(parts.means(), bins, &parameters)?)));
-        let Some((past, added_kg)) = added else { return self.within_of(point, &parameters, bins, parts) };
+        let Some((past, added_kg)) = added else { return self.within_of(point, &parameters, bins, &parts) };
         let mut heavier = bins.clone();
         for (bin, effect) in heavier.iter_mut().zip(past) {
             make_heavier(&mut bin.mean, &parameters, effect.net_mass_kg);

@@ -8,8 +8,8 @@ use super::flown::{AtRest, Flown};
 use super::model::{self, Vehicle};
 use super::pitch_reliability::{self, with_pitch_of_glider};
 use super::{
-    LEAST_KNOWN, LEAST_RELEVANT, Lift, SPEED, SeaProblem, Slopes, VERTICAL_VELOCITY, candidates, covariates, trim,
-    unknown_temperature,
+    LEAST_KNOWN, LEAST_RELEVANT, Lift, SPEED, SeaProblem, Slopes, VERTICAL_VELOCITY, candidates, covariates,
+    late_attitude, trim, unknown_temperature,
 };
 use crate::diagnose::evidence::{Candidate, Evidence, Point, Problem, Quantity, nuisance_prior};
 use crate::dynamics::PARAMETERS;
@@ -43,6 +43,10 @@ const MOST_CHANCE: f64 = 0.01;
 /// Largest number of mechanisms that are named together. If one log in ten has a given fault, which is an assumption, one in a thousand has
 /// three. An effect outside the catalogue, which three together can imitate, is far more frequent.
 const MAX_CAUSES: usize = 2;
+
+/// Step to either side of the difference quotient by a late attitude \[s\]: about the standard error of one. On straight lines
+/// between readings, and in parts of bins that come and go, a shorter one would see single corners.
+const CLOCK_STEP_S: f64 = 1.0;
 
 /// Relative change of a size that is never one size: the square of what is left is 4 % of the effect.
 const LARGE_CHANGE: f64 = 0.2;
@@ -91,6 +95,11 @@ impl Problem for SeaProblem {
     fn for_first_search(&self, about: &Point) -> Option<Self> {
         let within = || self.within_at(about, self.shifted(&self.parameters_at(about)).as_ref());
         self.within.is_none().then(|| SeaProblem { within: Some(within()), ..self.clone() })
+    }
+
+    /// Where a glider turns over, the pitch of another time changes most inside the bins.
+    fn is_held_in_first_search(&self, candidate: usize) -> bool {
+        self.candidates[candidate].name == late_attitude::MECHANISM
     }
 
     fn has_regimes(&self) -> bool {
@@ -239,9 +248,7 @@ impl Problem for SeaProblem {
                         |row: usize| candidate.version.is_none_or(|jump| row_bins[row].mean.time_s >= jump.value);
                     DMatrix::from_fn(n, 1, |row, _| if after(row) { slopes[(row, *direction)] } else { 0.0 })
                 }
-                Slopes::PitchRate => {
-                    DMatrix::from_fn(n, 1, |row, _| pitch_rates[bin_of(row)] * slopes[(row, self.pitch_direction)])
-                }
+                Slopes::LateAttitude => self.by_late_attitude(point, index),
                 Slopes::Speed => {
                     DMatrix::from_fn(n, 1, |row, _| if row < n_w { 0.0 } else { flown[bin_of(row)].speed.value })
                 }
@@ -300,7 +307,7 @@ impl SeaProblem {
     fn varied(&self, included: &[usize]) -> Vec<usize> {
         let of_candidate = |member: &usize| match self.shapes[*member].slopes {
             Slopes::Direction(direction) | Slopes::Past { carrier: Some(direction), .. } => Some(direction),
-            Slopes::Past { carrier: None, .. } | Slopes::PitchRate | Slopes::Speed => None,
+            Slopes::Past { carrier: None, .. } | Slopes::LateAttitude | Slopes::Speed => None,
         };
         let mut varied: Vec<usize> = (0..self.baseline_index.len())
             .chain([self.pitch_direction])
@@ -310,6 +317,19 @@ impl SeaProblem {
         varied.sort_unstable();
         varied.dedup();
         varied
+    }
+
+    /// What a second by which the attitude is late changes in each row, as a difference quotient of whole flights: where a glider turns
+    /// over, the pitch that is read some seconds later moves what happens inside a bin, and with it the inertia, as much as its mean.
+    fn by_late_attitude(&self, point: &Point, candidate: usize) -> DMatrix<f64> {
+        let residual_at = |step_s: f64| {
+            let mut there = point.clone();
+            there.candidates[candidate][0] += step_s;
+            self.evidence_of(&there, &[]).residual
+        };
+        let (sooner, later) = rayon::join(|| residual_at(-CLOCK_STEP_S), || residual_at(CLOCK_STEP_S));
+        let column = (sooner - later) / (2.0 * CLOCK_STEP_S);
+        DMatrix::from_column_slice(column.len(), 1, column.as_slice())
     }
 
     /// The direction of an offset of the net mass, where it is a candidate.
