@@ -114,9 +114,7 @@ impl Fitted {
     pub(super) fn take_steps(&mut self, problem: &impl Problem) -> f64 {
         let mut fallen = 0.0;
         for _ in 0..MAX_FIT_STEPS {
-            let columns = self.columns();
-            let step = solve(&self.evidence, &self.noises, &columns, &self.evidence.residual);
-            let predicted = self.predicted_fall(&columns, &step);
+            let (step, predicted) = self.whole_step();
             if predicted < LEAST_FALL {
                 break;
             }
@@ -147,15 +145,14 @@ impl Fitted {
         fallen
     }
 
-    /// By how much a step lets the weighted sum of squares fall where the model is linear.
-    fn predicted_fall(&self, columns: &DMatrix<f64>, step: &DVector<f64>) -> f64 {
-        let k = columns.ncols();
-        let mut all = DMatrix::zeros(columns.nrows(), k + 1);
-        all.columns_mut(0, k).copy_from(columns);
-        all.column_mut(k).copy_from(&self.evidence.residual);
-        let all = whiten_with_prior(&self.evidence, &self.noises, &all, k);
+    /// Gauss and Newton's step, and by how much it lets the weighted sum of squares fall where the model is linear.
+    fn whole_step(&self) -> (DVector<f64>, f64) {
+        let all = with_target(&self.evidence, &self.noises, &self.columns(), &self.evidence.residual);
+        let k = all.ncols() - 1;
+        let step = least_squares(&all);
         let target = all.column(k);
-        target.norm_squared() - (target - all.columns(0, k) * step).norm_squared()
+        let fall = target.norm_squared() - (target - all.columns(0, k) * &step).norm_squared();
+        (step, fall)
     }
 
     /// Whether every included parameter lies where physics allows it.
@@ -310,11 +307,16 @@ pub(super) fn solve(
     columns: &DMatrix<f64>,
     target: &DVector<f64>,
 ) -> DVector<f64> {
+    least_squares(&with_target(evidence, noises, columns, target))
+}
+
+/// Whitened columns with the target behind them, and what is believed below.
+fn with_target(evidence: &Evidence, noises: &[Noise], columns: &DMatrix<f64>, target: &DVector<f64>) -> DMatrix<f64> {
     let k = columns.ncols();
     let mut all = DMatrix::zeros(target.len(), k + 1);
     all.columns_mut(0, k).copy_from(columns);
     all.column_mut(k).copy_from(target);
-    least_squares(&whiten_with_prior(evidence, noises, &all, k))
+    whiten_with_prior(evidence, noises, &all, k)
 }
 
 pub(super) fn weighted_squares(evidence: &Evidence, noises: &[Noise]) -> f64 {

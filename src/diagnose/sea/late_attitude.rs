@@ -4,6 +4,8 @@
 //! the readings of the other time are taken, smoothed as those of the log were, and averaged over the same samples. Knows the readings
 //! of one instrument; no vehicle.
 
+use std::sync::{Arc, OnceLock};
+
 use super::attitude::Smoother;
 use super::is_usable;
 use crate::identify::{Bin, Parts};
@@ -12,16 +14,24 @@ use crate::log::Observation;
 /// The mechanism by which the attitude is late.
 pub const MECHANISM: &str = "clock_offset";
 
+/// Step to either side of the difference quotient by a late attitude \[s\]: about the standard error of one. On straight lines between
+/// readings, and in parts of bins that come and go, a shorter one would see single corners.
+pub const STEP_S: f64 = 1.0;
+
 /// The readings of a log.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct LateAttitude {
     log: Vec<Observation>,
+    bins: Vec<Bin>,
     smoother: Option<Smoother>,
     /// Time by which the path follows the pitch \[s\].
     follows_s: f64,
+    /// A step before and after the clock as it is, which each slope there asks for.
+    beside: [OnceLock<Arc<Shifted>>; 2],
 }
 
 /// The bins with the pitch of another time.
+#[derive(Debug)]
 pub struct Shifted {
     /// The bins, of the same samples.
     pub bins: Vec<Bin>,
@@ -29,37 +39,46 @@ pub struct Shifted {
     pub pitch_rates: Vec<f64>,
     usable: Vec<Observation>,
     log: Vec<Observation>,
+    parts: OnceLock<Parts>,
 }
 
 impl Shifted {
     /// The same bins in parts.
-    pub fn parts(&self) -> Parts {
-        Parts::new(&self.bins, &self.usable, &self.log)
+    pub fn parts(&self) -> &Parts {
+        self.parts.get_or_init(|| Parts::new(&self.bins, &self.usable, &self.log))
     }
 }
 
 impl LateAttitude {
-    /// The readings of this log, and how they are smoothed.
-    pub fn new(log: &[Observation], smoother: Option<Smoother>, follows_s: f64) -> LateAttitude {
-        LateAttitude { log: log.to_vec(), smoother, follows_s }
+    /// The readings of this log with the bins that were made of it, and how they are smoothed.
+    pub fn new(log: &[Observation], bins: &[Bin], smoother: Option<Smoother>, follows_s: f64) -> LateAttitude {
+        LateAttitude { log: log.to_vec(), bins: bins.to_vec(), smoother, follows_s, beside: Default::default() }
     }
 
     /// The bins as they are where the attitude was written this much late.
-    pub fn shifted(&self, late_s: f64, bins: &[Bin]) -> Shifted {
+    pub fn shifted(&self, late_s: f64) -> Arc<Shifted> {
+        let found = || Arc::new(self.shifted_anew(late_s));
+        match [-STEP_S, STEP_S].iter().position(|step_s| late_s == *step_s) {
+            Some(side) => Arc::clone(self.beside[side].get_or_init(found)),
+            None => found(),
+        }
+    }
+
+    fn shifted_anew(&self, late_s: f64) -> Shifted {
         let (usable, log) = self.at(late_s);
-        let mut bins = bins.to_vec();
+        let mut bins = self.bins.clone();
         for bin in &mut bins {
             let of_bin = &usable[bin.first..bin.first + bin.samples];
             bin.mean.pitch_rad = of_bin.iter().map(|o| o.pitch_rad).sum::<f64>() / of_bin.len() as f64;
         }
         let pitch_rates = bins.iter().map(|bin| pitch_rate(&usable[bin.first..bin.first + bin.samples])).collect();
-        Shifted { bins, pitch_rates, usable, log }
+        Shifted { bins, pitch_rates, usable, log, parts: OnceLock::new() }
     }
 
-    /// Rate of the pitch in each of these bins as it was read \[rad/s\].
-    pub fn pitch_rates(&self, bins: &[Bin]) -> Vec<f64> {
+    /// Rate of the pitch in each bin as it was read \[rad/s\].
+    pub fn pitch_rates(&self) -> Vec<f64> {
         let (usable, _) = self.at(0.0);
-        bins.iter().map(|bin| pitch_rate(&usable[bin.first..bin.first + bin.samples])).collect()
+        self.bins.iter().map(|bin| pitch_rate(&usable[bin.first..bin.first + bin.samples])).collect()
     }
 
     /// The usable samples, smoothed, and all of the log with the pitch that was read this much later. The samples are those that are

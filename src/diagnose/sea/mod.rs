@@ -227,8 +227,8 @@ impl SeaProblem {
 
         let mut directions = Directions::new(&baseline_index);
         let pitch_direction = directions.index_of(parameter_index("pitch_offset_rad").expect("a row of the table"));
-        let late_attitude = LateAttitude::new(observations, smoother, follows_s);
-        let pitch_rates = Arc::new(late_attitude.pitch_rates(&bins));
+        let late_attitude = LateAttitude::new(observations, &bins, smoother, follows_s);
+        let pitch_rates = Arc::new(late_attitude.pitch_rates());
         let joined_s = JOINED_STEPS * median_step_s(bins.iter().map(|bin| &bin.mean));
         let mut problem = SeaProblem {
             directions,
@@ -464,18 +464,18 @@ impl SeaProblem {
     }
 
     /// The bins at these parameters, where the attitude has another clock; none where it has the same.
-    fn shifted(&self, parameters: &Parameters<f64>) -> Option<Shifted> {
+    fn shifted(&self, parameters: &Parameters<f64>) -> Option<Arc<Shifted>> {
         let late_s = parameters.clock_offset_s;
-        (late_s != 0.0).then(|| self.late_attitude.shifted(late_s, &self.bins))
+        (late_s != 0.0).then(|| self.late_attitude.shifted(late_s))
     }
 
     /// The bins at a point in parts, whose pitch may be that of another time.
-    fn parts_of(&self, shifted: Option<&Shifted>) -> Cow<'_, Parts> {
-        let of = |shifted: &Shifted| {
-            let parts = shifted.parts();
-            if self.is_quasi_steady() { parts.without_inertia() } else { parts }
-        };
-        shifted.map_or(Cow::Borrowed(&self.parts), |shifted| Cow::Owned(of(shifted)))
+    fn parts_of<'a>(&'a self, shifted: Option<&'a Shifted>) -> Cow<'a, Parts> {
+        match shifted.map(Shifted::parts) {
+            None => Cow::Borrowed(&self.parts),
+            Some(parts) if self.is_quasi_steady() => Cow::Owned(parts.without_inertia()),
+            Some(parts) => Cow::Borrowed(parts),
+        }
     }
 
     /// What happens inside each bin at a point, whose pitch may be that of another time.

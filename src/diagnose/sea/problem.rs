@@ -44,10 +44,6 @@ const MOST_CHANCE: f64 = 0.01;
 /// three. An effect outside the catalogue, which three together can imitate, is far more frequent.
 const MAX_CAUSES: usize = 2;
 
-/// Step to either side of the difference quotient by a late attitude \[s\]: about the standard error of one. On straight lines
-/// between readings, and in parts of bins that come and go, a shorter one would see single corners.
-const CLOCK_STEP_S: f64 = 1.0;
-
 /// Relative change of a size that is never one size: the square of what is left is 4 % of the effect.
 const LARGE_CHANGE: f64 = 0.2;
 
@@ -93,7 +89,7 @@ impl Problem for SeaProblem {
 
     /// Thermoclines and inertia inside the bins are nine tenths of a flight, and change what a bin reads by little.
     fn for_first_search(&self, about: &Point) -> Option<Self> {
-        let within = || self.within_at(about, self.shifted(&self.parameters_at(about)).as_ref());
+        let within = || self.within_at(about, self.shifted(&self.parameters_at(about)).as_deref());
         self.within.is_none().then(|| SeaProblem { within: Some(within()), ..self.clone() })
     }
 
@@ -174,7 +170,7 @@ impl Problem for SeaProblem {
         let share = self.inertia_share(point);
         let shifted = self.shifted(&parameters);
         let mut past = self.effects(point, &parameters);
-        let flown = self.within.is_none().then(|| self.within_with_past(point, shifted.as_ref(), past.as_ref()));
+        let flown = self.within.is_none().then(|| self.within_with_past(point, shifted.as_deref(), past.as_ref()));
         if flown.is_some() || self.is_quasi_steady() {
             // What was flown through the parts of each bin is late already, and a glider without inertia never is.
             past.iter_mut().flatten().for_each(|effect| effect.late_net_mass_kg = effect.net_mass_kg);
@@ -327,8 +323,9 @@ impl SeaProblem {
             there.candidates[candidate][0] += step_s;
             self.evidence_of(&there, &[]).residual
         };
-        let (sooner, later) = rayon::join(|| residual_at(-CLOCK_STEP_S), || residual_at(CLOCK_STEP_S));
-        let column = (sooner - later) / (2.0 * CLOCK_STEP_S);
+        let (sooner, later) =
+            rayon::join(|| residual_at(-late_attitude::STEP_S), || residual_at(late_attitude::STEP_S));
+        let column = (sooner - later) / (2.0 * late_attitude::STEP_S);
         DMatrix::from_column_slice(column.len(), 1, column.as_slice())
     }
 
