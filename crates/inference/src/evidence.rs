@@ -309,6 +309,12 @@ pub trait Problem: Sync {
         false
     }
 
+    /// Whether the slopes along a candidate take longer than the residuals.
+    fn has_slow_slopes(&self, candidate: usize) -> bool {
+        let _ = candidate;
+        false
+    }
+
     /// Whether the covariates span regimes in each of which a mechanism must have one size.
     fn has_regimes(&self) -> bool {
         false

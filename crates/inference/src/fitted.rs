@@ -14,6 +14,9 @@ const MAX_FIT_STEPS: usize = 12;
 /// Times that a quicker problem's steps come first.
 const MAX_QUICK_ROUNDS: usize = 4;
 
+/// Parts of the way to where a linear model has its minimum that are tried, until one makes things better.
+const SHORTENINGS: [f64; 4] = [1.0, 0.3, 0.1, 0.03];
+
 /// Fall of the weighted sum of squares that ends a fit.
 const LEAST_FALL: f64 = 1e-3;
 
@@ -112,6 +115,9 @@ impl Fitted {
     /// Gauss and Newton's steps, shortened where a whole one makes things worse; returns by how much the weighted sum of
     /// squares fell. Leaves the evidence with the sensitivities of the included candidates alone.
     pub(super) fn take_steps(&mut self, problem: &impl Problem) -> f64 {
+        // Slow slopes are asked for where a step ends, not where it is tried.
+        let is_quick = |member: &usize| !problem.has_slow_slopes(*member);
+        let quick_slopes: Vec<usize> = self.included.iter().copied().filter(is_quick).collect();
         let mut fallen = 0.0;
         for _ in 0..MAX_FIT_STEPS {
             let (step, predicted) = self.whole_step();
@@ -120,7 +126,7 @@ impl Fitted {
             }
             let before = weighted_squares(&self.evidence, &self.noises);
             let mut fall = 0.0;
-            for shortening in [1.0, 0.5, 0.25, 0.1, 0.03] {
+            for shortening in SHORTENINGS {
                 // A parabola falls by this much after a part of the way to its bottom: too little is the end.
                 if shortening * (2.0 - shortening) * predicted < LEAST_FALL {
                     break;
@@ -129,10 +135,14 @@ impl Fitted {
                 if !problem.admits(&point) {
                     continue;
                 }
-                let evidence = problem.evidence_of(&point, &self.included);
-                let evidence = believing(problem, evidence, &point, &self.included);
+                let evidence = problem.evidence_of(&point, &quick_slopes);
+                let mut evidence = believing(problem, evidence, &point, &self.included);
                 let after = weighted_squares(&evidence, &self.noises);
                 if after < before {
+                    if quick_slopes.len() < self.included.len() {
+                        evidence = problem.evidence_of(&point, &self.included);
+                        evidence = believing(problem, evidence, &point, &self.included);
+                    }
                     (self.point, self.evidence, fall) = (point, evidence, before - after);
                     break;
                 }

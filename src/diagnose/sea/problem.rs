@@ -93,9 +93,14 @@ impl Problem for SeaProblem {
         self.within.is_none().then(|| SeaProblem { within: Some(within()), ..self.clone() })
     }
 
-    /// Where a glider turns over, the pitch of another time changes most inside the bins.
+    /// Where a glider turns over, the pitch of another time changes most inside the bins, and what was read before a leg is where a late
+    /// pressure begins it.
     fn is_held_in_first_search(&self, candidate: usize) -> bool {
-        self.candidates[candidate].name == late_attitude::MECHANISM
+        [late_attitude::MECHANISM, "pressure_lag"].contains(&self.candidates[candidate].name)
+    }
+
+    fn has_slow_slopes(&self, candidate: usize) -> bool {
+        matches!(self.shapes[candidate].slopes, Slopes::LateAttitude)
     }
 
     fn has_regimes(&self) -> bool {
@@ -150,7 +155,8 @@ impl Problem for SeaProblem {
 
     /// Lift and drag grow with the angle of attack, and drag is no thrust: a polar that begins so stays so.
     fn stepped(&self, place: usize, value: f64, step: f64) -> f64 {
-        if self.is_positive(place) { value * (step / value).exp() } else { value + step }
+        // Upwards a straight step is as good to first order, and stays near where the slopes hold.
+        if self.is_positive(place) && step < 0.0 { value * (step / value).exp() } else { value + step }
     }
 
     fn admits(&self, point: &Point) -> bool {
