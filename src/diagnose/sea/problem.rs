@@ -155,8 +155,7 @@ impl Problem for SeaProblem {
 
     /// Lift and drag grow with the angle of attack, and drag is no thrust: a polar that begins so stays so.
     fn stepped(&self, place: usize, value: f64, step: f64) -> f64 {
-        // Upwards a straight step is as good to first order, and stays near where the slopes hold.
-        if self.is_positive(place) && step < 0.0 { value * (step / value).exp() } else { value + step }
+        if self.is_positive(place) { value * (step / value).exp() } else { value + step }
     }
 
     fn admits(&self, point: &Point) -> bool {
