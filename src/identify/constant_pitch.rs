@@ -160,7 +160,7 @@ const LEAST_RATE: f64 = 0.1;
 
 /// Change of the angle of attack \[rad\], and of the inertia across the path over the weight, that ends the search for both: a part in a
 /// million of what is read.
-const FOUND: f64 = 1e-9;
+const CONVERGED: f64 = 1e-9;
 
 /// Steps in which a speed is looked for, of the steady one.
 const SEARCH_STEP: f64 = 0.05;
@@ -210,7 +210,7 @@ impl Steady {
             found.growth_per_s = share / self.free_s;
             let turning = u * turn * (share - self.free_s * u * growth_per_s);
             found.across = mixed * share + (sin * sin + self.across * cos * cos) * turning;
-            if (found.attack_rad - before.attack_rad).abs().max((found.across - before.across).abs()) < FOUND {
+            if (found.attack_rad - before.attack_rad).abs().max((found.across - before.across).abs()) < CONVERGED {
                 break;
             }
         }

@@ -180,7 +180,7 @@ impl Fitted {
             if has_own_evidence || !is_as_good {
                 continue;
             }
-            let other = Fitted::from(problem, iteration.point_of(&exchanged, problem), exchanged);
+            let other = Fitted::converged(problem, iteration.point_of(&exchanged, problem), exchanged);
             if other.is_possible(problem.candidates()) {
                 *self = other;
                 return;
@@ -237,6 +237,6 @@ impl Fitted {
         }
         let mut point = self.point.clone();
         point.candidates[gone].clone_from(&problem.candidates()[gone].neutral);
-        Fitted::from(problem, point, fewer)
+        Fitted::converged(problem, point, fewer)
     }
 }

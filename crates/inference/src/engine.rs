@@ -155,13 +155,13 @@ pub fn decided(
     curve: Option<String>,
 ) -> Outcome {
     let baseline = Fitted::baseline(problem);
-    let present = Fitted::from(problem, point.clone(), included.to_vec());
+    let present = Fitted::converged(problem, point.clone(), included.to_vec());
     report(problem, &baseline, &present, curve, &[], nuisance)
 }
 
 /// What is left of held-out rows where these candidates are fitted from this point on.
 pub fn held_out(problem: &impl Problem, point: &Point, included: &[usize]) -> DVector<f64> {
-    Fitted::from(problem, point.clone(), included.to_vec()).held_out()
+    Fitted::converged(problem, point.clone(), included.to_vec()).held_out()
 }
 
 /// Whether the curve in a choice is there beside its mechanisms, and large enough to act on.
@@ -251,12 +251,12 @@ impl Fitted {
             (less_likely(&alone), alone)
         };
         let quickly: Vec<(f64, Fitted)> = singles.into_par_iter().map(quickly).collect();
-        // What a quicker problem holds fixed changes a fit by less than the slopes at one law are wrong for another.
+        // A quick fit is nearer to the full one than the slopes at another law are: what is refitted there is near enough here.
         let least = quickly.iter().map(|(less_likely, _)| *less_likely).fold(f64::INFINITY, f64::min);
         let near = least + REFITTED_WITHIN.max(REFITTED_SHARE * -least);
         let is_promising = |(less_likely, alone): &(f64, Fitted)| *less_likely < near || alone.removes_nearly_all(self);
         let in_full = |(_, quickly): (f64, Fitted)| {
-            let alone = Fitted::from(problem, quickly.point, quickly.included);
+            let alone = Fitted::converged(problem, quickly.point, quickly.included);
             alone.is_possible(candidates).then(|| (less_likely(&alone), alone))
         };
         let mut fitted: Vec<(f64, Fitted)> = quickly.into_par_iter().filter(is_promising).filter_map(in_full).collect();

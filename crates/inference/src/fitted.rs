@@ -45,7 +45,7 @@ impl Fitted {
     }
 
     /// The fit of these candidates that begins at this point.
-    pub(super) fn from(problem: &impl Problem, point: Point, included: Vec<usize>) -> Self {
+    pub(super) fn converged(problem: &impl Problem, point: Point, included: Vec<usize>) -> Self {
         let mut fitted = Fitted::new(problem, point, included);
         fitted.converge(problem);
         fitted

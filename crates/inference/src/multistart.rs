@@ -25,7 +25,7 @@ impl Fitted {
     /// Fits the baseline alone. A fit that contradicts the prior may have ended in a local minimum: then it is repeated from other
     /// starting points, and the one with the smallest objective is returned.
     pub(super) fn baseline(problem: &impl Problem) -> Self {
-        let from = |start: Point| Fitted::from(problem, start, Vec::new());
+        let from = |start: Point| Fitted::converged(problem, start, Vec::new());
         let first = from(problem.start());
         if first.agrees_with_prior() {
             return first;
@@ -146,7 +146,7 @@ impl Fitted {
             let quicker = (!is_any_held).then(|| problem.for_first_search(&self.point)).flatten();
             start = likeliest(quicker.as_ref().unwrap_or(problem), starts, &members).unwrap_or(start);
         }
-        Fitted::from(problem, start, members)
+        Fitted::converged(problem, start, members)
     }
 
     /// Fits one mechanism beside this baseline: from its linearised magnitude, and from a usual one on either side of neutral where the
@@ -165,7 +165,7 @@ impl Fitted {
         let best = likeliest(problem, possible.chain([linearised.clone()]), &[member]);
         let is_other = |point: &Point| point.candidates[member] != linearised.candidates[member];
         let starts = [best.filter(is_other), Some(linearised.clone())];
-        let fitted = starts.into_iter().flatten().map(|start| Fitted::from(problem, start, vec![member]));
+        let fitted = starts.into_iter().flatten().map(|start| Fitted::converged(problem, start, vec![member]));
         let likelier = |a: Fitted, b: Fitted| if b.deviance_above(&a) < 0.0 { b } else { a };
         fitted.reduce(likelier).expect("one fit at least")
     }
@@ -184,7 +184,7 @@ impl Fitted {
                 members.push(other);
             }
             members.sort_unstable();
-            Fitted::from(problem, point, members)
+            Fitted::converged(problem, point, members)
         });
         let here = self.held_out();
         let is_no_worse = |rival: &Fitted| {

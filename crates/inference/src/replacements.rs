@@ -127,7 +127,7 @@ fn refitted(
         let mut members = extended.included.clone();
         members[place] = other;
         members.sort_unstable();
-        let rival = Fitted::from(problem, iteration.point_of(&members, problem), members);
+        let rival = Fitted::converged(problem, iteration.point_of(&members, problem), members);
         let cannot_be = |place: usize| {
             let candidate = &candidates[rival.included[place]];
             candidate.is_unusual(rival.point.candidates[rival.included[place]][0])

@@ -51,5 +51,5 @@ pub fn best_unnamed(
 
 /// These candidates fitted again in full from a point, with what is left of held-out data taken from elsewhere.
 pub fn fitted_again(problem: &impl Problem, point: &Point, fitted: &[usize], held_out: DVector<f64>) -> Stage {
-    Fitted::from(problem, point.clone(), fitted.to_vec()).stage(held_out)
+    Fitted::converged(problem, point.clone(), fitted.to_vec()).stage(held_out)
 }

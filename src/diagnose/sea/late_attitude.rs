@@ -26,7 +26,8 @@ pub struct LateAttitude {
     smoother: Option<Smoother>,
     /// Time by which the path follows the pitch \[s\].
     follows_s: f64,
-    /// A step before and after the clock as it is, which each slope there asks for.
+    /// A step before and after the clock as it is, which each slope there asks for. Each is made by one thread alone: one that waits for
+    /// it must not be given a part of it.
     beside: [OnceLock<Arc<Shifted>>; 2],
 }
 
