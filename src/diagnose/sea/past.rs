@@ -46,11 +46,17 @@ impl Past {
         let ballast_m3 = kept(|o| o.ballast_m3);
         let descends: Vec<bool> = samples.iter().map(Observation::descends).collect();
         let (mut stopped_s, mut turn_Pa) = (Vec::new(), Vec::new());
-        let (mut stands_m3, mut since_s, mut turn) = (f64::NAN, time_s.first().copied().unwrap_or(0.0), 0.0f64);
+        let first_s = time_s.first().copied().unwrap_or(0.0);
+        let (mut stands_m3, mut readings, mut since_s, mut turn) = (f64::NAN, 0.0, first_s, 0.0f64);
         for i in 0..samples.len() {
-            if (ballast_m3[i] - stands_m3).abs() > MOVED_M3 || stands_m3.is_nan() {
-                (stands_m3, since_s) = (ballast_m3[i], time_s[i]);
+            if (ballast_m3[i] - stands_m3).abs() > MOVED_M3 {
+                // It came to rest at some time since the sample before.
+                (readings, since_s) = (0.0, 0.5 * (time_s[i - 1] + time_s[i]));
             }
+            // The last reading of a move may be short of where the engine stands, so all readings since then say it together.
+            readings += 1.0;
+            stands_m3 =
+                if readings == 1.0 { ballast_m3[i] } else { stands_m3 + (ballast_m3[i] - stands_m3) / readings };
             stopped_s.push(time_s[i] - since_s);
             if descends[i] && i > 0 && !descends[i - 1] {
                 turn = 0.0;
@@ -118,4 +124,27 @@ pub fn integral(time_s: &[f64], values: &[f64]) -> Vec<f64> {
         found.push(sum);
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::sea::history;
+    use crate::vehicle::Vehicle;
+
+    /// The last reading of a move is 4.3 cm3 short of where the engine stands: noise of 1 cm3 later is no second move.
+    #[test]
+    fn noise_about_where_an_engine_stands_is_no_move() {
+        let ballast_cc = |i: usize| match i {
+            0..10 => -150.0,
+            10 => 224.8,
+            20 => 230.0,
+            _ => 229.1,
+        };
+        let leg = history::tests::log(&Vehicle::load("slocum-graver").expect("a vehicle").glide_parameters());
+        let sample = |i: usize| Observation { time_s: 3.0 * i as f64, ballast_m3: 1e-6 * ballast_cc(i), ..leg[i] };
+        let past = Past::new(&(0..40).map(sample).collect::<Vec<_>>());
+        // It came to rest between samples 9 and 10, as far as is known half-way.
+        assert_eq!((past.stopped_s[9], past.stopped_s[10], past.stopped_s[39]), (27.0, 1.5, 88.5));
+    }
 }
