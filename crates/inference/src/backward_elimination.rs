@@ -10,7 +10,7 @@ use super::subset_search::MARGIN;
 
 /// By how much a quantity must be worse on data held out, at least, for what made it worse to be refused \[%\]: the fit of a
 /// true cause, too, trades a little of one quantity for another.
-const LEAST_SPOILT_PERCENT: f64 = 2.0;
+pub(super) const LEAST_SPOILT_PERCENT: f64 = 2.0;
 
 /// Standard errors by which the variation of a mechanism alone, its mean set aside, must show it: 95 %.
 const OWN_EVIDENCE: f64 = 2.0;
@@ -191,7 +191,8 @@ impl Fitted {
     /// A law that is the right one predicts better than a curve that only resembles it. Where the best curve alone predicts
     /// held-out data better than the named mechanisms for certain, and explains more by the part that may stay unexplained beside
     /// a name, these resemble something unknown: they go, and what the curve runs along is returned. A curve that predicts better
-    /// for certain by next to nothing has only taken up what no law explains.
+    /// for certain by next to nothing has only taken up what no law explains. So has one beside mechanisms that remove nearly all of a
+    /// gross misfit: a level counts little against noise that lasts, and a curve much of what little is left.
     pub(super) fn drop_what_a_curve_beats(&mut self, problem: &impl Problem, baseline: &Fitted) -> Option<String> {
         if !problem.has_regimes() || self.included.is_empty() {
             return None;
@@ -201,7 +202,8 @@ impl Fitted {
         let search = iteration.search();
         let (by_names, by_curve) = (search.gain(&self.included), search.gain(&[curve]));
         let explains_more = by_curve - by_names > problem.part_unexplained() * by_names;
-        if !explains_more || iteration.advantage(&[curve], &self.included) < BEATEN {
+        if !explains_more || iteration.advantage(&[curve], &self.included) < BEATEN || self.removes_nearly_all(baseline)
+        {
             return None;
         }
         let covariate = iteration.curve_name(curve).map(str::to_owned);

@@ -1,5 +1,6 @@
 //! Mechanisms that do nearly all although something else is there as well: they are named, and what is left is reported.
 
+use super::backward_elimination::LEAST_SPOILT_PERCENT;
 use super::evidence::Problem;
 use super::findings::Why;
 use super::fitted::Fitted;
@@ -67,7 +68,8 @@ impl Fitted {
             };
             quantities.clone().map(of).sum()
         };
-        let spoils = quantities.clone().any(|q| rms(&after, q) > rms(&before, q).max(noise(q)));
+        let most = 1.0 + LEAST_SPOILT_PERCENT / 100.0;
+        let spoils = quantities.clone().any(|q| rms(&after, q) > most * rms(&before, q).max(noise(q)));
         is_gross && !spoils && excess(&after) < (1.0 - NEARLY_ALL) * excess(&before)
     }
 }
