@@ -6,7 +6,7 @@ use std::cmp::Ordering;
 use rayon::prelude::*;
 
 use super::evidence::{Evidence, Point, Problem, Quantity};
-use super::fitted::{Fitted, MAX_NOISE_ROUNDS, belief_squares, believing, deviance, noises};
+use super::fitted::{Fitted, MAX_NOISE_ROUNDS, belief_squares, believing, deviance};
 use super::holdout;
 use super::iteration::Iteration;
 use super::score::{SIGNIFICANT, chance};
@@ -107,10 +107,10 @@ impl Fitted {
         };
         trials.retain(|(left, trial)| *left <= before && halves_one(trial));
         let least = trials.iter().map(|trial| trial.0).min_by(f64::total_cmp)?;
-        let converged = trials.into_par_iter().filter(|(left, _)| *left <= least + half).map(|(_, mut trial)| {
-            trial.noises = noises(problem, &trial.evidence, &trial.included);
-            trial.converge(problem);
-            (trial.held_out_misfit(), trial)
+        // The evidence of a trial is that of the quicker problem, of which no fall in the problem itself may be counted.
+        let converged = trials.into_par_iter().filter(|(left, _)| *left <= least + half).map(|(_, trial)| {
+            let converged = Fitted::converged(problem, trial.point, trial.included);
+            (converged.held_out_misfit(), converged)
         });
         let converged: Vec<(f64, Fitted)> = converged.collect();
         let least = converged.iter().map(|(left, _)| *left).min_by(f64::total_cmp)?;

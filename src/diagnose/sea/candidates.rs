@@ -53,7 +53,7 @@ pub const WITH_A_LEVEL: [&str; 4] = ["hull_compressibility", "thermal_expansion"
 pub const WITH_OWN_CHANNEL: [&str; 2] = ["roll_drag", "rudder_drag"];
 
 /// Mechanisms that are a constant added to a reading or a weight.
-pub const LEVELS: [&str; 3] = ["ballast_offset", "pitch_offset", "density_bias"];
+pub const LEVELS: [&str; 4] = ["ballast_offset", "pitch_offset", "density_bias", "vertical_current"];
 
 /// The versions of mechanisms that are tried.
 #[derive(Debug, Clone, Default)]

@@ -24,7 +24,7 @@ use std::sync::Arc;
 use super::past::{MOVED_M3, Past, integral, lagged, lagged_by};
 use crate::diagnose::evidence::Version;
 use crate::dynamics::Parameters;
-use crate::dynamics::buoyancy::WATER_COMPRESSIBILITY_PER_PA;
+use crate::dynamics::buoyancy::{ATMOSPHERE_PA, WATER_COMPRESSIBILITY_PER_PA};
 use crate::identify::Bin;
 use crate::log::{DensitySlopes, Observation, density_slopes, median};
 
@@ -223,6 +223,11 @@ impl History {
                     .collect();
                 let carried = lagged(&past.time_s, &at_surface, parameters.exchange_time_s);
                 carried.iter().zip(&at_surface).map(|(carried, around)| carried - around).collect()
+            }
+            // The model compresses it at the mean of a bin and of each part; this is the mean of what acts, to first order.
+            "trapped_air" => {
+                let volume_m3 = |pressure: &f64| 1e-6 * ATMOSPHERE_PA / (pressure.max(0.0) + ATMOSPHERE_PA);
+                past.pressure_Pa.iter().map(volume_m3).zip(density).map(|(volume, density)| -density * volume).collect()
             }
             "pump_leakback" => {
                 past.stopped_s.iter().zip(density).map(|(stopped, density)| density * 1e-6 * stopped / 3600.0).collect()
@@ -441,6 +446,8 @@ fn slopes_at(mean: &Observation) -> DensitySlopes {
 
 #[cfg(test)]
 pub(super) mod tests {
+    use nalgebra::DMatrix;
+
     use super::*;
     use crate::diagnose::Problem;
     use crate::diagnose::sea::{DiagnosisSettings, SeaProblem};
@@ -523,6 +530,27 @@ pub(super) mod tests {
                 assert!(most > 1e-5 && off < 0.03 * most, "{name}: {off} of {most} m/s");
             }
         }
+    }
+
+    /// Trapped air is compressed much within a bin near the surface. The column is what whole flights change by; the slope at the means of
+    /// the bins is not.
+    #[test]
+    fn the_column_of_trapped_air_is_what_flights_change_by() {
+        let mut parameters = Vehicle::load("slocum-graver").expect("a vehicle").glide_parameters();
+        parameters.hull_thermal_expansion_per_K = 7e-5;
+        let problem =
+            SeaProblem::new(&log(&parameters), &parameters, DiagnosisSettings::default()).expect("enough bins");
+        let air =
+            problem.candidates().iter().position(|candidate| candidate.name == "trapped_air").expect("a candidate");
+        let start = problem.start();
+        let mut point = start.clone();
+        point.candidates[air][0] += 2.0;
+        let before = problem.evidence(&start);
+        let change = (&before.residual - problem.evidence(&point).residual) / 2.0;
+        let off = |column: &DMatrix<f64>| (&change - column.column(0)).norm() / change.norm();
+        let held = problem.for_first_search(&start).expect("not held yet").evidence(&start);
+        let [of_column, at_means] = [&before, &held].map(|evidence| off(&evidence.candidates[air]));
+        assert!(of_column < 0.05 && of_column < 0.5 * at_means, "{of_column} beside {at_means}");
     }
 
     /// What is flown through the parts of a bin is on average what acts on the bin, and follows a change as late as the column says, to a

@@ -151,6 +151,9 @@ struct Shape {
 enum Slopes {
     /// A direction of the model itself.
     Direction(usize),
+    /// For trapped air, which is compressed much within a bin near the surface: a direction of the model where the inside of the bins is
+    /// held, and otherwise what a unit does to each bin, at once and late, times the slopes along the offset.
+    Compressed { held: usize, columns: [Vec<f64>; 2], offset: usize },
     /// For a mechanism of the past: what a unit of it does to each bin, times the slopes along a direction of the model.
     Past {
         /// What a unit does to each bin: where forces balance at every moment, and as the glider follows it.
@@ -359,6 +362,11 @@ impl SeaProblem {
             let slopes = match history::acts(candidate.name) {
                 None if candidate.name == late_attitude::MECHANISM => Slopes::LateAttitude,
                 None if candidate.name == "speed_scale" => Slopes::Speed,
+                None if candidate.name == "trapped_air" => Slopes::Compressed {
+                    held: self.directions.index_of(index),
+                    columns: self.past.effect(candidate.name, &self.bins, &self.parameters),
+                    offset: self.directions.index_of(offset_row),
+                },
                 // The model's slope along a step is zero before it. Behind any other time it is the slope along the offset.
                 None if candidate.name == "net_mass_step" => Slopes::Direction(self.directions.index_of(offset_row)),
                 None => Slopes::Direction(self.directions.index_of(index)),

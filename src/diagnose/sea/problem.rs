@@ -249,6 +249,11 @@ impl Problem for SeaProblem {
                         |row: usize| candidate.version.is_none_or(|jump| row_bins[row].mean.time_s >= jump.value);
                     DMatrix::from_fn(n, 1, |row, _| if after(row) { slopes[(row, *direction)] } else { 0.0 })
                 }
+                Slopes::Compressed { held, .. } if self.within.is_some() => slopes.columns(*held, 1).into_owned(),
+                Slopes::Compressed { columns: [at_rest, late], offset, .. } => {
+                    let acts = |bin: usize| at_rest[bin] + follows_late * (late[bin] - at_rest[bin]);
+                    DMatrix::from_fn(n, 1, |row, _| acts(bin_of(row)) * slopes[(row, *offset)])
+                }
                 Slopes::LateAttitude => self.by_late_attitude(point, index),
                 Slopes::Speed => {
                     DMatrix::from_fn(n, 1, |row, _| if row < n_w { 0.0 } else { flown[bin_of(row)].speed.value })
@@ -307,7 +312,10 @@ impl SeaProblem {
     /// The directions in which the slopes of the baseline, of what the rows share and of these candidates lie.
     fn varied(&self, included: &[usize]) -> Vec<usize> {
         let of_candidate = |member: &usize| match self.shapes[*member].slopes {
-            Slopes::Direction(direction) | Slopes::Past { carrier: Some(direction), .. } => Some(direction),
+            Slopes::Compressed { held, .. } if self.within.is_some() => Some(held),
+            Slopes::Direction(direction)
+            | Slopes::Past { carrier: Some(direction), .. }
+            | Slopes::Compressed { offset: direction, .. } => Some(direction),
             Slopes::Past { carrier: None, .. } | Slopes::LateAttitude | Slopes::Speed => None,
         };
         let mut varied: Vec<usize> = (0..self.baseline_index.len())
