@@ -191,8 +191,8 @@ impl Fitted {
     /// A law that is the right one predicts better than a curve that only resembles it. Where the best curve alone predicts
     /// held-out data better than the named mechanisms for certain, and explains more by the part that may stay unexplained beside
     /// a name, these resemble something unknown: they go, and what the curve runs along is returned. A curve that predicts better
-    /// for certain by next to nothing has only taken up what no law explains. So has one beside mechanisms that remove nearly all of a
-    /// gross misfit: a level counts little against noise that lasts, and a curve much of what little is left.
+    /// for certain by next to nothing has only taken up what no law explains. So has one beside the mean of a quantity that removes nearly
+    /// all of a gross misfit: against noise that lasts a mean counts little, and a curve in what little is left much.
     pub(super) fn drop_what_a_curve_beats(&mut self, problem: &impl Problem, baseline: &Fitted) -> Option<String> {
         if !problem.has_regimes() || self.included.is_empty() {
             return None;
@@ -202,8 +202,11 @@ impl Fitted {
         let search = iteration.search();
         let (by_names, by_curve) = (search.gain(&self.included), search.gain(&[curve]));
         let explains_more = by_curve - by_names > problem.part_unexplained() * by_names;
-        if !explains_more || iteration.advantage(&[curve], &self.included) < BEATEN || self.removes_nearly_all(baseline)
-        {
+        if !explains_more || iteration.advantage(&[curve], &self.included) < BEATEN {
+            return None;
+        }
+        let is_mean = self.included.iter().all(|member| problem.is_mean_of_a_quantity(*member));
+        if is_mean && self.removes_nearly_all(baseline) {
             return None;
         }
         let covariate = iteration.curve_name(curve).map(str::to_owned);

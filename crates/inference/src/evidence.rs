@@ -338,6 +338,12 @@ pub trait Problem: Sync {
         true
     }
 
+    /// Whether a candidate is a constant in a quantity, and so its mean: of that noise which lasts leaves little.
+    fn is_mean_of_a_quantity(&self, candidate: usize) -> bool {
+        let _ = candidate;
+        false
+    }
+
     /// Share of what named mechanisms explain that may stay unexplained beside them without costing them their names.
     fn part_unexplained(&self) -> f64 {
         0.0

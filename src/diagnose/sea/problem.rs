@@ -120,6 +120,10 @@ impl Problem for SeaProblem {
         candidates::LEVELS.contains(&self.candidates[candidate].name)
     }
 
+    fn is_mean_of_a_quantity(&self, candidate: usize) -> bool {
+        self.candidates[candidate].name == "vertical_current"
+    }
+
     fn part_unexplained(&self) -> f64 {
         PART_UNEXPLAINED
     }
