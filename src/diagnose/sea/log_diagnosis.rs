@@ -35,6 +35,9 @@ const QUASI_STEADY: &str = "the log follows a glide without inertia better than 
 /// What is said where the vehicle's lift slope lets a cause be seen.
 const SLOPE_HELD: &str = "a fitted lift slope goes far from the vehicle's and leaves something unexplained; held at the vehicle's it does not, and predicts as well: it is held";
 
+/// What is said where a name stands with an unusual lift slope alone.
+const NAME_REFUTED: &str = "what explains the log beside a fitted lift slope far from the vehicle's does not stand with the vehicle's own: that is held, and nothing is named";
+
 /// Diagnoses a log against a vehicle.
 ///
 /// # Errors
@@ -79,6 +82,10 @@ pub fn diagnose_log(
         Some((held, of_held)) if explains_as_well(&held, &of_held, &outcome) => (held, of_held, true),
         _ => (problem, outcome, false),
     };
+    let (problem, outcome, name_is_refuted) = match rests_on_the_slope(&problem, &outcome).then(held).flatten() {
+        Some((held, of_held)) if !slope_is_held && of_held.named.is_empty() => (held, of_held, true),
+        _ => (problem, outcome, false),
+    };
     let (problem, mut outcome) = with_speed_scale_if_it_explains(problem, outcome, most_trim_kg);
     match error {
         Some(error) => {
@@ -95,6 +102,9 @@ pub fn diagnose_log(
     }
     if slope_is_held {
         outcome.diagnosis.warnings.push(SLOPE_HELD.to_owned());
+    }
+    if name_is_refuted {
+        outcome.diagnosis.warnings.push(NAME_REFUTED.to_owned());
     }
     if !uses_stated_polar {
         outcome.diagnosis.warnings.push(stated_polar::WARNING.to_owned());
@@ -120,6 +130,11 @@ fn is_hidden_by_a_far_slope(problem: &SeaProblem, outcome: &Outcome) -> bool {
     let is_left = matches!(outcome.diagnosis.verdict, Verdict::Unexplained | Verdict::PartlyExplained);
     let points = [&outcome.before.point, &outcome.after.point];
     is_left && !problem.has_speed() && points.iter().any(|point| problem.has_far_lift_slope(point))
+}
+
+/// Whether what is named stands beside an unusual lift slope, where no speed shows it: it may have taken up what is not known.
+fn rests_on_the_slope(problem: &SeaProblem, outcome: &Outcome) -> bool {
+    !problem.has_speed() && !outcome.named.is_empty() && problem.has_unusual_lift_slope(&outcome.after.point)
 }
 
 /// Whether a diagnosis explains its log, and predicts held-out vertical velocity for certain no worse than another of the same log.
