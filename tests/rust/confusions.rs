@@ -371,6 +371,23 @@ fn a_pressure_that_is_late_after_a_turn_has_its_size() {
     }
 }
 
+/// Air of 95 and 100 cm3, compressed within the first bins of each leg, and a ballast volume of 33 cm3/h that leaks back while its reading
+/// has noise of half a cubic centimetre: two sizes that stayed where a quick fit ended, and one that began anew in mid-leg.
+#[test]
+fn what_changes_most_near_a_turn_has_its_size() {
+    for (effect, seed) in [("trapped_air", 82_602), ("trapped_air", 82_604), ("pump_leakback", 82_604)] {
+        let answer = Answer::diagnose(effect, seed, true, true).expect("a diagnosis");
+        assert!(answer.is_right() && answer.covered == [true], "{seed}: {}", answer.evidence);
+    }
+}
+
+/// A current of 18 mm/s is most of what a noise that lasts explains too, and a curve along the pitch explains more of the rest.
+#[test]
+fn no_curve_takes_the_place_of_a_current_that_does_nearly_all() {
+    let answer = Answer::diagnose("vertical_current", 82_206, true, true).expect("a diagnosis");
+    assert!(answer.is_right() && answer.covered == [true], "{}", answer.evidence);
+}
+
 /// Air that leaves in dives to 28 m looks like a hull that is four times as soft as sea water.
 #[test]
 fn a_hull_much_softer_than_water_gets_no_name() {
