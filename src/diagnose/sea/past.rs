@@ -46,17 +46,16 @@ impl Past {
         let ballast_m3 = kept(|o| o.ballast_m3);
         let descends: Vec<bool> = samples.iter().map(Observation::descends).collect();
         let (mut stopped_s, mut turn_Pa) = (Vec::new(), Vec::new());
-        let first_s = time_s.first().copied().unwrap_or(0.0);
-        let (mut stands_m3, mut readings, mut since_s, mut turn) = (f64::NAN, 0.0, first_s, 0.0f64);
+        let first = |values: &[f64]| values.first().copied().unwrap_or(0.0);
+        let (mut stands_m3, mut readings, mut since_s, mut turn) = (first(&ballast_m3), 0.0, first(&time_s), 0.0f64);
         for i in 0..samples.len() {
             if (ballast_m3[i] - stands_m3).abs() > MOVED_M3 {
                 // It came to rest at some time since the sample before.
-                (readings, since_s) = (0.0, 0.5 * (time_s[i - 1] + time_s[i]));
+                (stands_m3, readings, since_s) = (ballast_m3[i], 0.0, 0.5 * (time_s[i - 1] + time_s[i]));
             }
             // The last reading of a move may be short of where the engine stands, so all readings since then say it together.
             readings += 1.0;
-            stands_m3 =
-                if readings == 1.0 { ballast_m3[i] } else { stands_m3 + (ballast_m3[i] - stands_m3) / readings };
+            stands_m3 += (ballast_m3[i] - stands_m3) / readings;
             stopped_s.push(time_s[i] - since_s);
             if descends[i] && i > 0 && !descends[i - 1] {
                 turn = 0.0;
