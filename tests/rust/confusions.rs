@@ -199,6 +199,9 @@ fn evidence(truth: &[Drawn], found: &Diagnosis) -> String {
         let sizes = cause.parameters.iter().map(|(name, e)| format!("{name} {:.3e} +- {:.1e}", e.value, e.se));
         let halves: Vec<String> =
             cause.stability.iter().map(|half| format!("{:.3e}+-{:.1e}", half.value, half.se)).collect();
+        // With the logarithm of the ratio of its likelihood to that of the one named.
+        let group: Vec<String> =
+            cause.log_likelihood_ratio.iter().map(|(name, ratio)| format!("{name} {ratio:.1}")).collect();
         text += &format!(
             "; {} {} bic {:.0} {} {:.2}>{:.2} mm/s halves {} group {}",
             cause.cause,
@@ -208,7 +211,7 @@ fn evidence(truth: &[Drawn], found: &Diagnosis) -> String {
             cause.holdout_rms_before * 1e3,
             cause.holdout_rms_after * 1e3,
             halves.join(" "),
-            cause.indistinguishable_from.join(",")
+            group.join(",")
         );
     }
     for left in &found.left {

@@ -164,6 +164,14 @@ pub fn held_out(problem: &impl Problem, point: &Point, included: &[usize]) -> DV
     Fitted::converged(problem, point.clone(), included.to_vec()).held_out()
 }
 
+/// Whether any of these candidates stands, all of them fitted from this point on.
+pub fn is_any_standing(problem: &impl Problem, point: &Point, included: &[usize]) -> bool {
+    let baseline = Fitted::baseline(problem);
+    let mut present = Fitted::converged(problem, point.clone(), included.to_vec());
+    present.eliminate_backward(problem, &baseline, &mut Vec::new());
+    !present.included.is_empty()
+}
+
 /// Whether the curve in a choice is there beside its mechanisms, and large enough to act on.
 fn is_wrong(choice: &Choice, iteration: &Iteration<'_>, problem: &impl Problem) -> bool {
     let limits = iteration.fitted.limits(problem);

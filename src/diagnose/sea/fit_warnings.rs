@@ -1,6 +1,6 @@
 //! Warnings about a fit: a polar, a current, a scale of the pitch that are far from the prior. Knows the fitted points; no samples.
 
-use super::problem::PRIOR_SD_LN;
+use super::lift_slope::LIFT_SLOPE;
 use super::{Lift, MOST_USUAL, SeaProblem};
 use crate::diagnose::evidence::Point;
 use crate::identify::unknown_shear::DIFFERENCE_M_S;
@@ -9,29 +9,19 @@ use crate::report::significant;
 /// Ratio of a fitted coefficient of the polar to the vehicle's, or the reverse, from which on a warning is due.
 const FAR_FROM_BELIEF: f64 = 3.0;
 
-const LIFT_SLOPE: &str = "a_per_rad";
-
 /// What to do where a lift slope runs away, or a scale of the pitch stands beside it.
 const PITCH_OR_LIFT: &str = "a lift slope and a scale of the pitch cannot be distinguished by vertical velocity and speed: hold the slope at an outside value (--pin-lift=A)";
 
 impl SeaProblem {
     /// Whether the lift slope of a point is far from what the vehicle says.
     pub(super) fn has_far_lift_slope(&self, point: &Point) -> bool {
-        self.lift_slope_ratio(point).is_some_and(|ratio| !(1.0 / FAR_FROM_BELIEF..=FAR_FROM_BELIEF).contains(&ratio))
-    }
-
-    /// Whether the lift slope of a point differs from what the vehicle says by more than polars of one design scatter by.
-    pub(super) fn has_unusual_lift_slope(&self, point: &Point) -> bool {
-        let sd_ln = PRIOR_SD_LN.iter().find(|(name, _)| *name == LIFT_SLOPE).map_or(f64::INFINITY, |(_, sd)| *sd);
-        self.lift_slope_ratio(point).is_some_and(|ratio| ratio.ln().abs() > sd_ln)
-    }
-
-    /// The fitted lift slope over the vehicle's; none where it is not fitted.
-    fn lift_slope_ratio(&self, point: &Point) -> Option<f64> {
         let mut believed = self.parameters;
-        let place = self.baseline.iter().position(|(name, _)| *name == LIFT_SLOPE)?;
-        let belief = *believed.at(self.baseline_index[place]);
-        (belief > 0.0).then(|| point.baseline[place] / belief)
+        let place = self.baseline.iter().position(|(name, _)| *name == LIFT_SLOPE);
+        place.is_some_and(|place| {
+            let belief = *believed.at(self.baseline_index[place]);
+            let is_usual = |ratio: f64| (1.0 / FAR_FROM_BELIEF..=FAR_FROM_BELIEF).contains(&ratio);
+            belief > 0.0 && !is_usual(point.baseline[place] / belief)
+        })
     }
 
     /// Warnings about the fit, in a sentence each: parameters of the baseline that lie far from what the vehicle says,
@@ -52,10 +42,10 @@ impl SeaProblem {
             let (value, when) = match (alone.baseline[i], named.baseline[i]) {
                 (_, value) if is_far(value) => (value, ""),
                 // A drag that only the misfit drove away has come back with its cause; a lift slope says more.
-                (value, _) if is_far(value) && *name == "a_per_rad" => (value, " as long as nothing is named"),
+                (value, _) if is_far(value) && *name == LIFT_SLOPE => (value, " as long as nothing is named"),
                 _ => continue,
             };
-            let pitch = if *name == "a_per_rad" { format!("; {PITCH_OR_LIFT}") } else { String::new() };
+            let pitch = if *name == LIFT_SLOPE { format!("; {PITCH_OR_LIFT}") } else { String::new() };
             let unit = if *unit == "1" { String::new() } else { format!(" {unit}") };
             warnings.push(format!("`{name}` = {value:.3}{unit}{when} is far from the vehicle's {belief:.3}{pitch}"));
         }

@@ -4,12 +4,12 @@ use std::borrow::Cow;
 
 use super::{DiagnosisSettings, Lift, SeaError, SeaProblem};
 use super::{
-    consistency, density_report, empirical, grid_refinement, level_shift, not_assessed, stated_polar, trim,
+    consistency, density_report, empirical, grid_refinement, level_shift, lift_slope, not_assessed, stated_polar, trim,
     unknown_temperature,
 };
+use crate::diagnose::engine;
 use crate::diagnose::findings::{Checked, Verdict};
 use crate::diagnose::{Evidence, Outcome, Problem};
-use crate::diagnose::{engine, holdout};
 use crate::dynamics::Parameters;
 use crate::identify::Trim;
 use crate::log::Observation;
@@ -31,12 +31,6 @@ pub struct SeaDiagnosis {
 
 /// What is said of a log in which inertia does not show.
 const QUASI_STEADY: &str = "the log follows a glide without inertia better than one with it: the baseline is taken without, as a simulated log may be";
-
-/// What is said where the vehicle's lift slope lets a cause be seen.
-const SLOPE_HELD: &str = "a fitted lift slope goes far from the vehicle's and leaves something unexplained; held at the vehicle's it does not, and predicts as well: it is held";
-
-/// What is said where a name stands with an unusual lift slope alone.
-const NAME_REFUTED: &str = "what explains the log beside a fitted lift slope far from the vehicle's does not stand with the vehicle's own: that is held, and nothing is named";
 
 /// Diagnoses a log against a vehicle.
 ///
@@ -78,14 +72,7 @@ pub fn diagnose_log(
     let (problem, outcome, uses_stated_polar) = with_stated_polar(problem, settings.polar_se, decided);
     let polar_se = if uses_stated_polar { settings.polar_se } else { [None; 3] };
     let held = || as_read(&used, assumed, Lift::Held).ok().map(|(held, _)| decided(held.with_polar_errors(polar_se)));
-    let (problem, outcome, slope_is_held) = match is_hidden_by_a_far_slope(&problem, &outcome).then(held).flatten() {
-        Some((held, of_held)) if explains_as_well(&held, &of_held, &outcome) => (held, of_held, true),
-        _ => (problem, outcome, false),
-    };
-    let (problem, outcome, name_is_refuted) = match rests_on_the_slope(&problem, &outcome).then(held).flatten() {
-        Some((held, of_held)) if !slope_is_held && of_held.named.is_empty() => (held, of_held, true),
-        _ => (problem, outcome, false),
-    };
+    let (problem, outcome, of_the_slope) = lift_slope::decide(problem, outcome, held);
     let (problem, mut outcome) = with_speed_scale_if_it_explains(problem, outcome, most_trim_kg);
     match error {
         Some(error) => {
@@ -100,12 +87,7 @@ pub fn diagnose_log(
     if assumed {
         trim::report(&mut outcome, most_trim_kg);
     }
-    if slope_is_held {
-        outcome.diagnosis.warnings.push(SLOPE_HELD.to_owned());
-    }
-    if name_is_refuted {
-        outcome.diagnosis.warnings.push(NAME_REFUTED.to_owned());
-    }
+    outcome.diagnosis.warnings.extend(of_the_slope.map(str::to_owned));
     if !uses_stated_polar {
         outcome.diagnosis.warnings.push(stated_polar::WARNING.to_owned());
     }
@@ -122,29 +104,6 @@ pub fn diagnose_log(
     let problem = empirical::extend(problem, &mut outcome);
     let evidence = problem.evidence(&outcome.after.point);
     Ok(SeaDiagnosis { outcome, evidence, problem, baseline, turns: Vec::new() })
-}
-
-/// Whether something is wrong that no mechanism explains beside a lift slope that is far from the vehicle's: where no speed shows it, it
-/// may take up what a cause did.
-fn is_hidden_by_a_far_slope(problem: &SeaProblem, outcome: &Outcome) -> bool {
-    let is_left = matches!(outcome.diagnosis.verdict, Verdict::Unexplained | Verdict::PartlyExplained);
-    let points = [&outcome.before.point, &outcome.after.point];
-    is_left && !problem.has_speed() && points.iter().any(|point| problem.has_far_lift_slope(point))
-}
-
-/// Whether what is named stands beside an unusual lift slope, where no speed shows it: it may have taken up what is not known.
-fn rests_on_the_slope(problem: &SeaProblem, outcome: &Outcome) -> bool {
-    !problem.has_speed() && !outcome.named.is_empty() && problem.has_unusual_lift_slope(&outcome.after.point)
-}
-
-/// Whether a diagnosis explains its log, and predicts held-out vertical velocity for certain no worse than another of the same log.
-fn explains_as_well(problem: &SeaProblem, outcome: &Outcome, other: &Outcome) -> bool {
-    let evidence = problem.evidence(&outcome.after.point);
-    let rows = evidence.quantities[0].rows.clone();
-    let gained = || holdout::reduction_interval(&evidence.block, rows, &outcome.after.held_out, &other.after.held_out);
-    outcome.diagnosis.verdict == Verdict::Explained
-        && outcome.after.held_out.len() == other.after.held_out.len()
-        && gained()[0] <= 0.0
 }
 
 /// Diagnoses a problem with the errors that the vehicle states of its polar; returns whether they are used.

@@ -20,6 +20,7 @@ mod history;
 mod jumps;
 mod late_attitude;
 mod level_shift;
+mod lift_slope;
 mod log_diagnosis;
 mod model;
 mod not_assessed;

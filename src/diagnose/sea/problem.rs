@@ -17,7 +17,7 @@ use crate::identify::Bin;
 
 /// Prior standard deviation of the logarithm of each coefficient of a vehicle's polar: the scatter of three published polars of one
 /// design, the Slocum, on one area (see the test).
-pub(super) const PRIOR_SD_LN: [(&str, f64); 3] = [("a_per_rad", 0.80), ("b", 0.64), ("c_per_rad2", 1.51)];
+const PRIOR_SD_LN: [(&str, f64); 3] = [("a_per_rad", 0.80), ("b", 0.64), ("c_per_rad2", 1.51)];
 
 /// Least width of the prior of a coefficient that the vehicle says is zero or below, on the frontal area.
 const LEAST_PRIOR: f64 = 0.1;
