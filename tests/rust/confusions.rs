@@ -374,11 +374,13 @@ fn a_pressure_that_is_late_after_a_turn_has_its_size() {
     }
 }
 
-/// Air of 95 and 100 cm3, compressed within the first bins of each leg, and a ballast volume of 33 cm3/h that leaks back while its reading
-/// has noise of half a cubic centimetre: two sizes that stayed where a quick fit ended, and one that began anew in mid-leg.
+/// Air of 93 to 100 cm3, compressed within the first bins of each leg, and a ballast volume of 33 cm3/h that leaks back while its reading
+/// has noise of half a cubic centimetre: two sizes that stayed where a quick fit ended, one that stayed at 11 cm3 in a curved valley beside
+/// a drag at large angles of attack, and one that began anew in mid-leg.
 #[test]
 fn what_changes_most_near_a_turn_has_its_size() {
-    for (effect, seed) in [("trapped_air", 82_602), ("trapped_air", 82_604), ("pump_leakback", 82_604)] {
+    let hidden = [("trapped_air", 82_400), ("trapped_air", 82_602), ("trapped_air", 82_604), ("pump_leakback", 82_604)];
+    for (effect, seed) in hidden {
         let answer = Answer::diagnose(effect, seed, true, true).expect("a diagnosis");
         assert!(answer.is_right() && answer.covered == [true], "{seed}: {}", answer.evidence);
     }

@@ -8,17 +8,11 @@ use super::holdout::{self, least_squares};
 use super::score::{whiten, whiten_with_prior};
 use crate::noise::{self, Lasting, Noise};
 
-/// Steps of Gauss and Newton to one fit.
-const MAX_FIT_STEPS: usize = 12;
-
 /// Times that a quicker problem's steps come first.
 const MAX_QUICK_ROUNDS: usize = 4;
 
-/// Parts of the way to where a linear model has its minimum that are tried, until one makes things better.
-const SHORTENINGS: [f64; 4] = [1.0, 0.3, 0.1, 0.03];
-
 /// Fall of the weighted sum of squares that ends a fit.
-const LEAST_FALL: f64 = 1e-3;
+pub(super) const LEAST_FALL: f64 = 1e-3;
 
 /// Largest number of alternations of fit and noise estimate.
 pub(super) const MAX_NOISE_ROUNDS: usize = 4;
@@ -112,59 +106,6 @@ impl Fitted {
         self.evidence = believing(problem, problem.evidence(&self.point), &self.point, &self.included);
     }
 
-    /// Gauss and Newton's steps, shortened where a whole one makes things worse; returns by how much the weighted sum of
-    /// squares fell. Leaves the evidence with the sensitivities of the included candidates alone.
-    pub(super) fn take_steps(&mut self, problem: &impl Problem) -> f64 {
-        // Slow slopes are asked for where a step ends, not where it is tried.
-        let is_quick = |member: &usize| !problem.has_slow_slopes(*member);
-        let quick_slopes: Vec<usize> = self.included.iter().copied().filter(is_quick).collect();
-        let mut fallen = 0.0;
-        for _ in 0..MAX_FIT_STEPS {
-            let (step, predicted) = self.whole_step();
-            if predicted < LEAST_FALL {
-                break;
-            }
-            let before = weighted_squares(&self.evidence, &self.noises);
-            let mut fall = 0.0;
-            for shortening in SHORTENINGS {
-                // A parabola falls by this much after a part of the way to its bottom: too little is the end.
-                if shortening * (2.0 - shortening) * predicted < LEAST_FALL {
-                    break;
-                }
-                let point = self.moved(problem, &(&step * shortening));
-                if !problem.admits(&point) {
-                    continue;
-                }
-                let evidence = problem.evidence_of(&point, &quick_slopes);
-                let mut evidence = believing(problem, evidence, &point, &self.included);
-                let after = weighted_squares(&evidence, &self.noises);
-                if after < before {
-                    if quick_slopes.len() < self.included.len() {
-                        evidence = problem.evidence_of(&point, &self.included);
-                        evidence = believing(problem, evidence, &point, &self.included);
-                    }
-                    (self.point, self.evidence, fall) = (point, evidence, before - after);
-                    break;
-                }
-            }
-            fallen += fall;
-            if fall < LEAST_FALL {
-                break;
-            }
-        }
-        fallen
-    }
-
-    /// Gauss and Newton's step, and by how much it lets the weighted sum of squares fall where the model is linear.
-    fn whole_step(&self) -> (DVector<f64>, f64) {
-        let all = with_target(&self.evidence, &self.noises, &self.columns(), &self.evidence.residual);
-        let k = all.ncols() - 1;
-        let step = least_squares(&all);
-        let target = all.column(k);
-        let fall = target.norm_squared() - (target - all.columns(0, k) * &step).norm_squared();
-        (step, fall)
-    }
-
     /// Whether every included parameter lies where physics allows it.
     pub(super) fn is_possible(&self, candidates: &[Candidate]) -> bool {
         self.included.iter().all(|member| {
@@ -178,21 +119,6 @@ impl Fitted {
             .chain(self.included.iter().map(|member| &self.evidence.candidates[*member]))
             .collect();
         side_by_side(self.evidence.residual.len(), &parts)
-    }
-
-    pub(super) fn moved(&self, problem: &impl Problem, step: &DVector<f64>) -> Point {
-        let mut point = self.point.clone();
-        let mut steps = step.iter();
-        for (place, (value, step)) in point.baseline.iter_mut().zip(&mut steps).enumerate() {
-            *value = problem.stepped(place, *value, *step);
-        }
-        for member in &self.included {
-            for (value, step) in point.candidates[*member].iter_mut().zip(&mut steps) {
-                *value += step;
-            }
-        }
-        assert_eq!(problem.baseline().len(), point.baseline.len());
-        point
     }
 
     /// Residuals as the baseline would leave them at this point: the included candidates' share put back.
@@ -321,7 +247,12 @@ pub(super) fn solve(
 }
 
 /// Whitened columns with the target behind them, and what is believed below.
-fn with_target(evidence: &Evidence, noises: &[Noise], columns: &DMatrix<f64>, target: &DVector<f64>) -> DMatrix<f64> {
+pub(super) fn with_target(
+    evidence: &Evidence,
+    noises: &[Noise],
+    columns: &DMatrix<f64>,
+    target: &DVector<f64>,
+) -> DMatrix<f64> {
     let k = columns.ncols();
     let mut all = DMatrix::zeros(target.len(), k + 1);
     all.columns_mut(0, k).copy_from(columns);

@@ -68,19 +68,58 @@ pub fn on_part(
 
 /// Solution of a least-squares problem whose right side is the last column; directions that no row sees stay zero.
 pub fn least_squares(all: &DMatrix<f64>) -> DVector<f64> {
-    let k = all.ncols() - 1;
-    let (design, sizes) = unit_columns(all, k);
-    let gram = design.transpose() * &design;
-    let moments = design.transpose() * all.column(k);
-    let eigen = gram.symmetric_eigen();
-    let largest = eigen.eigenvalues.max();
-    let mut solution = DVector::zeros(k);
-    for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
-        if *value > 1e-10 * largest {
-            solution += vector * (vector.dot(&moments) / value);
-        }
+    LeastSquares::new(all).solution(0.0)
+}
+
+/// A least-squares problem in the directions of its curvature, its columns of unit length, for solutions that are damped more or less.
+pub struct LeastSquares {
+    /// Lengths of the columns.
+    sizes: Vec<f64>,
+    directions: DMatrix<f64>,
+    /// Curvature of half the sum of squares along each direction, and its slope.
+    curvatures: DVector<f64>,
+    slopes: DVector<f64>,
+}
+
+impl LeastSquares {
+    /// The problem whose right side is the last column.
+    pub fn new(all: &DMatrix<f64>) -> Self {
+        let k = all.ncols() - 1;
+        let (design, sizes) = unit_columns(all, k);
+        let eigen = (design.transpose() * &design).symmetric_eigen();
+        let slopes = eigen.eigenvectors.tr_mul(&(design.transpose() * all.column(k)));
+        LeastSquares { sizes, directions: eigen.eigenvectors, curvatures: eigen.eigenvalues, slopes }
     }
-    DVector::from_fn(k, |j, _| solution[j] / sizes[j])
+
+    /// The solution with so much added to the curvature along every single column, which is 1 (Marquardt 1963, J. Soc. Ind. Appl. Math. 11,
+    /// 431). Directions that no row sees stay zero.
+    pub fn solution(&self, damping: f64) -> DVector<f64> {
+        let solution = &self.directions * self.along_directions(damping);
+        DVector::from_fn(self.sizes.len(), |j, _| solution[j] / self.sizes[j])
+    }
+
+    /// By how much that solution lets the sum of squares fall.
+    pub fn fall(&self, damping: f64) -> f64 {
+        let steps = self.along_directions(damping);
+        let of = |i: usize| steps[i] * (2.0 * self.slopes[i] - self.curvatures[i] * steps[i]);
+        (0..steps.len()).map(of).sum()
+    }
+
+    /// The smallest curvature along a direction that the rows see.
+    pub fn least_curvature(&self) -> f64 {
+        let seen = self.curvatures.iter().copied().filter(|curvature| *curvature > self.unseen());
+        seen.min_by(f64::total_cmp).unwrap_or(1.0)
+    }
+
+    fn along_directions(&self, damping: f64) -> DVector<f64> {
+        let unseen = self.unseen();
+        let step = |curvature: f64, slope: f64| if curvature > unseen { slope / (curvature + damping) } else { 0.0 };
+        self.curvatures.zip_map(&self.slopes, step)
+    }
+
+    fn unseen(&self) -> f64 {
+        1e-10 * self.curvatures.max()
+    }
 }
 
 /// The rows of an evidence that a fit may see.

@@ -40,6 +40,7 @@ mod report;
 pub mod score;
 pub mod smooth;
 pub mod specification_test;
+mod steps;
 pub mod subset_search;
 mod uncertainty;
 mod unnamed;

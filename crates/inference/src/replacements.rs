@@ -70,27 +70,73 @@ pub(super) fn in_place_of(problem: &impl Problem, baseline: &Fitted, refused: &F
     equal
 }
 
-/// The sets with one member exchanged that are likelier than this one and predict held-out data no worse, each fitted in full, the
-/// likeliest first. The slopes at a wrong law may keep it before the true one. The likelihood alone may take a slow misfit for noise.
+/// The sets with one member exchanged that are likelier than this one and predict held-out data no worse by one standard error, each
+/// nor by anything that counts, each fitted in full, the likeliest first. The slopes at a wrong law may keep it before the true one. The
+/// likelihood alone may take a slow misfit for noise; held-out data say little for a member whose time was selected from all of them.
 pub(super) fn likelier(problem: &impl Problem, present: &Fitted) -> Vec<Fitted> {
-    let iteration = Iteration::new(problem.candidates(), present);
-    let search = iteration.search();
+    let candidates = problem.candidates();
+    let iteration = Iteration::new(candidates, present);
+    let (named, limits) = (present.held_out(), present.limits(problem));
+    let has_version = |member: usize| candidates[member].version.is_some();
     let of_place = |place: usize| {
-        let gain = search.gain_of(&present.included, place);
-        let member = present.included[place];
-        let refitted = refitted(problem, present, &iteration, place, gain).into_iter();
+        let gain = iteration.search().gain_of(&present.included, place);
+        let cost = cost_of_mechanism(&iteration, place);
         let less_likely = |rival: Replacement| {
-            let cost_above = search.cost(rival.candidate) - search.cost(member);
-            (rival.fitted.deviance_above(present) + cost_above, rival.fitted)
+            let there = Iteration::new(candidates, &rival.fitted);
+            let place = rival.fitted.included.iter().position(|member| *member == rival.candidate);
+            let cost_above = cost_of_mechanism(&there, place.expect("it is in its set")) - cost;
+            (rival.fitted.deviance_above(present) + cost_above, rival)
         };
-        let is_likelier = |(less_likely, rival): &(f64, Fitted)| {
-            *less_likely < 0.0 && rival.held_out_misfit() <= present.held_out_misfit()
+        let is_likelier = |(less_likely, rival): &(f64, Replacement)| {
+            let advantage = || holdout::advantage(&present.evidence, &present.noises, &rival.fitted.held_out(), &named);
+            let is_selected = has_version(present.included[place]) && !has_version(rival.candidate);
+            *less_likely < 0.0
+                && !is_relevantly_worse(present, &limits, [&named, &rival.fitted.held_out()])
+                && (is_selected || advantage() < EQUAL)
         };
+        let refitted = refitted(problem, present, &iteration, place, gain).into_iter();
         refitted.map(less_likely).filter(is_likelier).collect::<Vec<_>>()
     };
-    let mut likelier: Vec<(f64, Fitted)> = (0..present.included.len()).flat_map(of_place).collect();
+    let mut likelier: Vec<(f64, Replacement)> = (0..present.included.len()).flat_map(of_place).collect();
     likelier.sort_by(|a, b| a.0.total_cmp(&b.0));
-    likelier.into_iter().map(|(_, rival)| rival).collect()
+    likelier.into_iter().map(|(_, rival)| rival.fitted).collect()
+}
+
+/// What a member of a fitted set costs. For a selected time that is the logarithm of its likelihood over their mean, each time standing for
+/// those that are nearest to it: where many times do as well, it was hardly selected.
+pub(super) fn cost_of_mechanism(iteration: &Iteration<'_>, place: usize) -> f64 {
+    let (candidates, included) = (iteration.candidates, &iteration.fitted.included);
+    let (search, member) = (iteration.search(), included[place]);
+    let Some(version) = candidates[member].version else { return search.cost(member) };
+    let scale = |value: f64| if version.is_onset { value } else { value.ln() };
+    let of_version = |i: usize| {
+        let candidate = &candidates[i];
+        let value = candidate.version.filter(|_| candidate.name == candidates[member].name)?.value;
+        let mut set = included.clone();
+        set[place] = i;
+        Some((scale(value), search.criterion(&set)))
+    };
+    let mut versions: Vec<(f64, f64)> = (0..candidates.len()).filter_map(of_version).collect();
+    versions.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let values: Vec<f64> = versions.iter().map(|(value, _)| *value).collect();
+    let shares = shares_of_nearest(&values);
+    let here = search.criterion(included);
+    let likelihood = |((_, criterion), share): (&(f64, f64), &f64)| share * (-0.5 * (criterion - here)).exp();
+    let mean: f64 = versions.iter().zip(&shares).map(likelihood).sum();
+    search.cost(member) - 2.0 * (versions.len() as f64).ln() - 2.0 * mean.ln()
+}
+
+/// The share of the range of sorted values that is nearest to each; the first and the last one stand for as much on either side.
+fn shares_of_nearest(values: &[f64]) -> Vec<f64> {
+    let n = values.len();
+    if n < 2 {
+        return vec![1.0; n];
+    }
+    let gap = |i: usize| values[i + 1] - values[i];
+    let width = |i: usize| 0.5 * (gap(i.saturating_sub(1).min(n - 2)) + gap(i.min(n - 2)));
+    let widths: Vec<f64> = (0..n).map(width).collect();
+    let all: f64 = widths.iter().sum();
+    widths.iter().map(|width| width / all).collect()
 }
 
 /// Whether a rival is equal to the set with a member, `without` being what is left of held-out rows without that member.
@@ -158,23 +204,44 @@ fn is_nearly_as_likely(named: &Fitted, rival: &Fitted) -> bool {
     squares(rival) - squares(named) < MARGIN
 }
 
+/// Whether a rival leaves enough more of a quantity than the named one to act on, in quadrature.
+fn is_relevantly_worse(named_fit: &Fitted, limits: &[f64], [named, rival]: [&DVector<f64>; 2]) -> bool {
+    let quantities = named_fit.evidence.quantities.iter().zip(limits);
+    quantities.into_iter().any(|(quantity, limit)| {
+        let square = |left: &DVector<f64>| holdout::rms(left, quantity.rows.clone()).powi(2);
+        square(rival) - square(named) > limit.powi(2)
+    })
+}
+
 /// Whether what a rival leaves beyond what the named one leaves is a small part of what that removes: too little to act on in every
 /// quantity, or less than nothing on one half of the data. In this order: without the named one, with it, with the rival.
 fn is_nearly_equal(extended: &Fitted, limits: &[f64], [without, named, rival]: [&DVector<f64>; 3]) -> bool {
     let first_half = extended.first_half();
-    let (mut removed, mut worse_on, mut is_relevant) = (0.0, [0.0; 2], false);
+    let (mut removed, mut worse_on) = (0.0, [0.0; 2]);
     for (i, quantity) in extended.evidence.quantities.iter().enumerate() {
         let variance = extended.expected_rms(&extended.noises, i).powi(2);
-        let mut worse_here = 0.0;
         for row in quantity.rows.clone() {
             let worse = rival[row].powi(2) - named[row].powi(2);
-            worse_here += worse;
             worse_on[usize::from(first_half[row])] += worse / variance;
             removed += (without[row].powi(2) - named[row].powi(2)) / variance;
         }
-        is_relevant |= worse_here > quantity.rows.len() as f64 * limits[i].powi(2);
     }
     let left = worse_on[0] + worse_on[1];
     let is_preferred_by_a_half = worse_on.iter().any(|worse| *worse < 0.0);
-    !is_relevant && left < NEARLY_EQUAL * removed || is_preferred_by_a_half && left < EQUAL_ON_A_HALF * removed
+    !is_relevantly_worse(extended, limits, [named, rival]) && left < NEARLY_EQUAL * removed
+        || is_preferred_by_a_half && left < EQUAL_ON_A_HALF * removed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_value_has_the_share_of_the_range_that_is_nearest_to_it() {
+        assert_eq!(shares_of_nearest(&[3.0]), [1.0]);
+        // From -1 to 1, 2.5, 5.5 and 10.5: half-way to the next, and as far beyond the ends.
+        let shares = shares_of_nearest(&[0.0, 2.0, 3.0, 8.0]);
+        let expected = [2.0, 1.5, 3.0, 5.0].map(|width| width / 11.5);
+        assert!(shares.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{shares:?}");
+    }
 }

@@ -36,7 +36,7 @@ pub(super) fn decide(
 impl SeaProblem {
     /// Whether something is wrong that no mechanism explains beside a lift slope that is far from the vehicle's: where no speed shows
     /// it, it may take up what a cause did.
-    fn is_hidden_by_a_far_slope(&self, outcome: &Outcome) -> bool {
+    pub(super) fn is_hidden_by_a_far_slope(&self, outcome: &Outcome) -> bool {
         let is_left = matches!(outcome.diagnosis.verdict, Verdict::Unexplained | Verdict::PartlyExplained);
         let points = [&outcome.before.point, &outcome.after.point];
         is_left && !self.has_speed() && points.iter().any(|point| self.has_far_lift_slope(point))

@@ -314,7 +314,7 @@ mod tests {
                 diagnose_log(&truth, Trim::Vehicle, &log, settings).expect("a diagnosis");
             outcome.diagnosis.verdict = verdict;
             outcome.after.point.baseline[0] = ratio * truth.a_per_rad;
-            is_hidden_by_a_far_slope(&problem, &outcome)
+            problem.is_hidden_by_a_far_slope(&outcome)
         };
         for ratio in [0.3, 3.5] {
             assert!(hides(false, Verdict::Unexplained, ratio) && hides(false, Verdict::PartlyExplained, ratio));
