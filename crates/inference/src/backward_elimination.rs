@@ -1,6 +1,8 @@
 //! Backward elimination in its order: mechanisms that do not predict held-out data, that chance explains, whose magnitude is implausible
 //! (`magnitude_tests`), that make another quantity worse, that are irrelevant (`relevance_tests`).
 
+use rayon::prelude::*;
+
 use super::evidence::{Headline, Problem, Quantity, names};
 use super::findings::Why;
 use super::fitted::Fitted;
@@ -74,9 +76,13 @@ impl Fitted {
                 *self = baseline.clone();
                 return;
             }
-            let useless = (0..self.included.len())
-                .map(|place| self.without(problem, baseline, place))
-                .map(|other| (advantage_over(&other), other))
+            let without = |place: usize| {
+                let other = self.without(problem, baseline, place);
+                (advantage_over(&other), other)
+            };
+            let others: Vec<(f64, Fitted)> = (0..self.included.len()).into_par_iter().map(without).collect();
+            let useless = others
+                .into_iter()
                 .min_by(|a, b| a.0.total_cmp(&b.0))
                 .filter(|(advantage, _)| *advantage < problem.least_advantage());
             match useless {
@@ -149,9 +155,13 @@ impl Fitted {
                 };
                 self.evidence.quantities.iter().enumerate().map(least).fold(f64::NEG_INFINITY, f64::max)
             };
-            let worst = (0..self.included.len())
-                .map(|place| (place, self.without(problem, baseline, place)))
-                .map(|(place, other)| (spoils(place, &other), other))
+            let without = |place: usize| {
+                let other = self.without(problem, baseline, place);
+                (spoils(place, &other), other)
+            };
+            let others: Vec<(f64, Fitted)> = (0..self.included.len()).into_par_iter().map(without).collect();
+            let worst = others
+                .into_iter()
                 .max_by(|a, b| a.0.total_cmp(&b.0))
                 .filter(|(spoilt_percent, _)| *spoilt_percent > 0.0);
             match worst {

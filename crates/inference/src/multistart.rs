@@ -176,7 +176,7 @@ impl Fitted {
         if self.included.iter().any(|member| single.included.contains(member)) {
             return Vec::new();
         }
-        let exchanged = (0..self.included.len()).filter(|_| self.included.len() > 1).map(|place| {
+        let exchanged = (0..self.included.len()).into_par_iter().filter(|_| self.included.len() > 1).map(|place| {
             let mut point = single.point.clone();
             let mut members = single.included.clone();
             for other in self.included.iter().enumerate().filter(|(i, _)| *i != place).map(|(_, other)| *other) {
@@ -191,6 +191,8 @@ impl Fitted {
             holdout::advantage(&self.evidence, &self.noises, &rival.held_out(), &here) < problem.least_advantage()
         };
         let mut rivals: Vec<(f64, Fitted)> = exchanged
+            .collect::<Vec<Fitted>>()
+            .into_iter()
             .filter(|rival| rival.is_possible(problem.candidates()) && is_no_worse(rival))
             .chain(single.predicts_as_well_as(self).then(|| single.clone()))
             .map(|rival| (rival.held_out_misfit(), rival))

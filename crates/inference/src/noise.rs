@@ -111,7 +111,7 @@ fn whiten_by<const N: usize, const JOINED: bool>(series: Series<'_>, noise: &Noi
     let (steps, log_determinant) = filter::<N, JOINED>(series, noise);
     let n = steps.len();
     // Several columns abreast: each alone would wait for its own last row.
-    for abreast in columns.as_mut_slice().chunks_mut(ABREAST * n.max(1)) {
+    columns.as_mut_slice().par_chunks_mut(ABREAST * n.max(1)).for_each(|abreast| {
         let mut means = [[0.0; N]; ABREAST];
         for (row, step) in steps.iter().enumerate() {
             for (value, mean) in abreast[row..].iter_mut().step_by(n).zip(&mut means) {
@@ -129,7 +129,7 @@ fn whiten_by<const N: usize, const JOINED: bool>(series: Series<'_>, noise: &Noi
                 *value = innovation * step.scale;
             }
         }
-    }
+    });
     log_determinant
 }
 

@@ -1,6 +1,7 @@
 //! Tests of relevance in the backward elimination: mechanisms whose effect is too small to act on, or that cancel each other.
 
 use nalgebra::DVector;
+use rayon::prelude::*;
 
 use super::evidence::{Problem, Quantity};
 use super::fitted::{Fitted, weighted};
@@ -46,8 +47,8 @@ impl Fitted {
             let missed = self.missed(&iteration, self.included[place], [&here, &there]);
             (missed.iter().zip(limits).map(|(size, limit)| size / limit).fold(0.0, f64::max), other)
         };
-        let missed = (0..self.included.len()).map(missed);
-        missed.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(share, _)| *share <= 1.0).map(|(_, other)| other)
+        let missed: Vec<(f64, Fitted)> = (0..self.included.len()).into_par_iter().map(missed).collect();
+        missed.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(share, _)| *share <= 1.0).map(|(_, other)| other)
     }
 
     /// The fit without the member whose largest effect on a row is below every limit, if the others then leave no more by as much.

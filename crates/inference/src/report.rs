@@ -1,6 +1,7 @@
 //! What is said of a fit: causes with their stand-ins, what was rejected and why, where the baseline misses the data.
 
 use nalgebra::DVector;
+use rayon::prelude::*;
 
 use super::alternatives::alternatives;
 use super::change_point;
@@ -38,6 +39,7 @@ pub(super) fn report(
     let n_names = names(candidates).len() as f64;
     let after_stage = extended.stage(after.clone());
     let mut named: Vec<Named> = (0..extended.included.len())
+        .into_par_iter()
         .map(|place| cause(problem, [baseline, extended], &iteration, &search, place, n_names, &after_stage))
         .collect();
     named.sort_by(|a, b| b.gain.total_cmp(&a.gain));
