@@ -52,7 +52,7 @@ pub(super) fn replacements(
     gain: f64,
 ) -> Vec<Replacement> {
     let is_equal = equal_to(problem, extended, without);
-    let refitted = refitted(problem, extended, iteration, place, gain).into_iter();
+    let refitted = refitted(problem, extended, iteration, place, gain).into_par_iter();
     refitted.filter(|rival| is_equal(&rival.fitted) || is_nearly_as_likely(extended, &rival.fitted)).collect()
 }
 
@@ -70,8 +70,8 @@ pub(super) fn in_place_of(problem: &impl Problem, baseline: &Fitted, refused: &F
     equal
 }
 
-/// The sets with one member exchanged that are likelier than this one and predict held-out data no worse by one standard error, each
-/// nor by anything that counts, each fitted in full, the likeliest first. The slopes at a wrong law may keep it before the true one. The
+/// The sets with one member exchanged that are likelier than this one and predict held-out data no worse by one standard error nor by
+/// anything that counts, each fitted in full, the likeliest first. The slopes at a wrong law may keep it before the true one. The
 /// likelihood alone may take a slow misfit for noise; held-out data say little for a member whose time was selected from all of them.
 pub(super) fn likelier(problem: &impl Problem, present: &Fitted) -> Vec<Fitted> {
     let candidates = problem.candidates();
@@ -94,7 +94,7 @@ pub(super) fn likelier(problem: &impl Problem, present: &Fitted) -> Vec<Fitted> 
                 && !is_relevantly_worse(present, &limits, [&named, &rival.fitted.held_out()])
                 && (is_selected || advantage() < EQUAL)
         };
-        let refitted = refitted(problem, present, &iteration, place, gain).into_iter();
+        let refitted = refitted(problem, present, &iteration, place, gain).into_par_iter();
         refitted.map(less_likely).filter(is_likelier).collect::<Vec<_>>()
     };
     let mut likelier: Vec<(f64, Replacement)> = (0..present.included.len()).flat_map(of_place).collect();
@@ -123,7 +123,9 @@ pub(super) fn cost_of_mechanism(iteration: &Iteration<'_>, place: usize) -> f64 
     let here = search.criterion(included);
     let likelihood = |((_, criterion), share): (&(f64, f64), &f64)| share * (-0.5 * (criterion - here)).exp();
     let mean: f64 = versions.iter().zip(&shares).map(likelihood).sum();
-    search.cost(member) - 2.0 * (versions.len() as f64).ln() - 2.0 * mean.ln()
+    // Where the slopes ask this one for a size that physics forbids they say nothing of the others.
+    let selected = if mean.is_normal() { -2.0 * mean.ln() } else { 2.0 * (versions.len() as f64).ln() };
+    search.cost(member) - 2.0 * (versions.len() as f64).ln() + selected
 }
 
 /// The share of the range of sorted values that is nearest to each; the first and the last one stand for as much on either side.
