@@ -72,7 +72,8 @@ pub(super) fn in_place_of(problem: &impl Problem, baseline: &Fitted, refused: &F
 
 /// The sets with one member exchanged that are likelier than this one and predict held-out data no worse by one standard error nor by
 /// anything that counts, each fitted in full, the likeliest first. The slopes at a wrong law may keep it before the true one. The
-/// likelihood alone may take a slow misfit for noise; held-out data say little for a member whose time was selected from all of them.
+/// likelihood alone may take a slow misfit for noise. A time that was selected from all data has seen what is held out: one without such a
+/// time need not predict as well, and one with it must leave no more at all.
 pub(super) fn likelier(problem: &impl Problem, present: &Fitted) -> Vec<Fitted> {
     let candidates = problem.candidates();
     let iteration = Iteration::new(candidates, present);
@@ -89,10 +90,14 @@ pub(super) fn likelier(problem: &impl Problem, present: &Fitted) -> Vec<Fitted> 
         };
         let is_likelier = |(less_likely, rival): &(f64, Replacement)| {
             let advantage = || holdout::advantage(&present.evidence, &present.noises, &rival.fitted.held_out(), &named);
-            let is_selected = has_version(present.included[place]) && !has_version(rival.candidate);
+            let predicts_as_well = || match (has_version(present.included[place]), has_version(rival.candidate)) {
+                (true, false) => true,
+                (false, true) => rival.fitted.held_out_misfit() <= present.held_out_misfit(),
+                _ => advantage() < EQUAL,
+            };
             *less_likely < 0.0
                 && !is_relevantly_worse(present, &limits, [&named, &rival.fitted.held_out()])
-                && (is_selected || advantage() < EQUAL)
+                && predicts_as_well()
         };
         let refitted = refitted(problem, present, &iteration, place, gain).into_par_iter();
         refitted.map(less_likely).filter(is_likelier).collect::<Vec<_>>()
