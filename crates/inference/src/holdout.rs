@@ -66,6 +66,15 @@ pub fn on_part(
     Some((least_squares(&all), covariance))
 }
 
+/// Whether any quantity is left with more by enough to act on: its rms in the first of two is the larger by more than its limit, in
+/// quadrature.
+pub fn leaves_relevantly_more(evidence: &Evidence, limits: &[f64], [more, less]: [&DVector<f64>; 2]) -> bool {
+    evidence.quantities.iter().zip(limits).any(|(quantity, limit)| {
+        let square = |left: &DVector<f64>| rms(left, quantity.rows.clone()).powi(2);
+        square(more) - square(less) > limit.powi(2)
+    })
+}
+
 /// Solution of a least-squares problem whose right side is the last column; directions that no row sees stay zero.
 pub fn least_squares(all: &DMatrix<f64>) -> DVector<f64> {
     LeastSquares::new(all).solution(0.0)

@@ -106,11 +106,7 @@ impl Fitted {
     /// Whether the rms of what is left falls by more than the limit of a quantity, in quadrature, from another fit to this one.
     fn leaves_less_than(&self, other: &Fitted, limits: &[f64]) -> bool {
         let [there, here] = [other, self].map(|fitted| fitted.evidence.column_as_read(&fitted.evidence.residual));
-        let quantities = self.evidence.quantities.iter().zip(limits);
-        quantities.into_iter().any(|(quantity, limit)| {
-            let square = |left: &DVector<f64>| holdout::rms(left, quantity.rows.clone()).powi(2);
-            square(&there) - square(&here) > limit.powi(2)
-        })
+        holdout::leaves_relevantly_more(&self.evidence, limits, [&there, &here])
     }
 
     /// By how much held-out readings of each quantity are missed more in the second of two fits, as read, over the rows in which a member

@@ -96,7 +96,7 @@ pub(super) fn likelier(problem: &impl Problem, present: &Fitted) -> Vec<Fitted> 
                 _ => advantage() < EQUAL,
             };
             *less_likely < 0.0
-                && !is_relevantly_worse(present, &limits, [&named, &rival.fitted.held_out()])
+                && !holdout::leaves_relevantly_more(&present.evidence, &limits, [&rival.fitted.held_out(), &named])
                 && predicts_as_well()
         };
         let refitted = refitted(problem, present, &iteration, place, gain).into_par_iter();
@@ -211,15 +211,6 @@ fn is_nearly_as_likely(named: &Fitted, rival: &Fitted) -> bool {
     squares(rival) - squares(named) < MARGIN
 }
 
-/// Whether a rival leaves enough more of a quantity than the named one to act on, in quadrature.
-fn is_relevantly_worse(named_fit: &Fitted, limits: &[f64], [named, rival]: [&DVector<f64>; 2]) -> bool {
-    let quantities = named_fit.evidence.quantities.iter().zip(limits);
-    quantities.into_iter().any(|(quantity, limit)| {
-        let square = |left: &DVector<f64>| holdout::rms(left, quantity.rows.clone()).powi(2);
-        square(rival) - square(named) > limit.powi(2)
-    })
-}
-
 /// Whether what a rival leaves beyond what the named one leaves is a small part of what that removes: too little to act on in every
 /// quantity, or less than nothing on one half of the data. In this order: without the named one, with it, with the rival.
 fn is_nearly_equal(extended: &Fitted, limits: &[f64], [without, named, rival]: [&DVector<f64>; 3]) -> bool {
@@ -235,7 +226,7 @@ fn is_nearly_equal(extended: &Fitted, limits: &[f64], [without, named, rival]: [
     }
     let left = worse_on[0] + worse_on[1];
     let is_preferred_by_a_half = worse_on.iter().any(|worse| *worse < 0.0);
-    !is_relevantly_worse(extended, limits, [named, rival]) && left < NEARLY_EQUAL * removed
+    !holdout::leaves_relevantly_more(&extended.evidence, limits, [rival, named]) && left < NEARLY_EQUAL * removed
         || is_preferred_by_a_half && left < EQUAL_ON_A_HALF * removed
 }
 
