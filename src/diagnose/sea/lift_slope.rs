@@ -1,5 +1,6 @@
 //! What a fitted lift slope hides, or names, where no speed shows it. Knows the vehicle's slope and what was diagnosed; fits nothing else.
 
+use super::common_drag::CommonDrag;
 use super::model::Directions;
 use super::{Lift, SeaProblem};
 use crate::diagnose::evidence::{Candidate, Problem};
@@ -78,6 +79,7 @@ impl SeaProblem {
         held.directions = Directions::new(&held.baseline_index);
         let pitch = parameter_index("pitch_offset_rad").expect("a row of the table");
         held.pitch_direction = held.directions.index_of(pitch);
+        held.common_drag = CommonDrag::new(&self.parameters, &mut held.directions);
         held.look_for(self.tried.clone());
         held
     }

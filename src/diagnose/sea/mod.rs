@@ -9,6 +9,7 @@
 
 mod attitude;
 mod candidates;
+mod common_drag;
 pub mod consistency;
 mod covariates;
 mod density_report;
@@ -51,6 +52,7 @@ use super::outcome::Outcome;
 use super::relevance::{Relevance, SHARE_OF_SCATTER};
 use attitude::Smoother;
 use candidates::Tried;
+use common_drag::{COMMON_DRAG_SHARE, CommonDrag};
 use jumps::Jump;
 use late_attitude::{LateAttitude, Shifted};
 pub use log_diagnosis::{SeaDiagnosis, diagnose_log};
@@ -130,6 +132,8 @@ pub struct SeaProblem {
     past: history::Columns,
     /// The shear of a current that the log does not have.
     shear: UnknownShear,
+    /// The drag of a vehicle whose legs differ.
+    common_drag: Option<CommonDrag>,
     /// What other channels of the log show.
     channels: candidates::Channels,
     /// Whether the scale of the speed is a candidate, beside that of the pressure.
@@ -227,9 +231,12 @@ impl SeaProblem {
             UnknownShear::new(&bins, observations, |met| past.late(met))
         };
         baseline.extend(shear.names());
-        baseline.extend([PITCH_RELIABILITY, INERTIA_SHARE]);
 
         let mut directions = Directions::new(&baseline_index);
+        let common_drag = CommonDrag::new(parameters, &mut directions);
+        baseline.extend(common_drag.map(|_| COMMON_DRAG_SHARE));
+        baseline.extend([PITCH_RELIABILITY, INERTIA_SHARE]);
+
         let pitch_direction = directions.index_of(parameter_index("pitch_offset_rad").expect("a row of the table"));
         let late_attitude = LateAttitude::new(observations, &bins, smoother, follows_s);
         let pitch_rates = Arc::new(late_attitude.pitch_rates());
@@ -256,6 +263,7 @@ impl SeaProblem {
             late_attitude: Arc::new(late_attitude),
             past,
             shear,
+            common_drag,
             channels: candidates::Channels::new(observations),
             asks_speed_scale: false,
         };
@@ -440,12 +448,12 @@ impl SeaProblem {
 
     /// The coefficients of the unknown shear at a point.
     fn shear_coefficients<'a>(&self, point: &'a Point) -> &'a [f64] {
-        &point.baseline[self.baseline_index.len()..self.place_of_reliability()]
+        &point.baseline[self.baseline_index.len()..][..self.shear.len()]
     }
 
-    /// Where the reliability of the pitch stands in the baseline: behind the polar and the shear.
+    /// Where the reliability of the pitch stands in the baseline: behind the polar, the shear and the share of a drag in common.
     fn place_of_reliability(&self) -> usize {
-        self.baseline_index.len() + self.shear.len()
+        self.baseline_index.len() + self.shear.len() + usize::from(self.common_drag.is_some())
     }
 
     /// Where the share of the inertia stands: behind that.
@@ -527,6 +535,7 @@ impl SeaProblem {
         for (index, value) in self.baseline_index.iter().zip(&point.baseline) {
             *parameters.at(*index) = *value;
         }
+        self.put_common_drag(&mut parameters, point);
         for ((candidate, values), shape) in self.candidates.iter().zip(&point.candidates).zip(&self.shapes) {
             if *values != candidate.neutral {
                 *parameters.at(shape.row) = values[0];

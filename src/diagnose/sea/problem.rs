@@ -4,6 +4,7 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+use super::common_drag::CommonDrag;
 use super::flown::{AtRest, Flown};
 use super::model::{self, Vehicle};
 use super::pitch_reliability::{self, with_pitch_of_glider};
@@ -64,6 +65,7 @@ impl Problem for SeaProblem {
                 .iter()
                 .map(|index| *parameters.at(*index))
                 .chain((0..self.shear.len()).map(|_| 0.0))
+                .chain(self.start_of_common_drag())
                 .chain([1.0])
                 .chain((!self.parts.is_quasi_steady()).then_some(1.0))
                 .collect(),
@@ -233,6 +235,7 @@ impl Problem for SeaProblem {
             let of_row = |row: usize| by_force[row] * self.shear.unit_N(j, bin_of(row), mass_kg);
             baseline.set_column(nb + j, &DVector::from_fn(n, |row, _| of_row(row)));
         }
+        self.add_common_drag(&mut baseline, &slopes, point);
         let by_reliability =
             |row: usize| parameters.pitch_scale * deviations_rad[bin_of(row)] * slopes[(row, self.pitch_direction)];
         baseline.set_column(self.place_of_reliability(), &DVector::from_fn(n, |row, _| by_reliability(row)));
@@ -324,6 +327,7 @@ impl SeaProblem {
         };
         let mut varied: Vec<usize> = (0..self.baseline_index.len())
             .chain([self.pitch_direction])
+            .chain(self.common_drag.map(CommonDrag::direction))
             .chain(self.ballast_direction())
             .chain(included.iter().filter_map(of_candidate))
             .collect();
@@ -384,6 +388,7 @@ impl SeaProblem {
                 }
             })
             .chain(self.shear_coefficients(point).iter().map(|value| nuisance_prior(*value, 1.0)))
+            .chain(self.prior_of_common_drag(point))
             .chain([pitch_reliability::prior(point.baseline[self.place_of_reliability()])])
             .chain(self.inertia_share(point).map(|share| (1.0 - share, INERTIA_SHARE_SD)))
             .collect()

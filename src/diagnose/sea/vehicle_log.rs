@@ -132,6 +132,10 @@ pub fn extended(vehicle: &Vehicle, found: &SeaDiagnosis) -> Result<Vehicle, Inpu
             }
         }
     }
+    let ascent_b = vehicle.get("hydro.ascent.b");
+    if let Some((of_legs, ascent_b)) = found.problem.ratio_of_legs_over_vehicles(polar).zip(ascent_b) {
+        vehicle.set("hydro.ascent.b", ascent_b * of_legs)?;
+    }
     if trimmed_kg != 0.0 {
         let mass = vehicle.get("mass.mass_kg").unwrap_or(0.0) + trimmed_kg;
         vehicle.set("mass.mass_kg", mass)?;
