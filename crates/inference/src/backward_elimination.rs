@@ -3,6 +3,7 @@
 
 use rayon::prelude::*;
 
+use super::baseline::Baseline;
 use super::evidence::{Headline, Problem, Quantity, names};
 use super::findings::Why;
 use super::fitted::Fitted;
@@ -26,7 +27,7 @@ impl Fitted {
     pub(super) fn eliminate_backward(
         &mut self,
         problem: &impl Problem,
-        baseline: &Fitted,
+        baseline: &Baseline,
         dropped: &mut Vec<(usize, Why)>,
     ) -> Option<String> {
         let mut refuted = None;
@@ -67,13 +68,13 @@ impl Fitted {
     }
 
     /// A mechanism that fits and does not predict is none: the one of least use goes, until all that are left predict.
-    pub(super) fn drop_what_does_not_predict(&mut self, problem: &impl Problem, baseline: &Fitted) {
+    pub(super) fn drop_what_does_not_predict(&mut self, problem: &impl Problem, baseline: &Baseline) {
         while !self.included.is_empty() {
             let with = self.held_out();
             let advantage_over =
                 |other: &Fitted| holdout::advantage(&self.evidence, &self.noises, &other.held_out(), &with);
             if advantage_over(baseline) < problem.least_advantage() {
-                *self = baseline.clone();
+                *self = Fitted::clone(baseline);
                 return;
             }
             let without = |place: usize| {
@@ -93,7 +94,7 @@ impl Fitted {
     }
 
     /// What chance could have brought, being one of so many that were tried, goes as well: the least likely last.
-    pub(super) fn drop_what_chance_explains(&mut self, problem: &impl Problem, baseline: &Fitted) {
+    pub(super) fn drop_what_chance_explains(&mut self, problem: &impl Problem, baseline: &Baseline) {
         let candidates = problem.candidates();
         let n_names = names(candidates).len() as f64;
         while !self.included.is_empty() {
@@ -121,7 +122,7 @@ impl Fitted {
     }
 
     /// A law that these data could not contradict has no name of its own.
-    pub(super) fn drop_what_is_untested(&mut self, problem: &impl Problem, baseline: &Fitted) {
+    pub(super) fn drop_what_is_untested(&mut self, problem: &impl Problem, baseline: &Baseline) {
         while let Some(place) = self.included.iter().position(|member| !problem.is_tested(*member)) {
             *self = self.without(problem, baseline, place);
         }
@@ -130,7 +131,7 @@ impl Fitted {
     /// What improves one quantity and spoils another did not happen, nor what for certain leaves more of the quantity of which its
     /// gain is reported: it goes, the worst spoiler first. So does what changes the predictions of that quantity by enough to act on, and
     /// leaves more of it: what it changes there did not show.
-    pub(super) fn drop_what_spoils(&mut self, problem: &impl Problem, baseline: &Fitted) {
+    pub(super) fn drop_what_spoils(&mut self, problem: &impl Problem, baseline: &Baseline) {
         let is_headline = |quantity: usize| problem.headline() == Headline::First && quantity == 0;
         let most = |quantity: usize| if is_headline(quantity) { 0.0 } else { LEAST_SPOILT_PERCENT };
         while self.evidence.quantities.len() > 1 && !self.included.is_empty() {
@@ -203,7 +204,7 @@ impl Fitted {
     /// a name, these resemble something unknown: they go, and what the curve runs along is returned. A curve that predicts better
     /// for certain by next to nothing has only taken up what no law explains. So has one beside the mean of a quantity that removes nearly
     /// all of a gross misfit: against noise that lasts a mean counts little, and a curve in what little is left much.
-    pub(super) fn drop_what_a_curve_beats(&mut self, problem: &impl Problem, baseline: &Fitted) -> Option<String> {
+    pub(super) fn drop_what_a_curve_beats(&mut self, problem: &impl Problem, baseline: &Baseline) -> Option<String> {
         if !problem.has_regimes() || self.included.is_empty() {
             return None;
         }
@@ -220,12 +221,12 @@ impl Fitted {
             return None;
         }
         let covariate = iteration.curve_name(curve).map(str::to_owned);
-        *self = baseline.clone();
+        *self = Fitted::clone(baseline);
         covariate
     }
 
     /// Only what is worth more than so much of the criterion stays.
-    pub(super) fn drop_what_is_weak(&mut self, problem: &impl Problem, baseline: &Fitted, needed: f64) {
+    pub(super) fn drop_what_is_weak(&mut self, problem: &impl Problem, baseline: &Baseline, needed: f64) {
         while !self.included.is_empty() {
             let iteration = Iteration::new(problem.candidates(), self);
             let search = iteration.search();
@@ -244,14 +245,14 @@ impl Fitted {
     }
 
     /// The fit of the same set less one member.
-    pub(super) fn without(&self, problem: &impl Problem, baseline: &Fitted, place: usize) -> Fitted {
+    pub(super) fn without(&self, problem: &impl Problem, baseline: &Baseline, place: usize) -> Fitted {
         let mut fewer = self.included.clone();
         let gone = fewer.remove(place);
         if fewer.is_empty() {
-            return baseline.clone();
+            return Fitted::clone(baseline);
         }
         let mut point = self.point.clone();
         point.candidates[gone].clone_from(&problem.candidates()[gone].neutral);
-        Fitted::converged(problem, point, fewer)
+        baseline.converged(problem, point, fewer)
     }
 }

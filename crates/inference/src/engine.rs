@@ -6,13 +6,14 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
+use super::baseline::Baseline;
 use super::evidence::{Point, Problem, Quantity};
 use super::findings::{Diagnosis, Why, Wrong};
 use super::fitted::{Fitted, weighted_squares};
 use super::holdout;
 use super::iteration::Iteration;
 use super::outcome::{Outcome, Stage};
-use super::replacements::{REFITTED_SHARE, REFITTED_WITHIN, first_versions, in_place_of, likelier};
+use super::replacements::{in_place_of, likelier};
 use super::report::{report, wrong};
 use super::score::SIGNIFICANT;
 use super::subset_search::{Choice, MARGIN};
@@ -32,13 +33,42 @@ pub fn diagnose(problem: &impl Problem) -> (Diagnosis, Point) {
 
 /// The diagnosis of a problem with what it rests on.
 pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
-    let candidates = problem.candidates();
-    let baseline = Fitted::baseline(problem);
-
-    // Mechanisms alone first: far from the truth the model bends, and a curve would take up the bend. Once they have done
-    // what they can, what is left decides whether a curve was needed after all.
+    let baseline = Baseline::new(problem);
+    // A mechanism alone in full first: far from the truth the model bends, and slopes mislead.
     let single = baseline.nonlinear_refit(problem);
-    let mut present = single.clone().unwrap_or_else(|| baseline.clone());
+    let present = single.clone().unwrap_or_else(|| Fitted::clone(&baseline));
+    search_from(problem, baseline, single, present)
+}
+
+/// What was found in the same data with other versions of the mechanisms: where a search may begin.
+pub struct Start {
+    /// The point of the baseline alone.
+    pub baseline: Point,
+    /// The point with what was named.
+    pub point: Point,
+    /// What was named.
+    pub included: Vec<usize>,
+}
+
+/// The same from what was found before, which is not looked for anew.
+pub fn diagnose_from(problem: &impl Problem, start: Start) -> Outcome {
+    let baseline = Baseline::of(Fitted::converged(problem, start.baseline, Vec::new()));
+    let present = Fitted::converged(problem, start.point, start.included);
+    let single = (present.included.len() == 1).then(|| present.clone());
+    search_from(problem, baseline, single, present)
+}
+
+/// The mechanisms that the slopes would choose where a search begins.
+pub fn chosen_by_slopes(problem: &impl Problem, start: Start) -> Vec<usize> {
+    let present = Fitted::converged(problem, start.point, start.included);
+    Iteration::new(problem.candidates(), &present).search().best_mechanisms().members
+}
+
+/// Searches from a set on, and tests what is found. `single` is a mechanism that was fitted alone in full.
+fn search_from(problem: &impl Problem, baseline: Baseline, single: Option<Fitted>, mut present: Fitted) -> Outcome {
+    let candidates = problem.candidates();
+    // Mechanisms without curves: a curve would take up what the slopes miss. Once they have done what they can, what is left decides
+    // whether a curve was needed after all.
     present.alternate(problem, |iteration| (iteration.search().best_mechanisms().members, None));
     let curve = present.alternate(problem, |iteration| {
         decide(iteration.search().best_mechanisms(), iteration.search().best_with_curve(), iteration, problem)
@@ -82,7 +112,7 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
         let iteration = Iteration::new(candidates, &present);
         let curve = iteration.most_explaining_curve().and_then(|curve| iteration.curve_name(curve)).map(str::to_owned);
         is_part = clearest.is_some();
-        (present, refuted) = (clearest.unwrap_or_else(|| baseline.clone()), refuted.or(curve));
+        (present, refuted) = (clearest.unwrap_or_else(|| Fitted::clone(&baseline)), refuted.or(curve));
     }
     // Where nothing deserves its name alone, one mechanism may still do nearly all, if it is large enough to act on.
     let is_relevant = |single: &Fitted| {
@@ -98,7 +128,7 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
     }
     // Where no name is left the noise is that of the baseline, by which it is said to be wrong or not.
     if present.included.is_empty() {
-        present = baseline.clone();
+        present = Fitted::clone(&baseline);
     }
     let iteration = Iteration::new(candidates, &present);
     let limits = present.limits(problem);
@@ -154,7 +184,7 @@ pub fn decided(
     nuisance: Option<usize>,
     curve: Option<String>,
 ) -> Outcome {
-    let baseline = Fitted::baseline(problem);
+    let baseline = Baseline::new(problem);
     let present = Fitted::converged(problem, point.clone(), included.to_vec());
     report(problem, &baseline, &present, curve, &[], nuisance)
 }
@@ -166,7 +196,7 @@ pub fn held_out(problem: &impl Problem, point: &Point, included: &[usize]) -> DV
 
 /// Whether any of these candidates stands, all of them fitted from this point on.
 pub fn is_any_standing(problem: &impl Problem, point: &Point, included: &[usize]) -> bool {
-    let baseline = Fitted::baseline(problem);
+    let baseline = Baseline::new(problem);
     let mut present = Fitted::converged(problem, point.clone(), included.to_vec());
     present.eliminate_backward(problem, &baseline, &mut Vec::new());
     !present.included.is_empty()
@@ -236,87 +266,12 @@ impl Fitted {
         Iteration::new(problem.candidates(), self).is_anything_wrong(&self.included, &self.limits(problem))
     }
 
-    /// The likeliest mechanism that stands alone, each fitted whatever the slopes here say of it; with the covariate of what was refuted
-    /// on the way. Of many that are tried one may fit by chance: it must leave nothing wrong, or remove nearly all of a gross
-    /// misfit; one that is clearly less likely than another must remove that.
-    fn stands_alone(
-        &self,
-        problem: &impl Problem,
-        dropped: &mut Vec<(usize, Why)>,
-    ) -> (Option<Fitted>, Option<String>) {
-        let candidates = problem.candidates();
-        let iteration = Iteration::new(candidates, self);
-        let search = iteration.search();
-        // Of the versions of a mechanism the best by the slopes stands for all.
-        let mut singles: Vec<usize> = (0..candidates.len()).collect();
-        singles.sort_by(|a, b| search.criterion(&[*a]).total_cmp(&search.criterion(&[*b])));
-        let singles = first_versions(candidates, singles, None);
-        let less_likely = |alone: &Fitted| alone.deviance_above(self) + search.cost(alone.included[0]);
-        let quicker = problem.for_first_search(&self.point);
-        let quickly = |member: usize| {
-            let first = quicker.as_ref().filter(|_| !problem.is_held_in_first_search(member)).unwrap_or(problem);
-            let alone = self.with_one(first, &iteration, member);
-            (less_likely(&alone), alone)
-        };
-        let quickly: Vec<(f64, Fitted)> = singles.into_par_iter().map(quickly).collect();
-        // A quick fit is nearer to the full one than the slopes at another law are: what is refitted there is near enough here.
-        let least = quickly.iter().map(|(less_likely, _)| *less_likely).fold(f64::INFINITY, f64::min);
-        let near = least + REFITTED_WITHIN.max(REFITTED_SHARE * -least);
-        let is_promising = |(less_likely, alone): &(f64, Fitted)| *less_likely < near || alone.removes_nearly_all(self);
-        let in_full = |(_, quickly): (f64, Fitted)| {
-            let alone = Fitted::converged(problem, quickly.point, quickly.included);
-            alone.is_possible(candidates).then(|| (less_likely(&alone), alone))
-        };
-        let mut fitted: Vec<(f64, Fitted)> = quickly.into_par_iter().filter(is_promising).filter_map(in_full).collect();
-        fitted.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let likeliest = fitted.first().map_or(0.0, |(less_likely, _)| *less_likely);
-        let mut refuted = None;
-        // What explains less than its cost says nothing.
-        for (less_likely, mut alone) in fitted.into_iter().take_while(|(less_likely, _)| *less_likely < 0.0) {
-            let of_alone = alone.eliminate_backward(problem, self, dropped);
-            refuted = refuted.or(of_alone);
-            let is_likeliest = less_likely < likeliest + MARGIN;
-            let explains_all = || is_likeliest && !alone.misses_something(problem);
-            if !alone.included.is_empty() && (explains_all() || alone.removes_nearly_all(self)) {
-                dropped.retain(|(member, _)| !alone.included.contains(member));
-                return (Some(alone), refuted);
-            }
-        }
-        (None, refuted)
-    }
-
-    /// The mechanism that stands alone and leaves nothing wrong, where this set leaves something, is less likely and predicts no better:
-    /// what stands may resemble a law of which the slopes at it say nothing.
-    fn better_alone(
-        &self,
-        problem: &impl Problem,
-        baseline: &Fitted,
-        dropped: &mut Vec<(usize, Why)>,
-    ) -> Option<Fitted> {
-        if self.included.is_empty() || !self.misses_something(problem) {
-            return None;
-        }
-        let mut of_alone = dropped.clone();
-        let (alone, _) = baseline.stands_alone(problem, &mut of_alone);
-        let is_better = |alone: &Fitted| {
-            alone.included != self.included
-                && !alone.misses_something(problem)
-                && alone.deviance_above(self) < 0.0
-                && alone.held_out_misfit() <= self.held_out_misfit()
-        };
-        let alone = alone.filter(is_better)?;
-        *dropped = of_alone;
-        let gone = self.included.iter().filter(|member| !alone.included.contains(member));
-        dropped.extend(gone.map(|member| (*member, Why::Equivalent)));
-        Some(alone)
-    }
-
     /// This set with one of its refused members exchanged for a mechanism that predicts as well, if then all of them stand; with
     /// the covariate of what was refuted on the way.
     fn stands_with_another(
         &self,
         problem: &impl Problem,
-        baseline: &Fitted,
+        baseline: &Baseline,
         dropped: &mut Vec<(usize, Why)>,
     ) -> Option<(Fitted, Option<String>)> {
         let is_gone_for =
@@ -345,10 +300,10 @@ impl Fitted {
     fn likelier_that_stands(
         &self,
         problem: &impl Problem,
-        baseline: &Fitted,
+        baseline: &Baseline,
         dropped: &mut Vec<(usize, Why)>,
     ) -> Option<(Fitted, Option<String>)> {
-        let (other, refuted, of_other) = likelier(problem, self).into_iter().find_map(|mut other| {
+        let (other, refuted, of_other) = likelier(problem, baseline, self).into_iter().find_map(|mut other| {
             let (members, mut of_other) = (other.included.len(), dropped.clone());
             let refuted = other.eliminate_backward(problem, baseline, &mut of_other);
             (other.included.len() == members).then_some((other, refuted, of_other))

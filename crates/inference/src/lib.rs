@@ -10,8 +10,10 @@
 //! - [`engine`]: the four answers in their order, with what it is made of: a fit, the points from which it begins, how well it is
 //!   known, backward elimination, one iteration of the search, versions of one mechanism, the report.
 
+mod alone;
 mod alternatives;
 mod backward_elimination;
+mod baseline;
 mod change_point;
 mod clusters;
 pub mod covariance;

@@ -3,6 +3,7 @@
 
 use nalgebra::DVector;
 
+use super::baseline::Baseline;
 use super::evidence::Problem;
 use super::fitted::{Fitted, weighted_squares};
 use super::iteration::Iteration;
@@ -46,7 +47,7 @@ impl Fitted {
     ///
     /// Far from neutral the model may be flat along a size that the data exclude at neutral: the polar follows a scale of the pitch. There
     /// the root of the likelihood ratio counts, which for a linear model is the size in its standard errors.
-    pub(super) fn drop_what_is_hardly_known(&mut self, problem: &impl Problem, baseline: &Fitted) {
+    pub(super) fn drop_what_is_hardly_known(&mut self, problem: &impl Problem, baseline: &Baseline) {
         while !self.included.is_empty() {
             let iteration = Iteration::new(problem.candidates(), self);
             let fit = iteration.score.fit(&iteration.search().columns(&self.included));
@@ -97,7 +98,7 @@ impl Fitted {
     }
 
     /// By how much the weighted sum of squares rises where a member is left out and all else is fitted again, the noise being the same.
-    pub(super) fn rise_without(&self, problem: &impl Problem, baseline: &Fitted, place: usize) -> f64 {
+    pub(super) fn rise_without(&self, problem: &impl Problem, baseline: &Baseline, place: usize) -> f64 {
         let mut other = self.without(problem, baseline, place);
         other.noises.clone_from(&self.noises);
         other.descend(problem);
@@ -106,7 +107,11 @@ impl Fitted {
 
     /// A mechanism that needs another size in another regime is another one: it goes, and what its size goes with is
     /// returned.
-    pub(super) fn drop_what_needs_other_sizes(&mut self, problem: &impl Problem, baseline: &Fitted) -> Option<String> {
+    pub(super) fn drop_what_needs_other_sizes(
+        &mut self,
+        problem: &impl Problem,
+        baseline: &Baseline,
+    ) -> Option<String> {
         let mut refuted = None;
         while problem.has_regimes() && !self.included.is_empty() {
             let included = self.regimes_included(problem);
@@ -142,7 +147,7 @@ impl Fitted {
     /// A mechanism that may be absent on one of two legs may as well be something else on the other one: it goes, unless that leg shows it
     /// too clearly for another law that resembles it. So does one whose sizes on the legs differ for certain and by more than may stay
     /// unexplained. A mechanism with an onset is known by the data before it, and may be uncertain on one leg.
-    pub(super) fn drop_what_one_leg_shows(&mut self, problem: &impl Problem, baseline: &Fitted) {
+    pub(super) fn drop_what_one_leg_shows(&mut self, problem: &impl Problem, baseline: &Baseline) {
         while problem.needs_both_legs() {
             let included = self.regimes_included(problem);
             let is_of_one_leg = |place: &usize| {
@@ -173,7 +178,7 @@ impl Fitted {
 
     /// A mechanism whose size differs between the halves of the data, or from part to part of the record, for certain and by more than may
     /// stay unexplained is another one.
-    pub(super) fn drop_what_differs_on_halves(&mut self, problem: &impl Problem, baseline: &Fitted) {
+    pub(super) fn drop_what_differs_on_halves(&mut self, problem: &impl Problem, baseline: &Baseline) {
         let parts = self.parts_of_time(PARTS_OF_TIME);
         let varies = |fitted: &Fitted, place: usize| {
             let included = fitted.regimes_included(problem);
@@ -206,7 +211,7 @@ impl Fitted {
 
     /// What needs a size that nature does not have is something else that resembles it: it goes, whatever takes its place not
     /// being asked for. So does a mechanism of unusual size that is not the only explanation.
-    pub(super) fn drop_what_cannot_be(&mut self, problem: &impl Problem, baseline: &Fitted) {
+    pub(super) fn drop_what_cannot_be(&mut self, problem: &impl Problem, baseline: &Baseline) {
         let cannot_be = |fitted: &Fitted, place: usize| {
             let member = fitted.included[place];
             let (candidate, values) = (&problem.candidates()[member], &fitted.point.candidates[member]);
@@ -231,7 +236,7 @@ impl Fitted {
     /// Whether no mechanism of a usual size predicts as well in the place of this one, no other has an unusual size too, and no relevant
     /// misfit is left: an unusual size is accepted only of a mechanism that explains all of the misfit. A size that another channel
     /// shows is not contradicted.
-    fn is_the_only_explanation(&self, problem: &impl Problem, baseline: &Fitted, place: usize) -> bool {
+    fn is_the_only_explanation(&self, problem: &impl Problem, baseline: &Baseline, place: usize) -> bool {
         let candidates = problem.candidates();
         let iteration = Iteration::new(candidates, self);
         let is_unusual = |member: &&usize| candidates[**member].is_unusual(self.point.candidates[**member][0]);

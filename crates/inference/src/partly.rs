@@ -1,6 +1,7 @@
 //! Mechanisms that do nearly all although something else is there as well: they are named, and what is left is reported.
 
 use super::backward_elimination::LEAST_SPOILT_PERCENT;
+use super::baseline::Baseline;
 use super::evidence::Problem;
 use super::findings::Why;
 use super::fitted::Fitted;
@@ -17,7 +18,7 @@ const GROSS: f64 = 2.0;
 impl Fitted {
     /// Whether this one mechanism removes nearly all of a gross misfit on held-out data, on both halves of the data, and
     /// spoils no quantity.
-    pub(super) fn does_nearly_all(&self, problem: &impl Problem, baseline: &Fitted) -> bool {
+    pub(super) fn does_nearly_all(&self, problem: &impl Problem, baseline: &Baseline) -> bool {
         let &[member] = self.included.as_slice() else { return false };
         let candidate = &problem.candidates()[member];
         // The mean of a level that varies is still a level; a law that needs another size elsewhere is another law.
@@ -34,7 +35,7 @@ impl Fitted {
     pub(super) fn clearest(
         &self,
         problem: &impl Problem,
-        baseline: &Fitted,
+        baseline: &Baseline,
         dropped: &mut Vec<(usize, Why)>,
     ) -> Option<Fitted> {
         let mut clearest = self.clone();

@@ -3,6 +3,7 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
+use super::baseline::Baseline;
 use super::evidence::{Problem, Quantity};
 use super::fitted::{Fitted, weighted};
 use super::holdout;
@@ -15,7 +16,7 @@ const OPPOSED: f64 = 0.25;
 
 impl Fitted {
     /// Drops mechanisms whose effect on every quantity is below the limit of relevance, the smallest first.
-    pub(super) fn drop_what_is_irrelevant(&mut self, problem: &impl Problem, baseline: &Fitted) {
+    pub(super) fn drop_what_is_irrelevant(&mut self, problem: &impl Problem, baseline: &Baseline) {
         while !self.included.is_empty() {
             let limits = self.limits(problem);
             let smallest = if problem.judges_largest() {
@@ -35,7 +36,12 @@ impl Fitted {
     /// more than the limit of its quantity, in quadrature and over the rows in which it acts. Its own size says less: what a polar makes
     /// good is no error of the predictions. A member whose loss the others make good with parameters that the prior excludes is not lost:
     /// in a log with little noise a current of metres per second can do what a ballast offset does.
-    fn smallest_by_what_is_missed(&self, problem: &impl Problem, baseline: &Fitted, limits: &[f64]) -> Option<Fitted> {
+    fn smallest_by_what_is_missed(
+        &self,
+        problem: &impl Problem,
+        baseline: &Baseline,
+        limits: &[f64],
+    ) -> Option<Fitted> {
         let iteration = Iteration::new(problem.candidates(), self);
         let here = self.evidence.column_as_read(&self.held_out());
         let missed = |place: usize| {
@@ -52,7 +58,7 @@ impl Fitted {
     }
 
     /// The fit without the member whose largest effect on a row is below every limit, if the others then leave no more by as much.
-    fn smallest_by_slopes(&self, problem: &impl Problem, baseline: &Fitted, limits: &[f64]) -> Option<Fitted> {
+    fn smallest_by_slopes(&self, problem: &impl Problem, baseline: &Baseline, limits: &[f64]) -> Option<Fitted> {
         let iteration = Iteration::new(problem.candidates(), self);
         // The largest effect of one member in units of the limit of its quantity.
         let worth = |place: usize| {
@@ -72,7 +78,7 @@ impl Fitted {
     /// Drops mechanisms that cancel each other: neither one alone nor all together are relevant beside the baseline, or no one alone explains
     /// a fair share of what all of them do. One unknown law that large opposite effects imitate is more frequent than independent faults
     /// that happen to cancel.
-    fn drop_what_only_undoes_each_other(&mut self, problem: &impl Problem, baseline: &Fitted) {
+    fn drop_what_only_undoes_each_other(&mut self, problem: &impl Problem, baseline: &Baseline) {
         if self.included.len() < 2 {
             return;
         }
@@ -87,7 +93,7 @@ impl Fitted {
         let explains_a_share =
             |place: usize| by_none - left_by(&self.alone(problem, place)) > OPPOSED * (by_none - by_all);
         if !(any_alone() || together()) || !(0..self.included.len()).any(explains_a_share) {
-            *self = baseline.clone();
+            *self = Fitted::clone(baseline);
         }
     }
 

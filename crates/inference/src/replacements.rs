@@ -7,6 +7,7 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
+use super::baseline::Baseline;
 use super::evidence::{Candidate, Problem};
 use super::fitted::{Fitted, weighted_squares};
 use super::holdout;
@@ -45,26 +46,26 @@ pub(super) struct Replacement {
 /// member, `gain` what it explains in units of the noise.
 pub(super) fn replacements(
     problem: &impl Problem,
-    extended: &Fitted,
+    (baseline, extended): (&Baseline, &Fitted),
     iteration: &Iteration<'_>,
     place: usize,
     without: &DVector<f64>,
     gain: f64,
 ) -> Vec<Replacement> {
     let is_equal = equal_to(problem, extended, without);
-    let refitted = refitted(problem, extended, iteration, place, gain).into_par_iter();
+    let refitted = refitted(problem, (baseline, extended), iteration, place, gain).into_par_iter();
     refitted.filter(|rival| is_equal(&rival.fitted) || is_nearly_as_likely(extended, &rival.fitted)).collect()
 }
 
 /// The sets with a refused member exchanged that predict held-out data as well as the set with it, the best first.
 ///
 /// A law that resembles the true one may be found before it, and be refused by what only the true one does.
-pub(super) fn in_place_of(problem: &impl Problem, baseline: &Fitted, refused: &Fitted, place: usize) -> Vec<Fitted> {
+pub(super) fn in_place_of(problem: &impl Problem, baseline: &Baseline, refused: &Fitted, place: usize) -> Vec<Fitted> {
     let iteration = Iteration::new(problem.candidates(), refused);
     let gain = iteration.search().gain_of(&refused.included, place);
     let without = refused.without(problem, baseline, place).held_out();
     let is_equal = equal_to(problem, refused, &without);
-    let refitted = refitted(problem, refused, &iteration, place, gain).into_iter();
+    let refitted = refitted(problem, (baseline, refused), &iteration, place, gain).into_iter();
     let mut equal: Vec<Fitted> = refitted.map(|rival| rival.fitted).filter(is_equal).collect();
     equal.sort_by(|a, b| a.held_out_misfit().total_cmp(&b.held_out_misfit()));
     equal
@@ -74,7 +75,7 @@ pub(super) fn in_place_of(problem: &impl Problem, baseline: &Fitted, refused: &F
 /// anything that counts, each fitted in full, the likeliest first. The slopes at a wrong law may keep it before the true one. The
 /// likelihood alone may take a slow misfit for noise. A time that was selected from all data has seen what is held out: one without such a
 /// time need not predict as well, and one with it must leave no more at all.
-pub(super) fn likelier(problem: &impl Problem, present: &Fitted) -> Vec<Fitted> {
+pub(super) fn likelier(problem: &impl Problem, baseline: &Baseline, present: &Fitted) -> Vec<Fitted> {
     let candidates = problem.candidates();
     let iteration = Iteration::new(candidates, present);
     let (named, limits) = (present.held_out(), present.limits(problem));
@@ -99,7 +100,7 @@ pub(super) fn likelier(problem: &impl Problem, present: &Fitted) -> Vec<Fitted> 
                 && !holdout::leaves_relevantly_more(&present.evidence, &limits, [&rival.fitted.held_out(), &named])
                 && predicts_as_well()
         };
-        let refitted = refitted(problem, present, &iteration, place, gain).into_par_iter();
+        let refitted = refitted(problem, (baseline, present), &iteration, place, gain).into_par_iter();
         refitted.map(less_likely).filter(is_likelier).collect::<Vec<_>>()
     };
     let mut likelier: Vec<(f64, Replacement)> = (0..present.included.len()).flat_map(of_place).collect();
@@ -165,7 +166,7 @@ fn equal_to<'a, P: Problem>(
 /// where a size lies beyond those that nature has by more than its error explains. `gain` is what the member explains in units of the noise.
 fn refitted(
     problem: &impl Problem,
-    extended: &Fitted,
+    (baseline, extended): (&Baseline, &Fitted),
     iteration: &Iteration<'_>,
     place: usize,
     gain: f64,
@@ -180,7 +181,7 @@ fn refitted(
         let mut members = extended.included.clone();
         members[place] = other;
         members.sort_unstable();
-        let rival = Fitted::converged(problem, iteration.point_of(&members, problem), members);
+        let rival = baseline.converged(problem, iteration.point_of(&members, problem), members);
         let cannot_be = |place: usize| {
             let candidate = &candidates[rival.included[place]];
             candidate.is_unusual(rival.point.candidates[rival.included[place]][0])

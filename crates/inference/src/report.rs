@@ -4,6 +4,7 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::alternatives::alternatives;
+use super::baseline::Baseline;
 use super::change_point;
 use super::evidence::{Headline, Problem, Quantity, names};
 use super::findings::{Cause, Diagnosis, Judged, Left, Rejected, Unexplained, Verdict, Why, Wrong};
@@ -23,7 +24,7 @@ const MOST_REPORTED: usize = 3;
 
 pub(super) fn report(
     problem: &impl Problem,
-    baseline: &Fitted,
+    baseline: &Baseline,
     extended: &Fitted,
     curve: Option<String>,
     dropped: &[(usize, Why)],
@@ -40,7 +41,7 @@ pub(super) fn report(
     let after_stage = extended.stage(after.clone());
     let mut named: Vec<Named> = (0..extended.included.len())
         .into_par_iter()
-        .map(|place| cause(problem, [baseline, extended], &iteration, &search, place, n_names, &after_stage))
+        .map(|place| cause(problem, (baseline, extended), &iteration, &search, place, n_names, &after_stage))
         .collect();
     named.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let causes: Vec<Cause> = named.iter().map(|named| named.cause.clone()).collect();
@@ -143,7 +144,7 @@ pub(super) struct Named {
 
 pub(super) fn cause(
     problem: &impl Problem,
-    [baseline, extended]: [&Fitted; 2],
+    (baseline, extended): (&Baseline, &Fitted),
     iteration: &Iteration<'_>,
     search: &SubsetSearch<'_>,
     place: usize,
@@ -161,7 +162,7 @@ pub(super) fn cause(
     let (before, after) = (extended.without(problem, baseline, place).held_out(), extended.held_out());
     let quantity = &extended.evidence.quantities[headline(problem, extended, &before, &after)];
     let as_read = |left: &DVector<f64>| extended.evidence.column_as_read(left);
-    let group = replacements(problem, extended, iteration, place, &before, gain);
+    let group = replacements(problem, (baseline, extended), iteration, place, &before, gain);
     let log_likelihood_ratio = |rival: &Replacement| {
         let name = candidates[rival.candidate].name.to_owned();
         (name, -0.5 * rival.fitted.deviance_above(extended))

@@ -1,7 +1,9 @@
 //! Refines the grid of a time that is selected and not fitted: the time of a step of drag or net mass, time constants of creep, late
 //! expansion and carried water. The engine selects a grid point; a finer grid about it and about its rivals follows. Knows the problem and the engine.
 
-use super::{SeaProblem, jumps};
+use super::{SeaProblem, jumps, with_inertia};
+use crate::diagnose::engine::Start;
+use crate::diagnose::evidence::{Point, Version};
 use crate::diagnose::findings::Verdict;
 use crate::diagnose::{Outcome, Problem, engine};
 
@@ -13,8 +15,7 @@ const MOST_ROUNDS: usize = 2;
 
 /// Diagnoses a problem, and again on a finer grid where a mechanism with a gridded time was found.
 pub(super) fn diagnose(problem: SeaProblem) -> (SeaProblem, Outcome) {
-    let outcome = engine::diagnose_in_full(&problem);
-    let (problem, outcome) = problem.without_inertia_if_better(&outcome).unwrap_or((problem, outcome));
+    let (problem, outcome) = with_inertia::diagnose(problem);
     let (problem, outcome) = refined_where_named(problem, outcome);
     match refined_where_refused(&problem, &outcome) {
         Some((finer, again)) => refined_where_named(finer, again),
@@ -32,7 +33,7 @@ fn refined_where_named(mut problem: SeaProblem, mut outcome: Outcome) -> (SeaPro
             let with_rivals: Vec<usize> =
                 outcome.groups[place].iter().chain([&outcome.named[place]]).copied().collect();
             let Some(finer) = problem.with_versions_about(&with_rivals) else { break };
-            let again = engine::diagnose_in_full(&finer);
+            let again = engine::diagnose_from(&finer, finer.start_at(&problem, &outcome));
             let covers_all = named(&finer, &again, mechanism)
                 .is_some_and(|place| cell_covers_interval(&finer, again.named[place], &again));
             (problem, outcome) = (finer, again);
@@ -47,7 +48,7 @@ fn refined_where_named(mut problem: SeaProblem, mut outcome: Outcome) -> (SeaPro
 /// Returns the diagnosis with a finer grid for all refused mechanisms at once, if one of them is then named.
 ///
 /// A grid point may be too far from the true time for one magnitude to fit everywhere. Where a misfit remains, rejected mechanisms are
-/// therefore refined as well. A step is always refined, since its first grid lies between legs.
+/// therefore refined as well. A step is always asked, since its first grid lies between legs, and refined if then the slopes choose it.
 fn refined_where_refused(problem: &SeaProblem, outcome: &Outcome) -> Option<(SeaProblem, Outcome)> {
     let is_left = matches!(outcome.diagnosis.verdict, Verdict::Unexplained | Verdict::PartlyExplained);
     let refused = |mechanism: &str| {
@@ -60,9 +61,34 @@ fn refined_where_refused(problem: &SeaProblem, outcome: &Outcome) -> Option<(Sea
     let asked: Vec<(&str, usize)> = asked.filter_map(|mechanism| Some((mechanism, refused(mechanism)?))).collect();
     let members: Vec<usize> = asked.iter().map(|(_, member)| *member).collect();
     let finer = problem.with_versions_about(&members)?;
+    let is_asked = |member: &usize| asked.iter().any(|(mechanism, _)| finer.candidates()[*member].name == *mechanism);
+    if !is_left && !engine::chosen_by_slopes(&finer, finer.start_at(problem, outcome)).iter().any(is_asked) {
+        return None;
+    }
     let again = engine::diagnose_in_full(&finer);
     let is_named = asked.iter().any(|(mechanism, _)| named(&finer, &again, mechanism).is_some());
     is_named.then_some((finer, again))
+}
+
+impl SeaProblem {
+    /// What was found with other versions, each by the nearest of this problem's.
+    fn start_at(&self, coarser: &SeaProblem, found: &Outcome) -> Start {
+        let neutral = |point: &Point| Point { baseline: point.baseline.clone(), ..self.start() };
+        let mut point = neutral(&found.after.point);
+        let nearest = |member: usize| {
+            let wanted = &coarser.candidates[member];
+            let same = (0..self.candidates.len()).filter(|i| self.candidates[*i].name == wanted.name);
+            let value = |version: Option<Version>| version.map_or(0.0, |version| version.value);
+            let apart = |i: &usize| (value(self.candidates[*i].version) - value(wanted.version)).abs();
+            same.min_by(|a, b| apart(a).total_cmp(&apart(b))).expect("finer versions of every mechanism")
+        };
+        let mut included: Vec<usize> = found.fitted.iter().map(|member| nearest(*member)).collect();
+        for (member, there) in found.fitted.iter().zip(&included) {
+            point.candidates[*there].clone_from(&found.after.point.candidates[*member]);
+        }
+        included.sort_unstable();
+        Start { baseline: neutral(&found.before.point), point, included }
+    }
 }
 
 /// Returns the mechanisms with a time that is selected from a grid.

@@ -36,6 +36,7 @@ mod trim;
 mod turns;
 mod unknown_temperature;
 mod vehicle_log;
+mod with_inertia;
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -45,11 +46,8 @@ use crate::dynamics::{PARAMETERS, Parameters, parameter_index};
 use crate::identify::{Bin, Inside, Parts, bins, make_heavier, median_step_s};
 use crate::log::Observation;
 
-use super::engine;
-use super::evidence::{Candidate, Evidence, Point, Problem as _};
-use super::holdout;
-use super::outcome::Outcome;
-use super::relevance::{Relevance, SHARE_OF_SCATTER};
+use super::evidence::{Candidate, Evidence, Point};
+use super::relevance::Relevance;
 use attitude::Smoother;
 use candidates::Tried;
 use common_drag::{COMMON_DRAG_SHARE, CommonDrag};
@@ -83,10 +81,6 @@ pub const LEAST_RELEVANT: [(&str, f64); 2] = [(VERTICAL_VELOCITY, 1e-3), (SPEED,
 
 const VERTICAL_VELOCITY: &str = "vertical_velocity";
 const SPEED: &str = "speed_through_water";
-
-/// Fall of the error of held-out glides \[%\] below which a log is not said to follow a glide without inertia: what a tenth of the scatter
-/// adds in quadrature, as of any misfit that is not worth acting on.
-const NO_INERTIA_PERCENT: f64 = 50.0 * SHARE_OF_SCATTER * SHARE_OF_SCATTER;
 
 /// Samples that a bin must hold at least.
 const MIN_SAMPLES: usize = 3;
@@ -231,7 +225,6 @@ impl SeaProblem {
             UnknownShear::new(&bins, observations, |met| past.late(met))
         };
         baseline.extend(shear.names());
-
         let mut directions = Directions::new(&baseline_index);
         let common_drag = CommonDrag::new(parameters, &mut directions);
         baseline.extend(common_drag.map(|_| COMMON_DRAG_SHARE));
@@ -302,34 +295,6 @@ impl SeaProblem {
         let mut asking = SeaProblem { asks_speed_scale: self.has_speed(), ..self.clone() };
         asking.look_for(self.tried.clone());
         self.has_speed().then_some(asking)
-    }
-
-    /// The same problem without inertia, diagnosed, where that is the better account of held-out glides.
-    ///
-    /// A real glider has inertia. A log that was simulated from steady glides has none, and a baseline that had it would miss
-    /// every sharp thermocline, or take a lag for a cause. It is tried where it predicts better by what is relevant for certain (97.5 %
-    /// by resampled legs), alone or beside the causes that were found, and taken where it then does so with causes of its own, or
-    /// predicts no worse with fewer.
-    pub(super) fn without_inertia_if_better(&self, found: &Outcome) -> Option<(SeaProblem, Outcome)> {
-        let mut steady = SeaProblem { parts: self.parts.without_inertia(), ..self.clone() };
-        steady.baseline.truncate(self.place_of_inertia());
-        let mut point = found.after.point.clone();
-        point.baseline.truncate(self.place_of_inertia());
-        let block: Vec<usize> = self.bins.iter().map(|bin| bin.mean.leg as usize).collect();
-        let gain = |with: &DVector<f64>, without: &DVector<f64>| {
-            holdout::reduction_interval(&block, 0..self.bins.len(), with, without)
-        };
-        let alone = engine::held_out(&steady, &steady.start(), &[]);
-        let beside = || engine::held_out(&steady, &point, &found.fitted);
-        let is_promising = gain(&found.before.held_out, &alone)[0] > NO_INERTIA_PERCENT
-            || gain(&found.after.held_out, &beside())[0] > NO_INERTIA_PERCENT;
-        if !is_promising {
-            return None;
-        }
-        let again = engine::diagnose_in_full(&steady);
-        let [least, most] = gain(&found.after.held_out, &again.after.held_out);
-        let is_better = least > NO_INERTIA_PERCENT || (most > 0.0 && again.fitted.len() < found.fitted.len());
-        is_better.then_some((steady, again))
     }
 
     /// Whether the baseline has no inertia.
