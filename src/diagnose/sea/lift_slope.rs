@@ -21,11 +21,11 @@ pub(super) const LIFT_SLOPE: &str = "a_per_rad";
 pub(super) fn decide(
     problem: SeaProblem,
     outcome: Outcome,
-    held: impl FnOnce() -> Option<(SeaProblem, Outcome)>,
+    held: impl FnOnce() -> (SeaProblem, Outcome),
 ) -> (SeaProblem, Outcome, Option<&'static str>) {
     let is_hidden = problem.is_hidden_by_a_far_slope(&outcome);
     let rests_on_it = !problem.names_stand_without_the_slope(&outcome);
-    match (is_hidden || rests_on_it).then(held).flatten() {
+    match (is_hidden || rests_on_it).then(held) {
         Some((held, of_held)) if is_hidden && held.explains_as_well(&of_held, &outcome) => {
             (held, of_held, Some(SLOPE_HELD))
         }
@@ -68,7 +68,7 @@ impl SeaProblem {
     }
 
     /// The same problem with the vehicle's lift slope held.
-    fn with_lift_held(&self) -> SeaProblem {
+    pub(super) fn with_lift_held(&self) -> SeaProblem {
         let mut held = SeaProblem {
             lift: Lift::Held,
             baseline: self.without_lift_slope(&self.baseline),

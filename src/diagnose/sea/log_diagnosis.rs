@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::{DiagnosisSettings, Lift, SeaError, SeaProblem};
+use super::{DiagnosisSettings, SeaError, SeaProblem};
 use super::{
     consistency, density_report, empirical, grid_refinement, level_shift, lift_slope, not_assessed, stated_polar, trim,
     unknown_temperature,
@@ -49,9 +49,9 @@ pub fn diagnose_log(
         return Err(SeaError::Inconsistent(checks));
     }
     let temperature_is_suggested = unknown_temperature::is_unknown(vehicle, observations);
-    let as_read = |observations: &[Observation], trim_is_assumed: bool, lift: Lift| {
+    let as_read = |observations: &[Observation], trim_is_assumed: bool| {
         let baseline = trim.baseline(vehicle, observations);
-        let settings = DiagnosisSettings { trim_is_assumed, temperature_is_suggested, lift, ..settings.clone() };
+        let settings = DiagnosisSettings { trim_is_assumed, temperature_is_suggested, ..settings.clone() };
         SeaProblem::new(observations, &baseline, settings).map(|problem| (problem, baseline))
     };
     let assumed = trim == Trim::Neutral || temperature_is_suggested;
@@ -60,7 +60,7 @@ pub fn diagnose_log(
         Some(error) => Cow::Owned(consistency::corrected(observations, error, carried_kg_m3)),
     };
     let used = if temperature_is_suggested { Cow::Owned(unknown_temperature::suggested(vehicle, &used)) } else { used };
-    let (problem, baseline) = as_read(&used, assumed, settings.lift)?;
+    let (problem, baseline) = as_read(&used, assumed)?;
     // The larger of the two: each is a bound, not a standard error.
     let by_ballasting = if trim == Trim::Neutral { trim::ballasting_kg(&baseline) } else { 0.0 };
     let by_temperature = if temperature_is_suggested { unknown_temperature::most_kg(&baseline) } else { 0.0 };
@@ -69,14 +69,15 @@ pub fn diagnose_log(
         let (problem, outcome) = grid_refinement::diagnose(problem);
         problem.with_trim_as_cause(outcome, most_trim_kg)
     };
+    let as_asked = problem.clone();
     let (problem, outcome, uses_stated_polar) = with_stated_polar(problem, settings.polar_se, decided);
     let polar_se = if uses_stated_polar { settings.polar_se } else { [None; 3] };
-    let held = || as_read(&used, assumed, Lift::Held).ok().map(|(held, _)| decided(held.with_polar_errors(polar_se)));
+    let held = || decided(as_asked.with_lift_held().with_polar_errors(polar_se));
     let (problem, outcome, of_the_slope) = lift_slope::decide(problem, outcome, held);
     let (problem, mut outcome) = with_speed_scale_if_it_explains(problem, outcome, most_trim_kg);
     match error {
         Some(error) => {
-            let raw = as_read(observations, false, settings.lift).ok().map(|(raw, _)| raw);
+            let raw = as_read(observations, false).ok().map(|(raw, _)| raw);
             density_report::add_cause(&mut outcome, &problem, raw.as_ref(), error, carried_kg_m3);
         }
         None => density_report::add_uncheckable(&mut outcome, &problem, &checks),
