@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::history;
 use super::jumps::{self, Jump};
 use super::salinity::{self, Shown};
+use super::time_constants;
 use crate::diagnose::evidence::{Candidate, Version};
 use crate::dynamics::buoyancy::WATER_COMPRESSIBILITY_PER_PA;
 use crate::dynamics::{PARAMETERS, Parameters};
@@ -61,7 +61,7 @@ pub struct Tried {
     /// Times at which something may have been lost or caught.
     pub jumps: Vec<Jump>,
     /// Mechanisms whose time constant is looked for closely.
-    pub closer: BTreeMap<&'static str, history::Closer>,
+    pub closer: BTreeMap<&'static str, time_constants::Closer>,
 }
 
 /// The mechanisms that these data could show, with the row of their parameter.
@@ -98,7 +98,7 @@ pub fn list(bins: &[Bin], channels: &Channels, tried: &Tried, parameters: &Param
         };
         let versions: Vec<Option<Version>> = match mechanism.name {
             name if jumps::MECHANISMS.contains(&name) => tried.jumps.iter().map(version).collect(),
-            name => history::versions(name, tried.closer.get(name).copied()),
+            name => time_constants::versions(name, tried.closer.get(name).copied()),
         };
         // Where the density follows from temperature and salinity, a bias of it is one of the salinity.
         let prior_sd = match mechanism.name {

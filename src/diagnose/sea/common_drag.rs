@@ -109,7 +109,7 @@ impl SeaProblem {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::sea::{DiagnosisSettings, history};
+    use crate::diagnose::sea::{DiagnosisSettings, steady_log};
     use crate::diagnose::{Problem, engine};
     use crate::vehicle::Vehicle;
 
@@ -144,7 +144,7 @@ mod tests {
     /// Steady glides with a pod: all of the added drag is in common, and nothing is left that differs between the legs.
     #[test]
     fn a_pod_on_legs_that_differ_is_found_in_common() {
-        let problem = problem(&history::tests::log(&with_pod(&vehicle(), 0.3 * vehicle().b)));
+        let problem = problem(&steady_log::log(&with_pod(&vehicle(), 0.3 * vehicle().b)));
         let found = engine::baseline(&problem).0;
         let share = found.point.baseline[problem.place_of_common_drag()];
         let rms = found.residual.norm() / (found.residual.len() as f64).sqrt();
@@ -153,7 +153,7 @@ mod tests {
 
     #[test]
     fn the_columns_are_the_changes_of_what_is_read() {
-        let problem = problem(&history::tests::log(&with_pod(&vehicle(), 0.3 * vehicle().b)));
+        let problem = problem(&steady_log::log(&with_pod(&vehicle(), 0.3 * vehicle().b)));
         let mut there = problem.start();
         there.baseline[problem.place_of_drag()] *= 1.2;
         let columns = problem.evidence(&there).baseline;

@@ -102,7 +102,7 @@ fn by_force(
 #[cfg(test)]
 mod tests {
     use crate::diagnose::Problem;
-    use crate::diagnose::sea::{DiagnosisSettings, SeaProblem, history};
+    use crate::diagnose::sea::{DiagnosisSettings, SeaProblem, steady_log};
     use crate::vehicle::Vehicle;
 
     /// A log of steady glides whose pitch hunts. Without inertia the path follows the pitch at once: the model without it, by its share
@@ -110,7 +110,7 @@ mod tests {
     #[test]
     fn without_inertia_the_path_follows_the_pitch_at_once() {
         let parameters = Vehicle::load("slocum-graver").expect("a vehicle").glide_parameters();
-        let log = history::tests::log(&parameters);
+        let log = steady_log::log(&parameters);
         let problem = SeaProblem::new(&log, &parameters, DiagnosisSettings::default()).expect("enough bins");
         let rms = |problem: &SeaProblem, share: Option<f64>| {
             let mut point = problem.start();

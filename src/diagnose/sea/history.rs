@@ -22,7 +22,6 @@
 use std::sync::Arc;
 
 use super::past::{MOVED_M3, Past, integral, lagged, lagged_by};
-use crate::diagnose::evidence::Version;
 use crate::dynamics::Parameters;
 use crate::dynamics::buoyancy::{ATMOSPHERE_PA, WATER_COMPRESSIBILITY_PER_PA};
 use crate::identify::Bin;
@@ -35,41 +34,9 @@ pub(super) const DENSITY_PER_SALINITY: f64 = 0.77;
 /// -0.98 at 35 and 10 degC (PSS-78).
 pub(super) const SALINITY_PER_KELVIN: f64 = 0.98;
 
-/// Time constants that are tried \[s\]: a factor of two apart (the late part of one differs from that of another half as long by a
-/// fifth at most). About the one that was found the next ones are closer.
-const CREEP_TIMES_S: [f64; 5] = [3600.0, 7200.0, 14_400.0, 28_800.0, 57_600.0];
-const EXCHANGE_TIMES_S: [f64; 5] = [600.0, 1200.0, 2400.0, 4800.0, 9600.0];
-const EXPANSION_TIMES_S: [f64; 5] = [300.0, 600.0, 1200.0, 2400.0, 4800.0];
-
 /// Neighbours farther apart are not of one stretch \[s\], and what a mean alone lasts \[s\].
 const LONGEST_SPAN_S: f64 = 120.0;
 const LONE_SPAN_S: f64 = 5.0;
-
-/// Factor between neighbours of these lists.
-const RATIO: f64 = 2.0;
-
-/// Closer time constants on each side of one that was found: as many as reach half way to its neighbours.
-const CLOSER: i32 = 2;
-
-/// Time constants about one that was found.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Closer {
-    about_s: f64,
-    /// Factor between neighbours.
-    ratio: f64,
-}
-
-impl Closer {
-    /// About this version, so close that they reach half way to its neighbours.
-    pub fn about(version: &Version) -> Closer {
-        let [low, high] = version.between;
-        Closer { about_s: version.value, ratio: (high / low).powf(0.5 / f64::from(CLOSER)) }
-    }
-
-    fn times_s(self) -> impl Iterator<Item = f64> {
-        (-CLOSER..=CLOSER).map(move |step| self.about_s * self.ratio.powi(step))
-    }
-}
 
 /// What a mechanism acts on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -94,26 +61,6 @@ const MECHANISMS: [(&str, &str, Acts); 7] = [
 /// What a mechanism of this name acts on, where it goes by the past.
 pub fn acts(mechanism: &str) -> Option<Acts> {
     MECHANISMS.iter().find(|(name, ..)| *name == mechanism).map(|(.., acts)| *acts)
-}
-
-/// The versions of a mechanism of the past: its time constants, closer about one that was found, or one without any.
-pub fn versions(mechanism: &str, closer: Option<Closer>) -> Vec<Option<Version>> {
-    let (name, times) = match mechanism {
-        "hull_creep" => ("creep_time_s", CREEP_TIMES_S),
-        "late_expansion" => ("expansion_time_s", EXPANSION_TIMES_S),
-        "carried_water" => ("exchange_time_s", EXCHANGE_TIMES_S),
-        _ => return vec![None],
-    };
-    let version = |value: f64, ratio: f64| {
-        let between = [value / ratio.sqrt(), value * ratio.sqrt()];
-        Some(Version { name, value, is_onset: false, between, unit: "s" })
-    };
-    let is_far = |time_s: &f64| closer.is_none_or(|closer| (time_s / closer.about_s).ln().abs() > 0.5 * RATIO.ln());
-    let far = times.into_iter().filter(is_far).map(|time_s| version(time_s, RATIO));
-    let near = closer.into_iter().flat_map(|closer| closer.times_s().map(move |time_s| version(time_s, closer.ratio)));
-    let mut found: Vec<Option<Version>> = far.chain(near).collect();
-    found.sort_by(|a, b| a.map(|a| a.value).partial_cmp(&b.map(|b| b.value)).expect("times are finite"));
-    found
 }
 
 /// The past of every bin of a log.
@@ -445,66 +392,15 @@ fn slopes_at(mean: &Observation) -> DensitySlopes {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use nalgebra::DMatrix;
 
     use super::*;
     use crate::diagnose::Problem;
+    use crate::diagnose::sea::steady_log::log;
+    use crate::diagnose::sea::time_constants::versions;
     use crate::diagnose::sea::{DiagnosisSettings, SeaProblem};
-    use crate::dynamics::Surroundings;
-    use crate::glide::{Attitude, at_pitch};
-    use crate::log::DBAR_PA;
     use crate::vehicle::Vehicle;
-
-    /// Twelve legs through a thermocline, the pitch hunting, every reading that of the steady glide.
-    pub(in super::super) fn log(p: &Parameters<f64>) -> Vec<Observation> {
-        let sample = |i: u32| {
-            let (leg, within) = (i / 60, f64::from(i % 60));
-            let descends = leg % 2 == 0;
-            let pressure_dbar = 10.0 + 4.0 * if descends { within } else { 59.0 - within };
-            let warm = 0.5 - 0.5 * ((pressure_dbar - 90.0) / 25.0).tanh();
-            let water = Surroundings {
-                density_kg_m3: 1027.0 - 1.5 * warm + 4.5e-3 * pressure_dbar,
-                pressure_Pa: pressure_dbar * DBAR_PA,
-                temperature_C: 8.0 + 7.0 * warm,
-                time_s: 15.0 * f64::from(i),
-            };
-            let sign = if descends { -1.0 } else { 1.0 };
-            let pitch_rad = sign * (24.0 + f64::from(leg % 3)).to_radians() + 0.02 * (water.time_s / 90.0).sin();
-            let ballast_m3 = 2.5e-4 * sign;
-            let net_mass_kg = p.net_mass_kg(ballast_m3, &water);
-            let glide = at_pitch(p, &water, Attitude { pitch_rad, net_mass_kg }).expect("a glide");
-            Observation {
-                time_s: water.time_s,
-                pressure_dbar,
-                pressure_rate_dbar_s: 0.0,
-                temperature_C: water.temperature_C,
-                density_kg_m3: water.density_kg_m3,
-                teos10_density_kg_m3: water.density_kg_m3,
-                teos10_surface_density_kg_m3: f64::NAN,
-                pitch_rad,
-                roll_rad: 0.0,
-                rudder_rad: 0.0,
-                roll_mass_rad: f64::NAN,
-                motor_moving: false,
-                since_move_s: f64::NAN,
-                heading_rad: 0.0,
-                ballast_m3,
-                battery_forward_m: f64::NAN,
-                sink_m_s: glide.vertical_velocity_m_s,
-                sink_se_m_s: 0.002,
-                sink_window_s: [0.0; 2],
-                sink_rate_m_s2: 0.0,
-                speed_m_s: glide.speed_m_s,
-                water_met_m_s2: f64::NAN,
-                leg,
-                dive: leg / 2,
-                stretch: 0,
-                steady: (4..56).contains(&(i % 60)),
-            }
-        };
-        (0..720).map(sample).collect()
-    }
 
     /// The column of a candidate is how the residuals change with its size, with what happens inside the bins held.
     #[test]

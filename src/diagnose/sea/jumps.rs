@@ -64,7 +64,7 @@ fn all(bins: &[Bin]) -> impl Iterator<Item = Jump> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::history::tests::log;
+    use super::super::steady_log::log;
     use super::super::{DiagnosisSettings, SeaProblem};
     use super::*;
     use crate::diagnose::Problem;

@@ -128,14 +128,14 @@ fn pitch_rate(samples: &[Observation]) -> f64 {
 #[cfg(test)]
 mod tests {
     use crate::diagnose::Problem;
-    use crate::diagnose::sea::{DiagnosisSettings, SeaProblem, history};
+    use crate::diagnose::sea::{DiagnosisSettings, SeaProblem, steady_log};
     use crate::vehicle::Vehicle;
 
     /// A clock that differs is what is read at another time: at its own size nothing is left of it.
     #[test]
     fn a_clock_that_differs_is_the_pitch_of_another_time() {
         let parameters = Vehicle::load("slocum-graver").expect("a vehicle").glide_parameters();
-        let log = history::tests::log(&parameters);
+        let log = steady_log::log(&parameters);
         let problem_of =
             |log: &[_]| SeaProblem::new(log, &parameters, DiagnosisSettings::default()).expect("enough bins");
         let truth = problem_of(&log);

@@ -32,6 +32,9 @@ mod salinity;
 mod settings;
 mod shear;
 mod stated_polar;
+#[cfg(test)]
+mod steady_log;
+mod time_constants;
 mod trim;
 mod turns;
 mod unknown_temperature;
@@ -275,7 +278,7 @@ impl SeaProblem {
                 tried.jumps = Jump::between_bins(&self.bins, &tried.jumps, version.value);
                 is_closer |= tried.jumps.len() != self.tried.jumps.len();
             } else {
-                tried.closer.insert(candidate.name, history::Closer::about(&version));
+                tried.closer.insert(candidate.name, time_constants::Closer::about(&version));
                 is_closer = true;
             }
         }

@@ -128,7 +128,7 @@ pub fn integral(time_s: &[f64], values: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::sea::history;
+    use crate::diagnose::sea::steady_log;
     use crate::vehicle::Vehicle;
 
     /// The last reading of a move is 4.3 cm3 short of where the engine stands: noise of 1 cm3 later is no second move.
@@ -140,7 +140,7 @@ mod tests {
             20 => 230.0,
             _ => 229.1,
         };
-        let leg = history::tests::log(&Vehicle::load("slocum-graver").expect("a vehicle").glide_parameters());
+        let leg = steady_log::log(&Vehicle::load("slocum-graver").expect("a vehicle").glide_parameters());
         let sample = |i: usize| Observation { time_s: 3.0 * i as f64, ballast_m3: 1e-6 * ballast_cc(i), ..leg[i] };
         let past = Past::new(&(0..40).map(sample).collect::<Vec<_>>());
         // It came to rest between samples 9 and 10, as far as is known half-way.

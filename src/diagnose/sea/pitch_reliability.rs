@@ -51,7 +51,7 @@ pub fn with_pitch_of_glider(bin: &Bin, deviation_rad: f64, reliability: f64) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::sea::{DiagnosisSettings, SeaProblem, history};
+    use crate::diagnose::sea::{DiagnosisSettings, SeaProblem, steady_log};
     use crate::diagnose::{Problem, engine};
     use crate::vehicle::Vehicle;
 
@@ -76,7 +76,7 @@ mod tests {
     #[test]
     fn the_column_is_the_change_of_what_is_read() {
         let parameters = Vehicle::load("slocum-graver").expect("a vehicle").glide_parameters();
-        let log = history::tests::log(&parameters);
+        let log = steady_log::log(&parameters);
         let problem = SeaProblem::new(&log, &parameters, DiagnosisSettings::default()).expect("enough bins");
         let mut point = problem.start();
         let before = problem.evidence(&point);
@@ -92,7 +92,7 @@ mod tests {
     #[test]
     fn errors_that_last_are_told_from_a_pitch_that_hunts() {
         let parameters = Vehicle::load("slocum-graver").expect("a vehicle").glide_parameters();
-        let log = history::tests::log(&parameters);
+        let log = steady_log::log(&parameters);
         let problem_of =
             |log: &[_]| SeaProblem::new(log, &parameters, DiagnosisSettings::default()).expect("enough bins");
         let fitted = |problem: &SeaProblem| engine::baseline(problem).0.point.baseline[place(problem)];
