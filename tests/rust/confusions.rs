@@ -386,6 +386,16 @@ fn what_changes_most_near_a_turn_has_its_size() {
     }
 }
 
+/// Two at once. Beside an offset and a compressibility two spurious mechanisms fitted as well, and spoilt what the four predict of glides held
+/// out: all were dropped. A current is not known well enough beside an expansion: a drag exponent stood in the place of both, and left 15 mm/s.
+#[test]
+fn what_is_spurious_takes_nothing_true_along() {
+    let answer = Answer::diagnose("ballast_offset,hull_compressibility", 82_407, true, true).expect("a diagnosis");
+    assert!(answer.is_right(), "{}", answer.evidence);
+    let answer = Answer::diagnose("thermal_expansion,vertical_current", 82_405, true, true).expect("a diagnosis");
+    assert!(answer.causes[0].0 == "vertical_current" && answer.wrong_names() == 0, "{}", answer.evidence);
+}
+
 /// A current of 18 mm/s is most of what a noise that lasts explains too, and a curve along the pitch explains more of the rest.
 #[test]
 fn no_curve_takes_the_place_of_a_current_that_does_nearly_all() {

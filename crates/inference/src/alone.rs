@@ -12,7 +12,7 @@ use super::subset_search::MARGIN;
 
 impl Baseline {
     /// The likeliest mechanism that stands alone, each fitted whatever the slopes here say of it; with the covariate of what was refuted
-    /// on the way. Of many that are tried one may fit by chance: it must leave nothing wrong, or remove nearly all of a gross
+    /// on the way. Of many that are tried one may fit by chance: it must leave nothing that may be wrong, or remove nearly all of a gross
     /// misfit; one that is clearly less likely than another must remove that.
     pub(super) fn stands_alone(
         &self,
@@ -51,7 +51,7 @@ impl Baseline {
             let of_alone = alone.eliminate_backward(problem, self, dropped);
             refuted = refuted.or(of_alone);
             let is_likeliest = less_likely < likeliest + MARGIN;
-            let explains_all = || is_likeliest && !alone.misses_something(problem);
+            let explains_all = || is_likeliest && !alone.may_miss_something(problem);
             if !alone.included.is_empty() && (explains_all() || alone.removes_nearly_all(self)) {
                 dropped.retain(|(member, _)| !alone.included.contains(member));
                 return (Some(alone), refuted);

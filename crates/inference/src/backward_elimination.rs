@@ -67,16 +67,15 @@ impl Fitted {
         }
     }
 
-    /// A mechanism that fits and does not predict is none: the one of least use goes, until all that are left predict.
+    /// A mechanism that fits and does not predict is none: the one of least use goes, until all that are left predict. Where all of them
+    /// together predict no better than the baseline, the one without which the others predict best goes: what is spurious may spoil what
+    /// a true one predicts.
     pub(super) fn drop_what_does_not_predict(&mut self, problem: &impl Problem, baseline: &Baseline) {
         while !self.included.is_empty() {
             let with = self.held_out();
             let advantage_over =
                 |other: &Fitted| holdout::advantage(&self.evidence, &self.noises, &other.held_out(), &with);
-            if advantage_over(baseline) < problem.least_advantage() {
-                *self = Fitted::clone(baseline);
-                return;
-            }
+            let is_useless_together = advantage_over(baseline) < problem.least_advantage();
             let without = |place: usize| {
                 let other = self.without(problem, baseline, place);
                 (advantage_over(&other), other)
@@ -85,7 +84,7 @@ impl Fitted {
             let useless = others
                 .into_iter()
                 .min_by(|a, b| a.0.total_cmp(&b.0))
-                .filter(|(advantage, _)| *advantage < problem.least_advantage());
+                .filter(|(advantage, _)| is_useless_together || *advantage < problem.least_advantage());
             match useless {
                 Some((_, other)) => *self = other,
                 None => return,

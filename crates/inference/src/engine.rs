@@ -257,7 +257,7 @@ fn decide(
 
 impl Fitted {
     /// Whether a misfit may be left that is large enough to act on.
-    fn may_miss_something(&self, problem: &impl Problem) -> bool {
+    pub(super) fn may_miss_something(&self, problem: &impl Problem) -> bool {
         Iteration::new(problem.candidates(), self).may_be_wrong(&self.included, &self.limits(problem), SIGNIFICANT)
     }
 
