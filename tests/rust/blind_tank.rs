@@ -8,9 +8,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use glidepolar::diagnose::{Diagnosis, Relevance};
-use glidepolar_tank::diagnose::{Diagnoses, Tared};
+use glidepolar_tank::diagnose::{Diagnoses, SteadyData, Tared};
 use glidepolar_tank::virtual_tank::{EffectRequest, Options, Truth, Variety, write_campaign};
 use glidepolar_tank::{Options as Reduction, Results, reduce_campaign};
+use nalgebra::{DMatrix, DVector};
 
 /// Effects that the diagnosis must be able to name.
 const CATALOGUED: &[&str] = &[
@@ -73,7 +74,7 @@ const HULLS: [&str; 3] = ["LDR8.5", "LDR10.5", "LDR12.5"];
 const QUIET: f64 = 0.01;
 
 /// Share of the largest coefficient that an effect must change in some run beyond a, b, c, d to be relevant, and evidence of
-/// its trace (sum of squares in units of the runs' own errors) from which the runs can show it: a chance of 1e-4 among fifteen
+/// its trace (sum of squares in units of the runs' errors) from which the runs can show it: a chance of 1e-4 among fifteen
 /// mechanisms, twice.
 const RELEVANT: f64 = 0.01;
 const SHOWN: f64 = 50.0;
@@ -114,7 +115,8 @@ impl Hidden {
     }
 
     /// Whether the effect is relevant and these runs can show it: what it changes in the same campaign without noise that a,
-    /// b, c, d of each hull do not take up, beside one hundredth of the largest coefficient and beside the runs' own errors.
+    /// b, c, d of each hull do not take up, beside one hundredth of the largest coefficient, and beside the errors that the runs of this campaign
+    /// have.
     fn is_shown(&self) -> bool {
         let steady = |effect: &str, noise: f64| {
             let folder = tempfile::tempdir().expect("a folder");
@@ -124,10 +126,9 @@ impl Hidden {
         };
         let (with, without, noisy) = (steady(self.effect, QUIET), steady("none", QUIET), steady("none", 1.0));
         let runs: Vec<_> = with.runs.iter().zip(&without.runs).zip(&noisy.runs).collect();
-        let (mut shown, mut relevant) = (0.0, false);
-        for k in 0..3 {
+        let is_relevant = (0..3).any(|k| {
             let largest = without.runs.iter().map(|run| run.point.coefficients[k].abs()).fold(0.0, f64::max);
-            for hull in 0..with.hulls.len() {
+            (0..with.hulls.len()).any(|hull| {
                 let of_hull: Vec<_> = runs.iter().filter(|((with, _), _)| with.hull == hull).collect();
                 let alpha: Vec<f64> = of_hull.iter().map(|((_, without), _)| without.point.alpha_rad()).collect();
                 let change = |i: usize| {
@@ -138,15 +139,47 @@ impl Hidden {
                     1 => line(&alpha.iter().map(|x| x * x).collect::<Vec<_>>(), &change),
                     _ => slope(&alpha, &change),
                 };
-                for (i, (_, noisy)) in of_hull.iter().enumerate() {
-                    let left = change(i) - taken_up[i];
-                    relevant |= left.abs() > RELEVANT * largest;
-                    shown += (left / noisy.point.se[k].max(1e-9)).powi(2);
-                }
+                (0..of_hull.len()).any(|i| (change(i) - taken_up[i]).abs() > RELEVANT * largest)
+            })
+        });
+        // The runs err by more than each knows of itself: the setting of their angles and speeds, and what returns in no run.
+        let errors: Vec<Trio<'_>> = noisy.runs.iter().zip(&without.runs).zip(&noisy.runs).collect();
+        let hulls = with.hulls.len();
+        let variance = evidence(&errors, hulls) / (3 * runs.len() - 4 * hulls) as f64;
+        is_relevant && evidence(&runs, hulls) > SHOWN * variance.max(1.0)
+    }
+}
+
+/// A run with the effect, without it, and without it under the noise of the tank.
+type Trio<'a> = ((&'a SteadyData, &'a SteadyData), &'a SteadyData);
+
+/// Sum of squares, in units of the runs' own errors, of what an effect changes that neither a, b, c, d of each hull take up nor the errors
+/// that the runs share, of the tare, the calibration and the zeros, each known to one standard error.
+fn evidence(runs: &[Trio<'_>], hulls: usize) -> f64 {
+    let of_rig = runs.first().map_or(0, |(_, noisy)| noisy.rig_errors.ncols());
+    let zeros = runs.iter().flat_map(|(_, noisy)| &noisy.zero_errors.parts).max().map_or(0, |last| last + 1);
+    let (polars, shared) = (4 * hulls, of_rig + zeros);
+    let mut columns = DMatrix::zeros(3 * runs.len() + shared, polars + shared);
+    let mut change = DVector::zeros(columns.nrows());
+    for (i, ((with, without), noisy)) in runs.iter().enumerate() {
+        let (alpha, polar) = (without.point.alpha_rad(), 4 * with.hull);
+        for k in 0..3 {
+            let (row, se) = (3 * i + k, noisy.point.se[k].max(1e-9));
+            change[row] = (with.point.coefficients[k] - without.point.coefficients[k]) / se;
+            match k {
+                0 => columns[(row, polar)] = alpha / se,
+                1 => (columns[(row, polar + 1)], columns[(row, polar + 2)]) = (1.0 / se, alpha * alpha / se),
+                _ => columns[(row, polar + 3)] = alpha / se,
+            }
+            (0..of_rig).for_each(|j| columns[(row, polars + j)] = noisy.rig_errors[(k, j)] / se);
+            for (place, part) in noisy.zero_errors.parts.iter().enumerate() {
+                columns[(row, polars + of_rig + part)] = noisy.zero_errors.on[(k, place)] / se;
             }
         }
-        relevant && shown > SHOWN
     }
+    (0..shared).for_each(|j| columns[(3 * runs.len() + j, polars + j)] = 1.0);
+    let taken_up = columns.clone().svd(true, true).solve(&change, 1e-9).expect("both sides were asked for");
+    (change - columns * taken_up).norm_squared()
 }
 
 /// What a line through the origin takes up of these values.
