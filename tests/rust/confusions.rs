@@ -396,6 +396,13 @@ fn what_is_spurious_takes_nothing_true_along() {
     assert!(answer.causes[0].0 == "vertical_current" && answer.wrong_names() == 0, "{}", answer.evidence);
 }
 
+/// A glider with inertia whose pressure reads 7 % too much: without inertia the baseline alone predicts better, and nothing explains that.
+#[test]
+fn what_has_inertia_is_not_taken_without_for_want_of_a_cause() {
+    let answer = Answer::diagnose("pressure_scale", 83_702, true, true).expect("a diagnosis");
+    assert!(answer.is_right() && answer.covered == [true], "{}", answer.evidence);
+}
+
 /// A current of 18 mm/s is most of what a noise that lasts explains too, and a curve along the pitch explains more of the rest.
 #[test]
 fn no_curve_takes_the_place_of_a_current_that_does_nearly_all() {

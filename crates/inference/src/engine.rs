@@ -40,7 +40,7 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
     search_from(problem, baseline, single, present)
 }
 
-/// What was found in the same data with other versions of the mechanisms: where a search may begin.
+/// What was found in the same data by a problem that differs little, as in the versions of its mechanisms: where a search may begin.
 pub struct Start {
     /// The point of the baseline alone.
     pub baseline: Point,

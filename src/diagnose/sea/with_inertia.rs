@@ -8,6 +8,7 @@ use nalgebra::DVector;
 use super::SeaProblem;
 use crate::diagnose::engine::Start;
 use crate::diagnose::evidence::{Point, Problem};
+use crate::diagnose::findings::Verdict;
 use crate::diagnose::relevance::SHARE_OF_SCATTER;
 use crate::diagnose::{Outcome, engine, holdout};
 
@@ -18,8 +19,8 @@ const NO_INERTIA_PERCENT: f64 = 50.0 * SHARE_OF_SCATTER * SHARE_OF_SCATTER;
 /// Diagnoses a problem with inertia, or without where that is the better account of held-out glides.
 ///
 /// It is tried without where that predicts better by what is relevant for certain (97.5 % by resampled legs), alone or beside the causes
-/// that were found. It is taken where it does so against the same causes with inertia, or against those that are found with inertia; or
-/// predicts no worse than these with fewer.
+/// that were found. It is taken where it leaves nothing unexplained and does so against the same causes with inertia; or where it does so
+/// against those that are found with inertia, or predicts no worse than these with fewer.
 pub(super) fn diagnose(problem: SeaProblem) -> (SeaProblem, Outcome) {
     let steady = problem.without_inertia();
     let is_better_alone = {
@@ -30,8 +31,9 @@ pub(super) fn diagnose(problem: SeaProblem) -> (SeaProblem, Outcome) {
     let mut of_steady = None;
     if is_better_alone {
         let found = engine::diagnose_in_full(&steady);
-        let same_causes = engine::held_out(&problem, &problem.with_all_inertia(&found.after.point), &found.fitted);
-        if problem.gain(&same_causes, &found.after.held_out)[0] > NO_INERTIA_PERCENT {
+        let explains_all = matches!(found.diagnosis.verdict, Verdict::None | Verdict::Explained);
+        let same_causes = || engine::held_out(&problem, &problem.with_all_inertia(&found.after.point), &found.fitted);
+        if explains_all && problem.gain(&same_causes(), &found.after.held_out)[0] > NO_INERTIA_PERCENT {
             return (steady, found);
         }
         of_steady = Some(found);
@@ -42,12 +44,21 @@ pub(super) fn diagnose(problem: SeaProblem) -> (SeaProblem, Outcome) {
         let beside = engine::held_out(&steady, &point, &outcome.fitted);
         let is_better = problem.gain(&outcome.after.held_out, &beside)[0] > NO_INERTIA_PERCENT;
         let start = Start { baseline, point, included: outcome.fitted.clone() };
-        is_better.then(|| engine::diagnose_from(&steady, start))
+        is_better.then(|| diagnose_again(&steady, &outcome, || start))
     };
     let Some(found) = of_steady.or_else(from_there) else { return (problem, outcome) };
     let [least, most] = problem.gain(&outcome.after.held_out, &found.after.held_out);
     let is_better = least > NO_INERTIA_PERCENT || (most > 0.0 && found.fitted.len() < outcome.fitted.len());
     if is_better { (steady, found) } else { (problem, outcome) }
+}
+
+/// Diagnoses a problem that differs little from one of which all was explained from what was found there, any other anew: what was not
+/// found there may be hidden.
+pub(super) fn diagnose_again(problem: &SeaProblem, found: &Outcome, start: impl FnOnce() -> Start) -> Outcome {
+    match found.diagnosis.verdict {
+        Verdict::Explained => engine::diagnose_from(problem, start()),
+        _ => engine::diagnose_in_full(problem),
+    }
 }
 
 impl SeaProblem {
