@@ -150,7 +150,8 @@ impl Answer {
             let hidden = misfit.size.powi(2) - of_water(&misfit.quantity);
             misfit.is_significant && hidden > misfit.relevant_above.powi(2)
         };
-        self.is_relevant = self.is_wrong || self.misfits.iter().any(is_of_hidden);
+        let is_of_water = nothing.is_some_and(|nothing| nothing.is_wrong);
+        self.is_relevant = self.is_wrong && !is_of_water || self.misfits.iter().any(is_of_hidden);
         self
     }
 
