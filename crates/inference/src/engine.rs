@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::baseline::Baseline;
 use super::evidence::{Point, Problem, Quantity};
-use super::findings::{Diagnosis, Why, Wrong};
+use super::findings::{Diagnosis, Verdict, Why, Wrong};
 use super::fitted::{Fitted, weighted_squares};
 use super::holdout;
 use super::iteration::Iteration;
@@ -50,8 +50,13 @@ pub struct Start {
     pub included: Vec<usize>,
 }
 
-/// The same from what was found before, which is not looked for anew.
-pub fn diagnose_from(problem: &impl Problem, start: Start) -> Outcome {
+/// The same beside what was found before. Where that explained all the search begins there; where something was left it is begun anew,
+/// since what was not found there may be hidden.
+pub fn diagnose_again(problem: &impl Problem, found: &Outcome, start: impl FnOnce() -> Start) -> Outcome {
+    if found.diagnosis.verdict != Verdict::Explained {
+        return diagnose_in_full(problem);
+    }
+    let start = start();
     let baseline = Baseline::of(Fitted::converged(problem, start.baseline, Vec::new()));
     let present = Fitted::converged(problem, start.point, start.included);
     let single = (present.included.len() == 1).then(|| present.clone());

@@ -33,7 +33,7 @@ fn refined_where_named(mut problem: SeaProblem, mut outcome: Outcome) -> (SeaPro
             let with_rivals: Vec<usize> =
                 outcome.groups[place].iter().chain([&outcome.named[place]]).copied().collect();
             let Some(finer) = problem.with_versions_about(&with_rivals) else { break };
-            let again = with_inertia::diagnose_again(&finer, &outcome, || finer.start_at(&problem, &outcome));
+            let again = engine::diagnose_again(&finer, &outcome, || finer.start_at(&problem, &outcome));
             let covers_all = named(&finer, &again, mechanism)
                 .is_some_and(|place| cell_covers_interval(&finer, again.named[place], &again));
             (problem, outcome) = (finer, again);

@@ -148,6 +148,7 @@ fn with_speed_scale_if_it_explains(problem: SeaProblem, outcome: Outcome, most_t
 mod tests {
     use super::consistency::DensityError;
     use super::*;
+    use crate::diagnose::sea::steady_log::SAMPLE;
     use crate::dynamics::Surroundings;
     use crate::glide::{Attitude, at_pitch};
     use crate::log::DBAR_PA;
@@ -179,30 +180,18 @@ mod tests {
             observations.push(Observation {
                 time_s,
                 pressure_dbar,
-                pressure_rate_dbar_s: 0.0,
                 temperature_C,
                 density_kg_m3: density_kg_m3 - bias_kg_m3,
                 teos10_density_kg_m3: density_kg_m3,
                 teos10_surface_density_kg_m3: 1025.0,
                 pitch_rad,
-                roll_rad: 0.0,
-                rudder_rad: 0.0,
-                roll_mass_rad: f64::NAN,
-                motor_moving: false,
-                since_move_s: f64::NAN,
                 heading_rad: f64::from(leg),
                 ballast_m3,
-                battery_forward_m: f64::NAN,
                 sink_m_s: glide.vertical_velocity_m_s + 0.03 * noise(0.0),
-                sink_se_m_s: 0.002,
-                sink_window_s: [0.0; 2],
-                sink_rate_m_s2: 0.0,
                 speed_m_s: glide.speed_m_s + 0.02 * noise(1.0),
-                water_met_m_s2: f64::NAN,
                 leg,
                 dive: leg / 2,
-                stretch: 0,
-                steady: true,
+                ..SAMPLE
             });
         }
         observations

@@ -295,13 +295,13 @@ mod tests {
     use super::*;
     use crate::diagnose::Problem;
     use crate::diagnose::sea::SeaProblem;
+    use crate::diagnose::sea::steady_log::SAMPLE;
     use crate::dynamics::PARAMETERS;
 
     fn observation(parameters: &Parameters<f64>) -> Observation {
         Observation {
             time_s: 100.0,
             pressure_dbar: 50.0,
-            pressure_rate_dbar_s: 0.0,
             temperature_C: parameters.reference_temperature_C,
             density_kg_m3: 1025.0,
             teos10_density_kg_m3: 1025.0,
@@ -309,22 +309,10 @@ mod tests {
             pitch_rad: -0.4,
             roll_rad: 0.1,
             rudder_rad: 0.1,
-            roll_mass_rad: f64::NAN,
-            motor_moving: false,
-            since_move_s: f64::NAN,
-            heading_rad: 0.0,
             ballast_m3: -2e-4,
-            battery_forward_m: f64::NAN,
             sink_m_s: 0.15,
-            sink_se_m_s: 0.002,
-            sink_window_s: [0.0; 2],
-            sink_rate_m_s2: 0.0,
             speed_m_s: 0.35,
-            water_met_m_s2: f64::NAN,
-            leg: 0,
-            dive: 0,
-            stretch: 0,
-            steady: true,
+            ..SAMPLE
         }
     }
 

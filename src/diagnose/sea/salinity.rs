@@ -158,6 +158,7 @@ fn straightened(x: &[f64], values: impl Iterator<Item = f64>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::sea::steady_log::SAMPLE;
 
     /// Twelve dives through a thermocline, with a salinity that is wrong by `drift` a day and by a lag.
     fn log(drift: f64, lag_s: f64) -> Vec<Observation> {
@@ -182,24 +183,11 @@ mod tests {
                 teos10_density_kg_m3: density,
                 teos10_surface_density_kg_m3: density,
                 pitch_rad: -0.4 * sign,
-                roll_rad: 0.0,
-                rudder_rad: 0.0,
-                roll_mass_rad: f64::NAN,
-                motor_moving: false,
-                since_move_s: f64::NAN,
-                heading_rad: 0.0,
                 ballast_m3: -2e-4 * sign,
-                battery_forward_m: f64::NAN,
                 sink_m_s: 0.2 * sign,
-                sink_se_m_s: 0.002,
-                sink_window_s: [0.0; 2],
-                sink_rate_m_s2: 0.0,
-                speed_m_s: f64::NAN,
-                water_met_m_s2: f64::NAN,
                 leg,
                 dive: leg / 2,
-                stretch: 0,
-                steady: true,
+                ..SAMPLE
             });
         }
         found

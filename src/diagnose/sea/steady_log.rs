@@ -4,6 +4,36 @@ use crate::dynamics::{Parameters, Surroundings};
 use crate::glide::{Attitude, at_pitch};
 use crate::log::{DBAR_PA, Observation};
 
+/// A sample of steady glide in which nothing is read but a vertical velocity known to 2 mm/s.
+pub(super) const SAMPLE: Observation = Observation {
+    time_s: 0.0,
+    pressure_dbar: f64::NAN,
+    pressure_rate_dbar_s: 0.0,
+    temperature_C: f64::NAN,
+    density_kg_m3: f64::NAN,
+    teos10_density_kg_m3: f64::NAN,
+    teos10_surface_density_kg_m3: f64::NAN,
+    pitch_rad: f64::NAN,
+    roll_rad: 0.0,
+    rudder_rad: 0.0,
+    roll_mass_rad: f64::NAN,
+    motor_moving: false,
+    since_move_s: f64::NAN,
+    heading_rad: 0.0,
+    ballast_m3: f64::NAN,
+    battery_forward_m: f64::NAN,
+    sink_m_s: f64::NAN,
+    sink_se_m_s: 0.002,
+    sink_window_s: [0.0; 2],
+    sink_rate_m_s2: 0.0,
+    speed_m_s: f64::NAN,
+    water_met_m_s2: f64::NAN,
+    leg: 0,
+    dive: 0,
+    stretch: 0,
+    steady: true,
+};
+
 /// Twelve legs through a thermocline, the pitch hunting, every reading that of the steady glide.
 pub(super) fn log(p: &Parameters<f64>) -> Vec<Observation> {
     let sample = |i: u32| {
@@ -25,30 +55,17 @@ pub(super) fn log(p: &Parameters<f64>) -> Vec<Observation> {
         Observation {
             time_s: water.time_s,
             pressure_dbar,
-            pressure_rate_dbar_s: 0.0,
             temperature_C: water.temperature_C,
             density_kg_m3: water.density_kg_m3,
             teos10_density_kg_m3: water.density_kg_m3,
-            teos10_surface_density_kg_m3: f64::NAN,
             pitch_rad,
-            roll_rad: 0.0,
-            rudder_rad: 0.0,
-            roll_mass_rad: f64::NAN,
-            motor_moving: false,
-            since_move_s: f64::NAN,
-            heading_rad: 0.0,
             ballast_m3,
-            battery_forward_m: f64::NAN,
             sink_m_s: glide.vertical_velocity_m_s,
-            sink_se_m_s: 0.002,
-            sink_window_s: [0.0; 2],
-            sink_rate_m_s2: 0.0,
             speed_m_s: glide.speed_m_s,
-            water_met_m_s2: f64::NAN,
             leg,
             dive: leg / 2,
-            stretch: 0,
             steady: (4..56).contains(&(i % 60)),
+            ..SAMPLE
         }
     };
     (0..720).map(sample).collect()

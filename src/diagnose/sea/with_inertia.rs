@@ -44,21 +44,12 @@ pub(super) fn diagnose(problem: SeaProblem) -> (SeaProblem, Outcome) {
         let beside = engine::held_out(&steady, &point, &outcome.fitted);
         let is_better = problem.gain(&outcome.after.held_out, &beside)[0] > NO_INERTIA_PERCENT;
         let start = Start { baseline, point, included: outcome.fitted.clone() };
-        is_better.then(|| diagnose_again(&steady, &outcome, || start))
+        is_better.then(|| engine::diagnose_again(&steady, &outcome, || start))
     };
     let Some(found) = of_steady.or_else(from_there) else { return (problem, outcome) };
     let [least, most] = problem.gain(&outcome.after.held_out, &found.after.held_out);
     let is_better = least > NO_INERTIA_PERCENT || (most > 0.0 && found.fitted.len() < outcome.fitted.len());
     if is_better { (steady, found) } else { (problem, outcome) }
-}
-
-/// Diagnoses a problem that differs little from one of which all was explained from what was found there, any other anew: what was not
-/// found there may be hidden.
-pub(super) fn diagnose_again(problem: &SeaProblem, found: &Outcome, start: impl FnOnce() -> Start) -> Outcome {
-    match found.diagnosis.verdict {
-        Verdict::Explained => engine::diagnose_from(problem, start()),
-        _ => engine::diagnose_in_full(problem),
-    }
 }
 
 impl SeaProblem {
