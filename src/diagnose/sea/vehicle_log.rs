@@ -132,7 +132,8 @@ pub fn extended(vehicle: &Vehicle, found: &SeaDiagnosis) -> Result<Vehicle, Inpu
             }
         }
     }
-    let ascent_b = vehicle.get("hydro.ascent.b");
+    // A file that states the polar of descents alone has that of ascents in `hydro`.
+    let ascent_b = vehicle.get("hydro.ascent.b").or_else(|| vehicle.get("hydro.b"));
     if let Some((of_legs, ascent_b)) = found.problem.ratio_of_legs_over_vehicles(polar).zip(ascent_b) {
         vehicle.set("hydro.ascent.b", ascent_b * of_legs)?;
     }
@@ -166,4 +167,32 @@ fn set_lift_slope(vehicle: &mut Vehicle, lift_per_rad: f64) -> Result<(), InputE
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::sea::steady_log;
+    use crate::dynamics::Parameters;
+
+    /// A pod on a vehicle whose legs differ: the extended vehicle has the ratio of the legs that was found, whether its file states the
+    /// polar of ascents or that of descents beside one of both.
+    #[test]
+    fn an_extended_vehicle_keeps_the_drag_in_common() {
+        for (key, factor) in [("hydro.ascent.b", 0.8), ("hydro.descent.b", 1.25)] {
+            let mut vehicle = Vehicle::load("slocum-graver").expect("a vehicle");
+            let b = vehicle.get("hydro.b").expect("a polar");
+            vehicle.set(key, b * factor).expect("within bounds");
+            let parameters = vehicle.glide_parameters();
+            let (descent, ascent) = (1.3 * parameters.b, parameters.b * (parameters.ascent_b_ratio + 0.3));
+            let truth = Parameters { b: descent, ascent_b_ratio: ascent / descent, ..parameters };
+            let settings = DiagnosisSettings::default();
+            let found =
+                diagnose_log(&parameters, Trim::Vehicle, &steady_log::log(&truth), settings).expect("a diagnosis");
+            let flies = extended(&vehicle, &found).expect("a vehicle").glide_parameters();
+            let fitted = found.problem.parameters_at(&found.outcome.after.point);
+            assert!((flies.ascent_b_ratio / fitted.ascent_b_ratio - 1.0).abs() < 1e-9, "{key}: {flies:?}");
+            assert!((flies.b / fitted.b - 1.0).abs() < 1e-9 && (fitted.b / descent - 1.0).abs() < 0.02, "{key}");
+        }
+    }
 }
