@@ -155,12 +155,18 @@ impl Fitted {
                 let shown =
                     if version.is_some_and(|version| version.is_onset) { f64::NEG_INFINITY } else { SHOWN_ON_A_LEG };
                 let legs = regimes::on_each_leg(&self.evidence, &self.noises, &included, *place);
-                let disagree = |legs: &regimes::OnParts| {
+                let disagree = |legs: &regimes::OnParts, magnified: f64| {
                     let part = problem.part_unexplained();
-                    let is_shown_by_one = legs.best_known() >= SHOWN_BY_ONE_LEG && !legs.differ(SURELY_APART, part);
-                    legs.disagree(shown, SURELY_APART, part) && (!is_shown_by_one || self.misses_something(problem))
+                    let is_shown_by_one =
+                        || magnified * legs.best_known() >= SHOWN_BY_ONE_LEG && !legs.differ(SURELY_APART, part);
+                    legs.disagree(shown / magnified, SURELY_APART, part)
+                        && (!is_shown_by_one() || self.misses_something(problem))
                 };
-                legs.as_ref().is_some_and(disagree)
+                // Where all else can follow the slopes here, the polar may not follow as far as neutral.
+                let by_likelihood = |legs: &regimes::OnParts| {
+                    (self.rise_without(problem, baseline, *place) / legs.explained()).max(1.0).sqrt()
+                };
+                legs.as_ref().is_some_and(|legs| disagree(legs, 1.0) && disagree(legs, by_likelihood(legs)))
             };
             let Some(place) = (0..self.included.len()).find(is_of_one_leg) else { return };
             *self = self.without(problem, baseline, place);

@@ -144,7 +144,7 @@ impl OnParts {
     }
 
     /// What one size on both parts explains, in units of the noise.
-    fn explained(&self) -> f64 {
+    pub fn explained(&self) -> f64 {
         self.together().powi(2) / self.variance_together()
     }
 
