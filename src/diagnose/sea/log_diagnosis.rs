@@ -134,14 +134,14 @@ fn with_stated_polar(
     (free, of_free, false)
 }
 
-/// A diagnosis, or where it leaves something unexplained one that asks for a scale of the speed as well, if that explains it.
+/// A diagnosis, or where it leaves something unexplained one that asks for a scale of the speed as well, if that explains all. The search
+/// with one more candidate goes another way, and what it finds may explain all without that scale.
 fn with_speed_scale_if_it_explains(problem: SeaProblem, outcome: Outcome, most_trim_kg: f64) -> (SeaProblem, Outcome) {
     let is_left = outcome.diagnosis.verdict == Verdict::Unexplained;
     let Some(asking) = is_left.then(|| problem.with_speed_scale()).flatten() else { return (problem, outcome) };
     let of_asking = engine::diagnose_in_full(&asking);
     let (asking, of_asking) = asking.with_trim_as_cause(of_asking, most_trim_kg);
-    let names_it = of_asking.diagnosis.causes.iter().any(|cause| cause.cause == "speed_scale");
-    if names_it && of_asking.diagnosis.verdict == Verdict::Explained { (asking, of_asking) } else { (problem, outcome) }
+    if of_asking.diagnosis.verdict == Verdict::Explained { (asking, of_asking) } else { (problem, outcome) }
 }
 
 #[cfg(test)]
