@@ -404,6 +404,24 @@ fn what_has_inertia_is_not_taken_without_for_want_of_a_cause() {
     assert!(answer.is_right() && answer.covered == [true], "{}", answer.evidence);
 }
 
+/// Slopes at a drag that grows by a third in a day show it by five standard errors, since lift and drag can follow it there; as far as no
+/// growth they cannot, and the sum of squares rises threefold. A thermistor that is early, the same, on one of the legs.
+#[test]
+fn a_leg_that_hardly_shows_a_law_by_slopes_does_not_refuse_it() {
+    for (effect, seed, speed) in [("drag_growth", 83_803, false), ("thermal_lag", 83_902, true)] {
+        let answer = Answer::diagnose(effect, seed, speed, true).expect("a diagnosis");
+        assert!(answer.is_right() && answer.covered == [true], "{seed}: {}", answer.evidence);
+    }
+}
+
+/// Descents and ascents whose drag differs. The baseline ends far from them and nothing stands beside it; with a scale of the speed among
+/// the candidates the search goes another way, and names the difference without that scale.
+#[test]
+fn what_is_found_beside_a_scale_of_the_speed_stands_without_one() {
+    let answer = Answer::diagnose("climb_dive_asymmetry", 83_901, true, true).expect("a diagnosis");
+    assert!(answer.is_right() && answer.covered == [true], "{}", answer.evidence);
+}
+
 /// A current of 18 mm/s is most of what a noise that lasts explains too, and a curve along the pitch explains more of the rest.
 #[test]
 fn no_curve_takes_the_place_of_a_current_that_does_nearly_all() {

@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
+use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::decorrelation::Decorrelation;
 use super::relevance::SHARE_OF_SCATTER;
@@ -161,6 +162,14 @@ impl Candidate {
         (value - self.centre()).abs() > self.usual_sds * self.prior_sd[0]
     }
 
+    /// Standard deviation of the first parameter's prior times the share of it that nature has: in a half of a normal prior the density is
+    /// twice as large.
+    fn range(&self) -> f64 {
+        let (sd, normal) = (self.prior_sd[0], Normal::standard());
+        let [below, above] = self.possible.map(|end| normal.cdf((end - self.centre()) / sd));
+        sd * (above - below).max(f64::MIN_POSITIVE)
+    }
+
     /// Prior mean of each parameter less neutral, with its prior standard deviation.
     pub fn prior(&self) -> Vec<(f64, f64)> {
         let shown = self.centre() - self.neutral[0];
@@ -184,6 +193,12 @@ impl Candidate {
             prior[0] = (values[0] - self.neutral[0] - distance.signum() * residual * sd, sd);
         }
         prior
+    }
+
+    /// Ranges within which the parameters are believed to lie: prior standard deviations, of the first one the range that nature has.
+    pub fn ranges(&self) -> Vec<f64> {
+        let first = self.range();
+        self.prior_sd.iter().enumerate().map(|(i, sd)| if i == 0 { first } else { *sd }).collect()
     }
 
     /// Prior mean of the first parameter.

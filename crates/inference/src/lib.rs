@@ -27,6 +27,7 @@ pub mod gram;
 pub mod holdout;
 mod iteration;
 pub mod level_shift;
+mod likelihood_ratio;
 mod magnitude_tests;
 mod multistart;
 pub mod noise;

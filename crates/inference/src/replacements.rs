@@ -12,6 +12,7 @@ use super::evidence::{Candidate, Problem};
 use super::fitted::{Fitted, weighted_squares};
 use super::holdout;
 use super::iteration::Iteration;
+use super::likelihood_ratio::less_likely_by;
 use super::subset_search::MARGIN;
 
 /// How much worse by the slopes a mechanism may be and still be fitted in full: where the model is nonlinear the slopes at the
@@ -82,13 +83,8 @@ pub(super) fn likelier(problem: &impl Problem, baseline: &Baseline, present: &Fi
     let has_version = |member: usize| candidates[member].version.is_some();
     let of_place = |place: usize| {
         let gain = iteration.search().gain_of(&present.included, place);
-        let cost = cost_of_mechanism(&iteration, place);
-        let less_likely = |rival: Replacement| {
-            let there = Iteration::new(candidates, &rival.fitted);
-            let place = rival.fitted.included.iter().position(|member| *member == rival.candidate);
-            let cost_above = cost_of_mechanism(&there, place.expect("it is in its set")) - cost;
-            (rival.fitted.deviance_above(present) + cost_above, rival)
-        };
+        let less_likely =
+            |rival: Replacement| (less_likely_by(&iteration, place, (&rival.fitted, rival.candidate)), rival);
         let is_likelier = |(less_likely, rival): &(f64, Replacement)| {
             let advantage = || holdout::advantage(&present.evidence, &present.noises, &rival.fitted.held_out(), &named);
             let predicts_as_well = || match (has_version(present.included[place]), has_version(rival.candidate)) {
@@ -106,45 +102,6 @@ pub(super) fn likelier(problem: &impl Problem, baseline: &Baseline, present: &Fi
     let mut likelier: Vec<(f64, Replacement)> = (0..present.included.len()).flat_map(of_place).collect();
     likelier.sort_by(|a, b| a.0.total_cmp(&b.0));
     likelier.into_iter().map(|(_, rival)| rival.fitted).collect()
-}
-
-/// What a member of a fitted set costs. For a selected time that is the logarithm of its likelihood over their mean, each time standing for
-/// those that are nearest to it: where many times do as well, it was hardly selected.
-pub(super) fn cost_of_mechanism(iteration: &Iteration<'_>, place: usize) -> f64 {
-    let (candidates, included) = (iteration.candidates, &iteration.fitted.included);
-    let (search, member) = (iteration.search(), included[place]);
-    let Some(version) = candidates[member].version else { return search.cost(member) };
-    let scale = |value: f64| if version.is_onset { value } else { value.ln() };
-    let of_version = |i: usize| {
-        let candidate = &candidates[i];
-        let value = candidate.version.filter(|_| candidate.name == candidates[member].name)?.value;
-        let mut set = included.clone();
-        set[place] = i;
-        Some((scale(value), search.criterion(&set)))
-    };
-    let mut versions: Vec<(f64, f64)> = (0..candidates.len()).filter_map(of_version).collect();
-    versions.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let values: Vec<f64> = versions.iter().map(|(value, _)| *value).collect();
-    let shares = shares_of_nearest(&values);
-    let here = search.criterion(included);
-    let likelihood = |((_, criterion), share): (&(f64, f64), &f64)| share * (-0.5 * (criterion - here)).exp();
-    let mean: f64 = versions.iter().zip(&shares).map(likelihood).sum();
-    // Where the slopes ask this one for a size that physics forbids they say nothing of the others.
-    let selected = if mean.is_normal() { -2.0 * mean.ln() } else { 2.0 * (versions.len() as f64).ln() };
-    search.cost(member) - 2.0 * (versions.len() as f64).ln() + selected
-}
-
-/// The share of the range of sorted values that is nearest to each; the first and the last one stand for as much on either side.
-fn shares_of_nearest(values: &[f64]) -> Vec<f64> {
-    let n = values.len();
-    if n < 2 {
-        return vec![1.0; n];
-    }
-    let gap = |i: usize| values[i + 1] - values[i];
-    let width = |i: usize| 0.5 * (gap(i.saturating_sub(1).min(n - 2)) + gap(i.min(n - 2)));
-    let widths: Vec<f64> = (0..n).map(width).collect();
-    let all: f64 = widths.iter().sum();
-    widths.iter().map(|width| width / all).collect()
 }
 
 /// Whether a rival is equal to the set with a member, `without` being what is left of held-out rows without that member.
@@ -229,18 +186,4 @@ fn is_nearly_equal(extended: &Fitted, limits: &[f64], [without, named, rival]: [
     let is_preferred_by_a_half = worse_on.iter().any(|worse| *worse < 0.0);
     !holdout::leaves_relevantly_more(&extended.evidence, limits, [rival, named]) && left < NEARLY_EQUAL * removed
         || is_preferred_by_a_half && left < EQUAL_ON_A_HALF * removed
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn each_value_has_the_share_of_the_range_that_is_nearest_to_it() {
-        assert_eq!(shares_of_nearest(&[3.0]), [1.0]);
-        // From -1 to 1, 2.5, 5.5 and 10.5: half-way to the next, and as far beyond the ends.
-        let shares = shares_of_nearest(&[0.0, 2.0, 3.0, 8.0]);
-        let expected = [2.0, 1.5, 3.0, 5.0].map(|width| width / 11.5);
-        assert!(shares.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{shares:?}");
-    }
 }
