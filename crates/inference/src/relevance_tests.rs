@@ -115,14 +115,18 @@ impl Fitted {
         holdout::leaves_relevantly_more(&self.evidence, limits, [&there, &here])
     }
 
-    /// By how much held-out readings of each quantity are missed more in the second of two fits, as read, over the rows in which a member
-    /// acts, or over all of a quantity in which it does not but by what else is fitted: in quadrature, zero where they are missed less.
+    /// By how much held-out readings of each quantity are missed more in the second of two fits, as read: in quadrature, zero where they are
+    /// missed less. Over the rows in which a member acts or over all of them, whichever is more: what accumulates is missed most where it
+    /// does not act yet, since the baseline has its mean.
     pub(super) fn missed(&self, iteration: &Iteration<'_>, member: usize, held_out: [&DVector<f64>; 2]) -> Vec<f64> {
-        let of_quantity = |quantity: &Quantity| {
-            let acts_on = iteration.rows_of(member, quantity);
-            let rows = if acts_on.is_empty() { quantity.rows.clone().collect() } else { acts_on };
+        let over = |rows: &mut dyn Iterator<Item = usize>| {
+            let rows: Vec<usize> = rows.collect();
             let [here, there] = held_out.map(|held_out| holdout::rms(held_out, rows.iter().copied()).powi(2));
             (there - here).max(0.0).sqrt()
+        };
+        let of_quantity = |quantity: &Quantity| {
+            let where_it_acts = over(&mut iteration.rows_of(member, quantity).into_iter());
+            where_it_acts.max(over(&mut quantity.rows.clone()))
         };
         self.evidence.quantities.iter().map(of_quantity).collect()
     }
