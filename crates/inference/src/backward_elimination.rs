@@ -181,7 +181,7 @@ impl Fitted {
             let search = iteration.search();
             let with: Vec<usize> = self.included.iter().copied().chain([level]).collect();
             let fit = iteration.score.fit(&search.columns(&with));
-            let column: usize = with[..place].iter().map(|i| iteration.regressors[*i].columns.len()).sum();
+            let column = search.columns(&with[..place]).len();
             let has_own_evidence = fit.step[column].abs() > OWN_EVIDENCE * fit.se(column);
             let mut exchanged = self.included.clone();
             exchanged[place] = level;

@@ -162,14 +162,6 @@ impl Candidate {
         (value - self.centre()).abs() > self.usual_sds * self.prior_sd[0]
     }
 
-    /// Standard deviation of the first parameter's prior times the share of it that nature has: in a half of a normal prior the density is
-    /// twice as large.
-    fn range(&self) -> f64 {
-        let (sd, normal) = (self.prior_sd[0], Normal::standard());
-        let [below, above] = self.possible.map(|end| normal.cdf((end - self.centre()) / sd));
-        sd * (above - below).max(f64::MIN_POSITIVE)
-    }
-
     /// Prior mean of each parameter less neutral, with its prior standard deviation.
     pub fn prior(&self) -> Vec<(f64, f64)> {
         let shown = self.centre() - self.neutral[0];
@@ -195,10 +187,14 @@ impl Candidate {
         prior
     }
 
-    /// Ranges within which the parameters are believed to lie: prior standard deviations, of the first one the range that nature has.
-    pub fn ranges(&self) -> Vec<f64> {
-        let first = self.range();
-        self.prior_sd.iter().enumerate().map(|(i, sd)| if i == 0 { first } else { *sd }).collect()
+    /// Returns the width of each parameter's prior: its standard deviation. That of the first one is multiplied by the prior probability of
+    /// the magnitudes that nature has, since a truncated density is as much larger.
+    pub fn prior_widths(&self) -> Vec<f64> {
+        let mut widths = self.prior_sd.clone();
+        let normal = Normal::standard();
+        let [below, above] = self.possible.map(|end| normal.cdf((end - self.centre()) / self.prior_sd[0]));
+        widths[0] *= (above - below).max(f64::MIN_POSITIVE);
+        widths
     }
 
     /// Prior mean of the first parameter.

@@ -137,8 +137,8 @@ pub struct Cause {
     pub stability: Vec<HalfSize>,
     /// Mechanisms that these data cannot tell from it.
     pub indistinguishable_from: Vec<String>,
-    /// Natural logarithm of how likely these data are with one of them in its place, over how likely they are with it, each over all sizes
-    /// that are believed of it; of those that were fitted in full.
+    /// Natural logarithm of the Bayes factor of one of them in its place against it: the ratio of their likelihoods, each integrated over the
+    /// prior of its mechanism; of those that were fitted in full.
     pub log_likelihood_ratio: BTreeMap<String, f64>,
 }
 

@@ -51,9 +51,7 @@ impl Fitted {
         while !self.included.is_empty() {
             let iteration = Iteration::new(problem.candidates(), self);
             let fit = iteration.score.fit(&iteration.search().columns(&self.included));
-            let first_column = |place: usize| -> usize {
-                self.included[..place].iter().map(|member| iteration.regressors[*member].columns.len()).sum()
-            };
+            let first_column = |place: usize| iteration.search().columns(&self.included[..place]).len();
             let covariances = self.covariances();
             let n_baseline = self.evidence.baseline.ncols();
             // A standard error by so many clusters is itself uncertain; it counts as the larger where it is so for certain.
@@ -162,11 +160,11 @@ impl Fitted {
                     legs.disagree(shown / magnified, SURELY_APART, part)
                         && (!is_shown_by_one() || self.misses_something(problem))
                 };
-                // Where all else can follow the slopes here, the polar may not follow as far as neutral.
-                let by_likelihood = |legs: &regimes::OnParts| {
+                // By the slopes at this magnitude the polar may compensate for the mechanism, and yet not for all of it.
+                let rise_over_slopes = |legs: &regimes::OnParts| {
                     (self.rise_without(problem, baseline, *place) / legs.explained()).max(1.0).sqrt()
                 };
-                legs.as_ref().is_some_and(|legs| disagree(legs, 1.0) && disagree(legs, by_likelihood(legs)))
+                legs.as_ref().is_some_and(|legs| disagree(legs, 1.0) && disagree(legs, rise_over_slopes(legs)))
             };
             let Some(place) = (0..self.included.len()).find(is_of_one_leg) else { return };
             *self = self.without(problem, baseline, place);

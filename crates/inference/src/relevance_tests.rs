@@ -119,15 +119,12 @@ impl Fitted {
     /// missed less. Over the rows in which a member acts or over all of them, whichever is more: what accumulates is missed most where it
     /// does not act yet, since the baseline has its mean.
     pub(super) fn missed(&self, iteration: &Iteration<'_>, member: usize, held_out: [&DVector<f64>; 2]) -> Vec<f64> {
-        let over = |rows: &mut dyn Iterator<Item = usize>| {
-            let rows: Vec<usize> = rows.collect();
+        let over = |rows: Vec<usize>| {
             let [here, there] = held_out.map(|held_out| holdout::rms(held_out, rows.iter().copied()).powi(2));
             (there - here).max(0.0).sqrt()
         };
-        let of_quantity = |quantity: &Quantity| {
-            let where_it_acts = over(&mut iteration.rows_of(member, quantity).into_iter());
-            where_it_acts.max(over(&mut quantity.rows.clone()))
-        };
+        let of_quantity =
+            |quantity: &Quantity| over(iteration.rows_of(member, quantity)).max(over(quantity.rows.clone().collect()));
         self.evidence.quantities.iter().map(of_quantity).collect()
     }
 }

@@ -12,7 +12,7 @@ use super::evidence::{Candidate, Problem};
 use super::fitted::{Fitted, weighted_squares};
 use super::holdout;
 use super::iteration::Iteration;
-use super::likelihood_ratio::less_likely_by;
+use super::marginal_likelihood::twice_log_bayes_factor;
 use super::subset_search::MARGIN;
 
 /// How much worse by the slopes a mechanism may be and still be fitted in full: where the model is nonlinear the slopes at the
@@ -84,7 +84,7 @@ pub(super) fn likelier(problem: &impl Problem, baseline: &Baseline, present: &Fi
     let of_place = |place: usize| {
         let gain = iteration.search().gain_of(&present.included, place);
         let less_likely =
-            |rival: Replacement| (less_likely_by(&iteration, place, (&rival.fitted, rival.candidate)), rival);
+            |rival: Replacement| (twice_log_bayes_factor(&iteration, place, (&rival.fitted, rival.candidate)), rival);
         let is_likelier = |(less_likely, rival): &(f64, Replacement)| {
             let advantage = || holdout::advantage(&present.evidence, &present.noises, &rival.fitted.held_out(), &named);
             let predicts_as_well = || match (has_version(present.included[place]), has_version(rival.candidate)) {

@@ -11,7 +11,7 @@ use super::findings::{Cause, Diagnosis, Judged, Left, Rejected, Unexplained, Ver
 use super::fitted::Fitted;
 use super::holdout;
 use super::iteration::Iteration;
-use super::likelihood_ratio::less_likely_by;
+use super::marginal_likelihood::twice_log_bayes_factor;
 use super::outcome::{Outcome, Stage, gains};
 use super::replacements::{Replacement, replacements};
 use super::score::{CLEARLY_WRONG, SIGNIFICANT, chance};
@@ -166,7 +166,7 @@ pub(super) fn cause(
     let group = replacements(problem, (baseline, extended), iteration, place, &before, gain);
     let log_likelihood_ratio = |rival: &Replacement| {
         let name = candidates[rival.candidate].name.to_owned();
-        (name, -0.5 * less_likely_by(iteration, place, (&rival.fitted, rival.candidate)))
+        (name, -0.5 * twice_log_bayes_factor(iteration, place, (&rival.fitted, rival.candidate)))
     };
     let cause = Cause {
         cause: candidate.name.to_owned(),

@@ -607,15 +607,15 @@ fn a_selected_time_costs_what_its_selection_says() {
         }
         let fitted = fitted::Fitted::converged(&toy, toy.start(), vec![0]);
         let iteration = iteration::Iteration::new(&toy.candidates, &fitted);
-        likelihood_ratio::cost_of_time(&iteration, 0)
+        marginal_likelihood::cost_of_time(&iteration, 0)
     };
     assert!(cost_of_selection(1).abs() < 1e-6, "{}", cost_of_selection(1));
     assert!((cost_of_selection(4) - 2.0 * 3f64.ln()).abs() < 1e-3, "{}", cost_of_selection(4));
 }
 
-/// Between two laws that fit alike the ratio is that of their likelihoods, integrated over what is believed of their sizes.
+/// Between two laws that fit alike: against the integrals of their likelihoods over their priors, by quadrature.
 #[test]
-fn a_ratio_of_likelihoods_is_that_of_the_integrals_over_what_is_believed() {
+fn a_bayes_factor_is_the_ratio_of_the_likelihoods_integrated_over_the_priors() {
     let mut toy = Toy::new(640, |i, toy| 4.0 * toy.columns[1][i]);
     (toy.candidates[1].prior_sd, toy.candidates[3].prior_sd) = (vec![2.0], vec![50.0]);
     toy.candidates[3].possible = [0.0, f64::INFINITY];
@@ -645,11 +645,11 @@ fn a_ratio_of_likelihoods_is_that_of_the_integrals_over_what_is_believed() {
     };
     let (named, rival) = (fitted(1), fitted(3));
     let iteration = iteration::Iteration::new(&toy.candidates, &named);
-    let less_likely = likelihood_ratio::less_likely_by(&iteration, 0, (&rival, 3));
+    let found = marginal_likelihood::twice_log_bayes_factor(&iteration, 0, (&rival, 3));
     let expected = by_quadrature(3) - by_quadrature(1);
-    assert!((less_likely - expected).abs() < 1e-3, "{less_likely} {expected}");
-    let by_range = 2.0 * (50.0f64 / 2.0 / 2.0).ln();
-    assert!((expected - by_range).abs() < 4.0, "{expected} {by_range}");
+    assert!((found - expected).abs() < 1e-3, "{found} {expected}");
+    let by_width = 2.0 * (50.0f64 / 2.0 / 2.0).ln();
+    assert!((expected - by_width).abs() < 4.0, "{expected} {by_width}");
 }
 
 /// A toy whose two parameters are known along a curved valley alone (Rosenbrock 1960), but for a weak slope of its floor.

@@ -134,8 +134,8 @@ fn with_stated_polar(
     (free, of_free, false)
 }
 
-/// A diagnosis, or where it leaves something unexplained one that asks for a scale of the speed as well, if that explains all. The search
-/// with one more candidate goes another way, and what it finds may explain all without that scale.
+/// Returns a diagnosis, or where it leaves something unexplained one with a scale of the speed among the candidates, if that explains all.
+/// The search with one more candidate follows another path, and may explain all without that scale.
 fn with_speed_scale_if_it_explains(problem: SeaProblem, outcome: Outcome, most_trim_kg: f64) -> (SeaProblem, Outcome) {
     let is_left = outcome.diagnosis.verdict == Verdict::Unexplained;
     let Some(asking) = is_left.then(|| problem.with_speed_scale()).flatten() else { return (problem, outcome) };

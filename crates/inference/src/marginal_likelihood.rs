@@ -1,31 +1,33 @@
-//! Ratio of the likelihoods of two sets that differ by one mechanism, each integrated over what is believed of it. Decides nothing.
+//! Bayes factors between two sets that differ by one mechanism. Decides nothing.
 
 use nalgebra::DVector;
 
 use super::fitted::Fitted;
 use super::iteration::Iteration;
 
-/// By how much a set with another mechanism in the place of a member of a fitted one is the less likely of the two: minus twice the
-/// logarithm of the ratio of likelihoods, each integrated over what is believed of the mechanism. A selected time costs what its selection
-/// says.
-pub(super) fn less_likely_by(iteration: &Iteration<'_>, place: usize, (rival, mechanism): (&Fitted, usize)) -> f64 {
-    let in_its_place = rival.included.iter().position(|member| *member == mechanism).expect("it is in its set");
-    let there = Iteration::new(iteration.candidates, rival);
-    let cost =
-        |iteration: &Iteration<'_>, place: usize| cost_of_size(iteration, place) + cost_of_time(iteration, place);
-    rival.deviance_above(iteration.fitted) + cost(&there, in_its_place) - cost(iteration, place)
+/// Returns twice the natural logarithm of the Bayes factor of a fitted set against one with another mechanism in the place of a member:
+/// the ratio of their likelihoods, each integrated over the prior of its mechanism. A selected time costs what its selection says.
+pub(super) fn twice_log_bayes_factor(
+    iteration: &Iteration<'_>,
+    place: usize,
+    (rival, mechanism): (&Fitted, usize),
+) -> f64 {
+    let place_in_rival = rival.included.iter().position(|member| *member == mechanism).expect("it is in its set");
+    let of_rival = Iteration::new(iteration.candidates, rival);
+    let cost = |of: &Iteration<'_>, place: usize| cost_of_parameters(of, place) + cost_of_time(of, place);
+    rival.deviance_above(iteration.fitted) + cost(&of_rival, place_in_rival) - cost(iteration, place)
 }
 
-/// Twice the logarithm of the range in which a size is believed to lie over that which the fit leaves of it (Laplace's method; Kass and
-/// Raftery 1995, J. Am. Stat. Assoc. 90, 773, their equation 5): minus the logarithm of the determinant of its covariance in units of that
-/// range. What is fitted beside it has as much left beside each rival, as far as the model is linear.
-fn cost_of_size(iteration: &Iteration<'_>, place: usize) -> f64 {
-    let included = &iteration.fitted.included;
-    let ranges = DVector::from_vec(iteration.candidates[included[place]].ranges());
-    let fit = iteration.score.fit(&iteration.search().columns(included));
-    let column: usize = included[..place].iter().map(|member| iteration.regressors[*member].columns.len()).sum();
-    let covariance = fit.covariance.view((column, column), (ranges.len(), ranges.len()));
-    -covariance.component_div(&(&ranges * ranges.transpose())).determinant().max(f64::MIN_POSITIVE).ln()
+/// Returns twice the logarithm of the width of a mechanism's prior over that of its posterior (Laplace's method; Kass and Raftery 1995,
+/// J. Am. Stat. Assoc. 90, 773, their equation 5): minus the logarithm of the determinant of its covariance in units of the prior's widths.
+/// The posterior of what is fitted beside it has the same width beside each rival, as far as the model is linear.
+fn cost_of_parameters(iteration: &Iteration<'_>, place: usize) -> f64 {
+    let (included, search) = (&iteration.fitted.included, iteration.search());
+    let widths = DVector::from_vec(iteration.candidates[included[place]].prior_widths());
+    let first = search.columns(&included[..place]).len();
+    let fit = iteration.score.fit(&search.columns(included));
+    let covariance = fit.covariance.view((first, first), (widths.len(), widths.len()));
+    -covariance.component_div(&(&widths * widths.transpose())).determinant().max(f64::MIN_POSITIVE).ln()
 }
 
 /// What the selection of a time costs; nothing where there is none.
