@@ -7,6 +7,8 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::baseline::Baseline;
+use super::change_point;
+use super::estimate::Estimate;
 use super::evidence::{Point, Problem, Quantity};
 use super::findings::{Diagnosis, Verdict, Why, Wrong};
 use super::fitted::{Fitted, weighted_squares};
@@ -67,6 +69,20 @@ pub fn diagnose_again(problem: &impl Problem, found: &Outcome, start: impl FnOnc
 pub fn chosen_by_slopes(problem: &impl Problem, start: Start) -> Vec<usize> {
     let present = Fitted::converged(problem, start.point, start.included);
     Iteration::new(problem.candidates(), &present).search().best_mechanisms().members
+}
+
+/// A start with each mechanism in its likeliest version, all else fitted with it, and the value in which the versions of each differ.
+pub fn in_likeliest_versions(problem: &impl Problem, start: Start) -> (Start, Vec<Option<Estimate>>) {
+    let candidates = problem.candidates();
+    let mut present = Fitted::converged(problem, start.point, start.included);
+    present.alternate(problem, |iteration| (iteration.search().in_best_versions(&iteration.fitted.included), None));
+    let iteration = Iteration::new(candidates, &present);
+    let value = |place: usize| {
+        let version = candidates[present.included[place]].version?;
+        change_point::estimates(problem, &iteration, &present.included, place, &present.point).remove(version.name)
+    };
+    let values = (0..present.included.len()).map(value).collect();
+    (Start { baseline: start.baseline, point: present.point, included: present.included }, values)
 }
 
 /// Searches from a set on, and tests what is found. `single` is a mechanism that was fitted alone in full.

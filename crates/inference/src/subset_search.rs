@@ -111,6 +111,25 @@ impl<'a> SubsetSearch<'a> {
         self.gain(members) - self.gain(&others)
     }
 
+    /// A set with each member in the version of its mechanism that explains most beside the others.
+    pub fn in_best_versions(&self, members: &[usize]) -> Vec<usize> {
+        let mut best = members.to_vec();
+        for place in 0..best.len() {
+            let family = self.regressors[best[place]].family;
+            let is_version = |other: &usize| !self.regressors[*other].is_curve && self.regressors[*other].family == family;
+            let with = |version: usize| {
+                let mut set = best.clone();
+                set[place] = version;
+                self.gain(&set)
+            };
+            let versions = (0..self.regressors.len()).filter(is_version).map(|version| (with(version), version));
+            if let Some((_, version)) = versions.max_by(|a, b| a.0.total_cmp(&b.0)) {
+                best[place] = version;
+            }
+        }
+        best
+    }
+
     /// What a regressor costs.
     pub fn cost(&self, regressor: usize) -> f64 {
         self.costs[regressor]

@@ -3,6 +3,7 @@
 
 use super::{SeaProblem, jumps, with_inertia};
 use crate::diagnose::engine::Start;
+use crate::diagnose::estimate::Estimate;
 use crate::diagnose::evidence::{Point, Version};
 use crate::diagnose::findings::Verdict;
 use crate::diagnose::{Outcome, Problem, engine};
@@ -12,6 +13,9 @@ const WITH_A_CONSTANT: [&str; 3] = ["hull_creep", "late_expansion", "carried_wat
 
 /// Largest number of refinements: the grid of a time constant then has a factor of 2^(1/16), 4 %.
 const MOST_ROUNDS: usize = 2;
+
+/// Largest number of searches on finer grids: a finer grid may name another mechanism, which has a grid of its own.
+const MOST_SEARCHES: usize = 2;
 
 /// Diagnoses a problem, and again on a finer grid where a mechanism with a gridded time was found.
 pub(super) fn diagnose(problem: SeaProblem) -> (SeaProblem, Outcome) {
@@ -23,26 +27,49 @@ pub(super) fn diagnose(problem: SeaProblem) -> (SeaProblem, Outcome) {
     }
 }
 
-/// Returns the diagnosis with a finer grid for each named mechanism, refined again while one grid point covers the whole interval of
-/// the time.
+/// Returns the diagnosis with a finer grid for every named mechanism; once more where that names one whose grid is not refined.
 fn refined_where_named(mut problem: SeaProblem, mut outcome: Outcome) -> (SeaProblem, Outcome) {
-    for mechanism in with_a_gridded_time() {
-        for _ in 0..MOST_ROUNDS {
-            let Some(place) = named(&problem, &outcome, mechanism) else { break };
-            // Those that the data do not tell from it have a time of their own: on a coarse grid they would seem to explain less.
-            let with_rivals: Vec<usize> =
-                outcome.groups[place].iter().chain([&outcome.named[place]]).copied().collect();
-            let Some(finer) = problem.with_versions_about(&with_rivals) else { break };
-            let again = engine::diagnose_again(&finer, &outcome, || finer.start_at(&problem, &outcome));
-            let covers_all = named(&finer, &again, mechanism)
-                .is_some_and(|place| cell_covers_interval(&finer, again.named[place], &again));
-            (problem, outcome) = (finer, again);
-            if !covers_all {
-                break;
-            }
-        }
+    let mut refined = Vec::new();
+    for _ in 0..MOST_SEARCHES {
+        let fresh: Vec<&str> = with_a_gridded_time()
+            .filter(|mechanism| !refined.contains(mechanism) && named(&problem, &outcome, mechanism).is_some())
+            .collect();
+        let Some((finer, start)) = finer_about(&problem, &outcome, &fresh) else { break };
+        outcome = engine::diagnose_again(&finer, &outcome, || start);
+        problem = finer;
+        refined.extend(fresh);
     }
     (problem, outcome)
+}
+
+/// Returns the problem with a finer grid about these named mechanisms and the others of their groups, and what was found on it: refined
+/// again while one grid point covers the whole interval of a time. None where no finer grid is known.
+fn finer_about(problem: &SeaProblem, outcome: &Outcome, mechanisms: &[&str]) -> Option<(SeaProblem, Start)> {
+    // Those that the data do not tell from it have a time of their own: on a coarse grid they would seem to explain less.
+    let with_rivals = |mechanism: &&str| {
+        let place = named(problem, outcome, mechanism)?;
+        Some(outcome.groups[place].iter().chain([&outcome.named[place]]).copied())
+    };
+    let about: Vec<usize> = mechanisms.iter().filter_map(with_rivals).flatten().collect();
+    let mut finer = problem.with_versions_about(&about)?;
+    let mut start = finer.start_at(problem, outcome);
+    for round in 1.. {
+        let (there, times) = engine::in_likeliest_versions(&finer, start);
+        start = there;
+        let is_covered = |(member, time): (&usize, Option<Estimate>)| {
+            let candidate = &finer.candidates()[*member];
+            let is_one = mechanisms.contains(&candidate.name) && covers(candidate.version?, &time?);
+            is_one.then_some(*member)
+        };
+        let covered: Vec<usize> = start.included.iter().zip(times).filter_map(is_covered).collect();
+        if round == MOST_ROUNDS {
+            break;
+        }
+        let Some(closer) = finer.with_versions_about(&covered) else { break };
+        start = closer.in_nearest_versions(&finer, start);
+        finer = closer;
+    }
+    Some((finer, start))
 }
 
 /// Returns the diagnosis with a finer grid for all refused mechanisms at once, if one of them is then named.
@@ -73,8 +100,14 @@ fn refined_where_refused(problem: &SeaProblem, outcome: &Outcome) -> Option<(Sea
 impl SeaProblem {
     /// What was found with other versions, each by the nearest of this problem's.
     fn start_at(&self, coarser: &SeaProblem, found: &Outcome) -> Start {
+        let [baseline, point] = [&found.before, &found.after].map(|stage| stage.point.clone());
+        self.in_nearest_versions(coarser, Start { baseline, point, included: found.fitted.clone() })
+    }
+
+    /// The same start with other versions.
+    fn in_nearest_versions(&self, coarser: &SeaProblem, start: Start) -> Start {
         let neutral = |point: &Point| Point { baseline: point.baseline.clone(), ..self.start() };
-        let mut point = neutral(&found.after.point);
+        let mut point = neutral(&start.point);
         let nearest = |member: usize| {
             let wanted = &coarser.candidates[member];
             let same = (0..self.candidates.len()).filter(|i| self.candidates[*i].name == wanted.name);
@@ -82,12 +115,12 @@ impl SeaProblem {
             let apart = |i: &usize| (value(self.candidates[*i].version) - value(wanted.version)).abs();
             same.min_by(|a, b| apart(a).total_cmp(&apart(b))).expect("finer versions of every mechanism")
         };
-        let mut included: Vec<usize> = found.fitted.iter().map(|member| nearest(*member)).collect();
-        for (member, there) in found.fitted.iter().zip(&included) {
-            point.candidates[*there].clone_from(&found.after.point.candidates[*member]);
+        let mut included: Vec<usize> = start.included.iter().map(|member| nearest(*member)).collect();
+        for (member, there) in start.included.iter().zip(&included) {
+            point.candidates[*there].clone_from(&start.point.candidates[*member]);
         }
         included.sort_unstable();
-        Start { baseline: neutral(&found.before.point), point, included }
+        Start { baseline: neutral(&start.baseline), point, included }
     }
 }
 
@@ -101,12 +134,8 @@ fn named(problem: &SeaProblem, outcome: &Outcome, mechanism: &str) -> Option<usi
     outcome.named.iter().position(|member| problem.candidates()[*member].name == mechanism)
 }
 
-/// Returns whether the 95 % interval of the time lies within the cell of the selected grid point.
-fn cell_covers_interval(problem: &SeaProblem, member: usize, outcome: &Outcome) -> bool {
-    let candidate = &problem.candidates()[member];
-    let cause = outcome.diagnosis.causes.iter().find(|cause| cause.cause == candidate.name);
-    candidate.version.zip(cause).is_some_and(|(version, cause)| {
-        let [low, high] = cause.parameters[version.name].ci95;
-        version.between[0] <= low && high <= version.between[1]
-    })
+/// Returns whether the 95 % interval of a time lies within the cell of its grid point.
+fn covers(version: Version, time: &Estimate) -> bool {
+    let [low, high] = time.ci95;
+    version.between[0] <= low && high <= version.between[1]
 }
