@@ -334,6 +334,15 @@ fn what_makes_held_out_vertical_velocity_worse_gets_no_name() {
     assert!(answer.causes.is_empty() && answer.verdict == Verdict::Unexplained, "{}", answer.said);
 }
 
+/// A glider that hangs above a thermocline on each ascent for three hours, its pitch hunting: a clock offset was named.
+#[test]
+fn a_glider_that_hangs_near_neutral_follows_its_pitch_as_late_as_it_is_fast() {
+    for speed in [false, true] {
+        let answer = Answer::diagnose("none", 84_205, speed, true).expect("a diagnosis");
+        assert!(answer.causes.is_empty() && answer.verdict == Verdict::None, "{}", answer.said);
+    }
+}
+
 /// In dives to 614 m a scale of the speed and one of the pressure are distinguishable: the latter changes the pressure that compresses the hull.
 #[test]
 fn a_scale_of_the_speed_is_named_in_deep_water() {

@@ -116,7 +116,8 @@ impl<'a> SubsetSearch<'a> {
         let mut best = members.to_vec();
         for place in 0..best.len() {
             let family = self.regressors[best[place]].family;
-            let is_version = |other: &usize| !self.regressors[*other].is_curve && self.regressors[*other].family == family;
+            let is_version =
+                |other: &usize| !self.regressors[*other].is_curve && self.regressors[*other].family == family;
             let with = |version: usize| {
                 let mut set = best.clone();
                 set[place] = version;

@@ -57,9 +57,9 @@ impl Smoother {
         Some(Smoother { ratios, read_variance: variance.max(LEAST_VARIANCE) })
     }
 
-    /// Puts the smoothed pitch, as a mean over the time of the vertical velocity and `follows_s` before, in the place of the one read;
-    /// returns the variance of its error in each sample \[rad2\].
-    pub fn smooth(&self, observations: &mut [Observation], follows_s: f64) -> Vec<f64> {
+    /// Puts the smoothed pitch, as a mean over the time of the vertical velocity and as much before
+    /// as `follows_s` says of each sample, in the place of the one read; returns the variance of its error in each sample \[rad2\].
+    pub fn smooth(&self, observations: &mut [Observation], follows_s: &[f64]) -> Vec<f64> {
         let (time_s, read) = readings(observations);
         let mut errors = vec![0.0; observations.len()];
         for range in stretches(observations) {
@@ -68,7 +68,7 @@ impl Smoother {
             let path = Path::new(time_s, &found);
             for (k, i) in range.enumerate() {
                 observations[i].pitch_rad =
-                    path.mean(k, observations[i].sink_window_s.map(|at| f64::from(at) - follows_s));
+                    path.mean(k, observations[i].sink_window_s.map(|at| f64::from(at) - follows_s[i]));
                 errors[i] = found[k].variance * self.read_variance;
             }
         }

@@ -24,8 +24,8 @@ pub struct LateAttitude {
     log: Vec<Observation>,
     bins: Vec<Bin>,
     smoother: Option<Smoother>,
-    /// Time by which the path follows the pitch \[s\].
-    follows_s: f64,
+    /// Time by which the path follows the pitch at each usable sample \[s\].
+    follows_s: Vec<f64>,
     /// A step before and after the clock as it is, which each slope there asks for. Each is made by one thread alone: one that waits for
     /// it must not be given a part of it.
     beside: [OnceLock<Arc<Shifted>>; 2],
@@ -52,7 +52,7 @@ impl Shifted {
 
 impl LateAttitude {
     /// The readings of this log with the bins that were made of it, and how they are smoothed.
-    pub fn new(log: &[Observation], bins: &[Bin], smoother: Option<Smoother>, follows_s: f64) -> LateAttitude {
+    pub fn new(log: &[Observation], bins: &[Bin], smoother: Option<Smoother>, follows_s: Vec<f64>) -> LateAttitude {
         LateAttitude { log: log.to_vec(), bins: bins.to_vec(), smoother, follows_s, beside: Default::default() }
     }
 
@@ -93,7 +93,7 @@ impl LateAttitude {
         let mut usable: Vec<Observation> =
             log.iter().zip(is_read).filter(|(_, is_read)| *is_read).map(|(o, _)| *o).collect();
         if let Some(smoother) = self.smoother {
-            smoother.smooth(&mut usable, self.follows_s);
+            smoother.smooth(&mut usable, &self.follows_s);
         }
         super::take_rate_of_leg(&mut usable);
         (usable, log)

@@ -123,8 +123,8 @@ pub struct SeaProblem {
     late_attitude: Arc<LateAttitude>,
     /// Rate of the pitch in each bin \[rad/s\].
     pitch_rates: Arc<Vec<f64>>,
-    /// Time by which the path follows the pitch \[s\], by which the pitch of the bins is late.
-    follows_s: f64,
+    /// Time by which the path follows the pitch in each bin \[s\], by which the pitch of the bin is late.
+    follows_s: Arc<Vec<f64>>,
     /// What the mechanisms of the past go by.
     past: history::Columns,
     /// The shear of a current that the log does not have.
@@ -184,7 +184,7 @@ impl SeaProblem {
         let smoother = Smoother::new(&usable);
         let follows_s = model::path_follows_s(parameters, &usable);
         let pitch_variance = match smoother {
-            Some(smoother) => smoother.smooth(&mut usable, follows_s),
+            Some(smoother) => smoother.smooth(&mut usable, &follows_s),
             None => vec![0.0; usable.len()],
         };
         let read_variance = smoother.map_or(0.0, |smoother| smoother.read_variance);
@@ -234,6 +234,8 @@ impl SeaProblem {
         baseline.extend([PITCH_RELIABILITY, INERTIA_SHARE]);
 
         let pitch_direction = directions.index_of(parameter_index("pitch_offset_rad").expect("a row of the table"));
+        let of_bin = |bin: &Bin| follows_s[bin.first..bin.first + bin.samples].iter().sum::<f64>() / bin.samples as f64;
+        let follows_in_bins_s = Arc::new(bins.iter().map(of_bin).collect());
         let late_attitude = LateAttitude::new(observations, &bins, smoother, follows_s);
         let pitch_rates = Arc::new(late_attitude.pitch_rates());
         let joined_s = JOINED_STEPS * median_step_s(bins.iter().map(|bin| &bin.mean));
@@ -255,7 +257,7 @@ impl SeaProblem {
             tried: Tried::default(),
             shapes: Vec::new(),
             pitch_rates,
-            follows_s,
+            follows_s: follows_in_bins_s,
             late_attitude: Arc::new(late_attitude),
             past,
             shear,

@@ -6,7 +6,7 @@ use num_dual::{Derivative, DualSVec64};
 use crate::dynamics::{Parameters, parameter_index};
 use crate::glide::SteadyGlider;
 use crate::identify::{Bin, Inside, felt_density_kg_m3, median_step_s, turns_by_rad};
-use crate::log::{Observation, median};
+use crate::log::Observation;
 
 /// Parameters that are varied in one pass; more take another pass.
 const WIDE: usize = 24;
@@ -180,6 +180,12 @@ pub const WEIGHING_ERROR_KG: f64 = 1e-3;
 /// as much as is to be found out.
 const USUAL_DRAG_COEFFICIENT: f64 = 0.3;
 
+/// Samples within this time say how fast a glider goes \[s\]: the 10 to 30 s in which its speed follows.
+const ABOUT_S: f64 = 30.0;
+
+/// A speed below which no glide is steady \[m/s\]: internal waves move the water by as much.
+const SLOWEST_M_S: f64 = 0.05;
+
 /// Angle of attack of a usual glide \[rad\], where a small term needs the path rather than the pitch.
 const USUAL_ANGLE_OF_ATTACK_RAD: f64 = 0.05;
 
@@ -249,17 +255,29 @@ pub fn add_pitch_error(bin: &mut Bin, error_rad: f64) {
     bin.speed_sd_m_s = bin.speed_sd_m_s.hypot(0.5 * sink * cos / (sin * sin) * error_rad);
 }
 
-/// Time by which the path follows the pitch \[s\]: a hull that pitches at the rate `q` needs the lift `(m + M1) V q` to turn its path,
-/// and so is behind by the angle of attack that carries it, `q (m + M1) / (rho V A (a + b) / 2)`. The median over the log.
-pub fn path_follows_s(parameters: &Parameters<f64>, samples: &[Observation]) -> f64 {
+/// Time by which the path follows the pitch at each sample \[s\]: a hull that pitches at the rate `q` needs the lift `(m + M1) V q` to turn
+/// its path, and so is behind by the angle of attack that carries it, `q (m + M1) / (rho V A (a + b) / 2)`. At the speed of the samples
+/// about it: a glider that hangs near neutral for hours follows ten times as late there as elsewhere.
+pub fn path_follows_s(parameters: &Parameters<f64>, samples: &[Observation]) -> Vec<f64> {
     let mass_kg = parameters.mass_kg() + parameters.added_mass_1_kg;
-    let of_one = |o: &Observation| {
-        let speed_m_s = o.sink_m_s.abs() / (o.pitch_rad.abs() + USUAL_ANGLE_OF_ATTACK_RAD).sin();
-        let slope = parameters.a_per_rad + parameters.b;
-        mass_kg / (0.5 * o.density_kg_m3 * speed_m_s * parameters.frontal_area_m2 * slope)
+    let slope = parameters.a_per_rad + parameters.b;
+    let (mut low, mut high) = (0, 0);
+    let of_one = |i: usize| {
+        let here = &samples[i];
+        let is_far = |o: &Observation| o.leg != here.leg || (o.time_s - here.time_s).abs() > ABOUT_S;
+        while is_far(&samples[low]) {
+            low += 1;
+        }
+        high = high.max(i + 1);
+        while samples.get(high).is_some_and(|o| !is_far(o)) {
+            high += 1;
+        }
+        let sink_m_s = samples[low..high].iter().map(|o| o.sink_m_s.abs()).sum::<f64>() / (high - low) as f64;
+        let speed_m_s = sink_m_s / (here.pitch_rad.abs() + USUAL_ANGLE_OF_ATTACK_RAD).sin();
+        let force_kg_s = 0.5 * here.density_kg_m3 * parameters.frontal_area_m2 * slope * speed_m_s.max(SLOWEST_M_S);
+        mass_kg / force_kg_s
     };
-    let mut found: Vec<f64> = samples.iter().map(of_one).filter(|follows_s| follows_s.is_finite()).collect();
-    if found.is_empty() { 0.0 } else { median(&mut found) }
+    (0..samples.len()).map(of_one).collect()
 }
 
 fn path_rad(bin: &Bin) -> f64 {
@@ -380,26 +398,34 @@ mod tests {
         log
     }
 
-    /// Where the pitch hunts, the model reads what the glider does to a hundredth of how the hunting moves it.
+    /// Where the pitch hunts, the model reads what the glider does to a hundredth of how the hunting moves it; also in a log of a glider
+    /// that then hangs near neutral for three times as long, where its path would follow a minute late.
     #[test]
     fn a_path_follows_a_hunting_pitch_as_newtons_law_has_it() {
         let parameters = crate::vehicle::Vehicle::load("slocum-graver").unwrap().glide_parameters();
         for (amplitude_rad, period_s) in [(0.015, 240.0), (0.03, 900.0), (0.03, 300.0)] {
             let log = hunting(&parameters, amplitude_rad, period_s);
-            let settings = crate::diagnose::sea::DiagnosisSettings::default();
-            let problem = SeaProblem::new(&log, &parameters, settings).unwrap();
-            let residual = problem.evidence(&problem.start()).residual;
-            let n = problem.n_bins();
-            // What the first bins did before is a guess.
-            let rms = |values: &mut dyn Iterator<Item = f64>| {
-                let (sum, n) = values.fold((0.0, 0.0), |(sum, n), v| (sum + v * v, n + 1.0));
-                (sum / n).sqrt()
+            let hanging = |i: usize| {
+                let o = log[i % log.len()];
+                Observation { time_s: 4600.0 + 5.0 * i as f64, sink_m_s: 0.005, leg: 1, ..o }
             };
-            let left = rms(&mut (3..n).map(|i| residual[i]));
-            let sinks = log.iter().map(|o| o.sink_m_s);
-            let mean = sinks.clone().sum::<f64>() / log.len() as f64;
-            let moved = rms(&mut sinks.map(|sink| sink - mean));
-            assert!(left < 0.01 * moved, "{amplitude_rad} rad in {period_s} s: {left} of {moved} m/s");
+            let hangs_later: Vec<Observation> = log.iter().copied().chain((0..3 * log.len()).map(hanging)).collect();
+            for whole in [&log, &hangs_later] {
+                let settings = crate::diagnose::sea::DiagnosisSettings::default();
+                let problem = SeaProblem::new(whole, &parameters, settings).unwrap();
+                let residual = problem.evidence(&problem.start()).residual;
+                let n = (0..problem.n_bins()).take_while(|i| problem.bins[*i].mean.leg == 0).count();
+                // What the first bins did before is a guess.
+                let rms = |values: &mut dyn Iterator<Item = f64>| {
+                    let (sum, n) = values.fold((0.0, 0.0), |(sum, n), v| (sum + v * v, n + 1.0));
+                    (sum / n).sqrt()
+                };
+                let left = rms(&mut (3..n).map(|i| residual[i]));
+                let sinks = log.iter().map(|o| o.sink_m_s);
+                let mean = sinks.clone().sum::<f64>() / log.len() as f64;
+                let moved = rms(&mut sinks.map(|sink| sink - mean));
+                assert!(left < 0.01 * moved, "{amplitude_rad} rad in {period_s} s: {left} of {moved} m/s");
+            }
         }
     }
 

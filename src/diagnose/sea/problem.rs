@@ -205,7 +205,7 @@ impl Problem for SeaProblem {
             let bin = with_pitch_of_glider(&bins[row], deviations_rad[row], reliability);
             // A path without inertia follows the pitch at once, and so is ahead of the one that was read for it.
             let mut bin_at_rest = bin;
-            bin_at_rest.mean.pitch_rad += self.follows_s * pitch_rates[row];
+            bin_at_rest.mean.pitch_rad += self.follows_s[row] * pitch_rates[row];
             let bin = if share.is_some() { bin } else { bin_at_rest };
             let inside_at_rest = share.zip(at_rest.as_ref().map(|at_rest| &at_rest[row]));
             let at_rest = inside_at_rest.map(|(share, inside)| AtRest { share, bin: bin_at_rest, inside });
