@@ -12,8 +12,9 @@ use super::data::{Dive, Stretch};
 use super::evaluate::{by_size, with_derivatives};
 use super::joint::JointFit;
 use crate::glide::SteadyGlider;
-use crate::noise::{Lasting, Series, estimate, whiten};
+use crate::noise::{Lasting, Series, whiten};
 use glidepolar_inference::gram::Gram;
+use glidepolar_inference::restricted_likelihood::estimate;
 use glidepolar_inference::specification_test::{Disagreement, LEAST_BLOCKS, compare};
 
 /// Of more bins than this whole dives are left out, evenly: the noise is estimated from all of them at once.

@@ -6,7 +6,8 @@ use nalgebra::{DMatrix, DVector};
 use super::evidence::{Candidate, Evidence, Point, Problem, Quantity, names};
 use super::holdout::{self, least_squares};
 use super::score::{whiten, whiten_with_prior};
-use crate::noise::{self, Lasting, Noise};
+use crate::noise::{Lasting, Noise};
+use crate::restricted_likelihood;
 
 /// Times that a quicker problem's steps come first.
 const MAX_QUICK_ROUNDS: usize = 4;
@@ -226,7 +227,7 @@ pub(super) fn noises(problem: &impl Problem, evidence: &Evidence, included: &[us
             let spare = rows.len() as f64 > problem.rows_per_column() * reaching as f64;
             let explained = if spare { &many } else { &few };
             let residual = evidence.residual.rows(rows.start, rows.len()).into_owned();
-            noise::estimate(
+            restricted_likelihood::estimate(
                 evidence.series(quantity),
                 problem.lasting(),
                 problem.stated_variance_known_to(),

@@ -1,7 +1,8 @@
 //! Diagnosis: what the model gets wrong, why, the extension, the gain. One engine for the tank and the sea.
 //!
 //! - [`evidence`]: what the engine is given: residuals and sensitivities at a point, by a [`Problem`].
-//! - [`crate::noise`]: what is left when the model is right, so that correlated residuals count for as little as they tell.
+//! - [`crate::noise`]: what is left when the model is right, so that correlated residuals count for as little as they tell;
+//!   [`restricted_likelihood`]: how large it is.
 //! - [`score`], [`subset_search`]: what each set of mechanisms explains, and which set is worth its cost.
 //! - [`smooth`]: curves of unknown cause that run in the same search; where one wins, no mechanism is named.
 //! - `clusters`: a test by the scatter between legs or runs, beside that by the model of noise.
@@ -40,6 +41,7 @@ pub mod relevance;
 mod relevance_tests;
 mod replacements;
 mod report;
+pub mod restricted_likelihood;
 pub mod score;
 pub mod smooth;
 pub mod specification_test;

@@ -14,16 +14,11 @@
 //! again on the next leg. So the slow process comes in the first modes of the place `z` (0 to 1 along the water column),
 //! `f = 1, sqrt 2 cos pi z, sqrt 2 cos 2 pi z`; where no place is known only `f = 1` is left. All processes are Markov, so a
 //! Kalman filter turns residuals and sensitivities into independent numbers of unit variance in one pass over the rows.
-//! The numbers are those of greatest restricted likelihood (Patterson and Thompson 1971), with every candidate's
-//! sensitivities projected out, so that an effect yet unexplained does not count as noise. A process is taken where it
-//! raises the logarithm of that likelihood by more than its two numbers cost (Akaike 1974).
 //!
-//! Knows rows of one quantity in the order of time; neither tank nor sea.
+//! Knows rows of one quantity in the order of time; neither tank nor sea, nor how large a noise is (`restricted_likelihood`).
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-
-use super::order::median;
 
 /// A slow part of a noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,6 +56,17 @@ impl Noise {
 pub fn longest_correlation_s(noises: &[Noise]) -> f64 {
     let slow = noises.iter().flat_map(|noise| &noise.slow).filter(|slow| slow.variance > 0.0);
     slow.map(|slow| slow.correlation_time_s).fold(0.0, f64::max)
+}
+
+/// Which slow processes a noise may have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lasting {
+    /// None: every row errs by itself.
+    White,
+    /// What lasts for minutes.
+    Minutes,
+    /// That, and what lasts for hours.
+    MinutesAndHours,
 }
 
 /// The rows of one quantity in the order of time.
@@ -191,181 +197,6 @@ fn filter<const N: usize, const JOINED: bool>(series: Series<'_>, noise: &Noise)
     (steps, log_determinant)
 }
 
-/// How much of a row's own error a joined neighbour has that is tried: none, and what makes neighbours go against each other by 0.4
-/// and, of a difference of positions alone, by a half.
-const DIFFERENCED: [f64; 3] = [0.0, 0.5, 0.95];
-
-/// Shares of a slow part in the variance that are tried first.
-const SHARES: [f64; 5] = [0.05, 0.2, 0.5, 0.8, 0.96];
-
-/// Shares of the process of hours that are tried first.
-const SLOW_SHARES: [f64; 2] = [0.1, 0.35];
-
-/// Correlation times that are tried first, in units of the median step between rows.
-const TIMES_IN_STEPS: [f64; 5] = [1.0, 4.0, 16.0, 64.0, 256.0];
-
-/// Shortest correlation time, in the same unit.
-const SHORTEST_TIME_IN_STEPS: f64 = 0.5;
-
-/// Longest correlation time, as a share of the whole record: what lasts longer is a level.
-const LONGEST_SHARE: f64 = 0.1;
-
-/// Largest variance of the noise, relative to that of the residuals once everything explained is set aside. Beyond it a
-/// slow process would stand for a level that no row shows, and hide every effect that is a level.
-const MAX_VARIANCE_RATIO: f64 = 1.5;
-
-/// A shape of noise: how it is differenced, logits of the slow parts' shares, logarithms of their times in steps. Unit total variance.
-#[derive(Debug, Clone, Copy)]
-struct Shape {
-    differenced: f64,
-    shares: [f64; 2],
-    log_times: [f64; 2],
-}
-
-impl Shape {
-    fn noise(&self, stated: f64, step_s: f64) -> Noise {
-        let slow =
-            |k: usize| Slow { variance: self.shares[k] * stated, correlation_time_s: self.log_times[k].exp() * step_s };
-        Noise { white: 1.0 - self.shares[0] - self.shares[1], differenced: self.differenced, slow: [slow(0), slow(1)] }
-    }
-}
-
-/// Which slow processes a noise may have.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Lasting {
-    /// None: every row errs by itself.
-    White,
-    /// What lasts for minutes.
-    Minutes,
-    /// That, and what lasts for hours.
-    MinutesAndHours,
-}
-
-/// The noise of greatest restricted likelihood. `residual` is what the present model leaves, `explained` the
-/// sensitivities to everything that could explain it. `stated_known_to` is the standard deviation of the logarithm of the
-/// stated variance as the least that the white part has; infinite where the rows alone say it.
-pub fn estimate(
-    series: Series<'_>,
-    lasting: Lasting,
-    stated_known_to: f64,
-    residual: &DVector<f64>,
-    explained: &DMatrix<f64>,
-) -> Noise {
-    let n = residual.len();
-    let mut steps: Vec<f64> =
-        series.time_s.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
-    let step_s = if steps.is_empty() { 1.0 } else { median(&mut steps) };
-    let stated = series.stated_sd.iter().map(|sd| sd * sd).sum::<f64>() / n.max(1) as f64;
-    let columns = stacked(explained, residual);
-
-    let at = |shape: &Shape| profile(series, &shape.noise(stated, step_s), stated_known_to, &columns);
-    let white = Shape { differenced: 0.0, shares: [0.0; 2], log_times: [0.0; 2] };
-    let Some((_, most)) = at(&white) else {
-        return white.noise(stated, step_s);
-    };
-    let most = MAX_VARIANCE_RATIO * most;
-    let span_s = series.time_s.last().copied().unwrap_or(0.0) - series.time_s.first().copied().unwrap_or(0.0);
-    let longest = (span_s / step_s * LONGEST_SHARE).clamp(SHORTEST_TIME_IN_STEPS, TIMES_IN_STEPS[4]);
-    let try_one = |shape: &Shape| {
-        let is_short = shape.log_times.iter().all(|time| *time <= longest.ln() + 1e-9);
-        if is_short { at(shape).filter(|(_, scale)| *scale <= most) } else { None }
-    };
-    let tried = if series.joined_s > 0.0 { &DIFFERENCED[..] } else { &DIFFERENCED[..1] };
-    let mut best: Option<(f64, f64, Shape)> = None;
-    for differenced in tried {
-        let Some(found) = most_likely(Shape { differenced: *differenced, ..white }, lasting, &try_one) else {
-            continue;
-        };
-        // One number more is to raise the logarithm of the likelihood by more than it costs.
-        if best.is_none_or(|(likelihood, ..)| found.0 > likelihood + 1.0) {
-            best = Some(found);
-        }
-    }
-    let (_, scale, best) = best.unwrap_or((0.0, 1.0, white));
-    let mut noise = best.noise(stated, step_s);
-    noise.white *= scale;
-    noise.slow.iter_mut().for_each(|slow| slow.variance *= scale);
-    noise
-}
-
-/// The most likely shape with slow processes beside this one, with its likelihood and scale.
-fn most_likely(
-    white: Shape,
-    lasting: Lasting,
-    try_one: &(impl Fn(&Shape) -> Option<(f64, f64)> + Sync),
-) -> Option<(f64, f64, Shape)> {
-    let (mut likelihood, mut scale) = try_one(&white)?;
-    let mut best = white;
-    let processes = lasting as usize;
-    for process in 0..processes {
-        let free = 1.0 - best.shares[0];
-        let mut found = (likelihood, scale, best);
-        // The second process is slow, and a small part of what the first one left.
-        let (shares, times): (&[f64], &[f64]) =
-            if process == 0 { (&SHARES, &TIMES_IN_STEPS) } else { (&SLOW_SHARES, &TIMES_IN_STEPS[2..]) };
-        let shape_of = |share: f64, time: f64| {
-            let mut shape = best;
-            (shape.shares[process], shape.log_times[process]) = (share * free, time.ln());
-            shape
-        };
-        let shapes: Vec<Shape> =
-            shares.iter().flat_map(|share| times.iter().map(|time| shape_of(*share, *time))).collect();
-        let tried: Vec<Option<(f64, f64)>> = shapes.par_iter().map(try_one).collect();
-        for (shape, (l, s)) in shapes.iter().zip(tried).filter_map(|(shape, tried)| Some((shape, tried?))) {
-            if l > found.0 {
-                found = (l, s, *shape);
-            }
-        }
-        refine(&mut found, process + 1, try_one);
-        if found.0 < likelihood + 2.0 {
-            break;
-        }
-        (likelihood, scale, best) = found;
-    }
-    Some((likelihood, scale, best))
-}
-
-/// Climbs from a shape: each number up or down by a step that shrinks.
-fn refine(found: &mut (f64, f64, Shape), processes: usize, at: &impl Fn(&Shape) -> Option<(f64, f64)>) {
-    for step in [0.6, 0.2] {
-        let mut moved = true;
-        for _ in 0..3 {
-            if !std::mem::take(&mut moved) {
-                break;
-            }
-            for number in 0..2 * processes {
-                for sign in [-1.0, 1.0] {
-                    let mut shape = found.2;
-                    let k = number / 2;
-                    if number % 2 == 0 {
-                        let free = 1.0 - shape.shares[1 - k];
-                        let share = (shape.shares[k] / free).clamp(1e-4, 1.0 - 1e-4);
-                        let logit = (share / (1.0 - share)).ln() + 2.0 * sign * step;
-                        shape.shares[k] = free / (1.0 + (-logit).exp());
-                    } else {
-                        let time = shape.log_times[k] + 2.0 * sign * step;
-                        shape.log_times[k] = time.max(SHORTEST_TIME_IN_STEPS.ln());
-                    }
-                    if let Some((l, s)) = at(&shape).filter(|(l, _)| *l > found.0 + 1e-3) {
-                        *found = (l, s, shape);
-                        moved = true;
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// The directions of the explained columns, each once and of unit size, with the residual behind them. Sensitivities
-/// come in all units, and many are nearly alike: the restricted likelihood only asks for the space that they span.
-fn stacked(explained: &DMatrix<f64>, residual: &DVector<f64>) -> DMatrix<f64> {
-    let basis = orthonormal(explained.clone());
-    let k = basis.ncols();
-    let mut columns = basis.insert_column(k, 0.0);
-    columns.column_mut(k).copy_from(residual);
-    columns
-}
-
 /// An orthonormal basis of the space of these columns, without the directions that add nothing.
 pub fn orthonormal(mut columns: DMatrix<f64>) -> DMatrix<f64> {
     for mut column in columns.column_iter_mut() {
@@ -391,60 +222,18 @@ pub fn orthonormal(mut columns: DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(columns.nrows(), kept.len(), |row, column| kept[column][row])
 }
 
-/// Restricted log-likelihood of a shape with its best scale, and that scale. The last column is the residual.
-fn profile(series: Series<'_>, shape: &Noise, stated_known_to: f64, columns: &DMatrix<f64>) -> Option<(f64, f64)> {
-    let (n, k) = (columns.nrows(), columns.ncols() - 1);
-    let mut columns = columns.clone();
-    let log_determinant = whiten(series, shape, &mut columns);
-    let products = columns.transpose() * &columns;
-    let cholesky = products.view((0, 0), (k, k)).into_owned().cholesky()?;
-    let moments = products.view((0, k), (k, 1)).into_owned();
-    let explained_squares = moments.dot(&cholesky.solve(&moments));
-    let log_gram = 2.0 * cholesky.l_dirty().diagonal().iter().map(|value| value.ln()).sum::<f64>();
-    let free = n.checked_sub(k).filter(|free| *free > 0)? as f64;
-    let squares = products[(k, k)] - explained_squares;
-    let scale = most_likely_scale(squares, free, shape.white, stated_known_to);
-    let below = ((scale * shape.white).ln().min(0.0) / stated_known_to).powi(2);
-    // The explained columns' own scale, not the noise's, so the determinant of the Gram matrix scales out.
-    let log_likelihood = -0.5 * (free * scale.ln() + squares / scale + log_determinant + log_gram + below);
-    log_likelihood.is_finite().then_some((log_likelihood, scale))
-}
-
-/// The scale of greatest likelihood of a sum of squares with `free` degrees of freedom, beside the belief that the white
-/// part, `white` of the scale, is no smaller than stated. A few rows can leave next to nothing by chance; a stated variance
-/// that comes from within each row has degrees of freedom of its own.
-fn most_likely_scale(squares: f64, free: f64, white: f64, stated_known_to: f64) -> f64 {
-    let by_rows = (squares / free).max(f64::MIN_POSITIVE);
-    let start = (by_rows * white).ln();
-    if start >= 0.0 || !start.is_finite() || stated_known_to.is_infinite() {
-        return by_rows;
-    }
-    // With u = ln(scale white) the slope (squares white e^-u - free)/2 - u/sd^2 falls and is convex: Newton's steps from the
-    // left of its zero stay there.
-    let precision = stated_known_to.powi(-2);
-    let mut u = start;
-    for _ in 0..50 {
-        let of_rows = 0.5 * squares.max(f64::MIN_POSITIVE) * white * (-u).exp();
-        let step = (of_rows - 0.5 * free - precision * u) / (of_rows + precision);
-        u += step;
-        if step.abs() < 1e-9 {
-            break;
-        }
-    }
-    u.exp() / white
-}
-
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use rand::{RngExt, SeedableRng, rngs::StdRng};
     use rand_distr::StandardNormal;
 
-    fn slow(variance: f64, correlation_time_s: f64) -> Slow {
+    pub(crate) fn slow(variance: f64, correlation_time_s: f64) -> Slow {
         Slow { variance, correlation_time_s }
     }
 
-    fn sample(n: usize, noise: &Noise, seed: u64) -> (Vec<f64>, Vec<f64>, DVector<f64>) {
+    /// Times, stated standard deviations and a sample of a noise.
+    pub(crate) fn sample(n: usize, noise: &Noise, seed: u64) -> (Vec<f64>, Vec<f64>, DVector<f64>) {
         let mut rng = StdRng::seed_from_u64(seed);
         let mut normal = move || rng.sample::<f64, _>(StandardNormal);
         let time_s: Vec<f64> = (0..n).map(|i| 60.0 * i as f64).collect();
@@ -493,41 +282,5 @@ mod tests {
         assert!((columns.norm_squared() - expected).abs() < 1e-9 * expected);
         let log_expected = 2.0 * cholesky.l().diagonal().map(f64::ln).sum();
         assert!((log_determinant - log_expected).abs() < 1e-9 * log_expected.abs());
-    }
-
-    #[test]
-    fn the_noise_that_made_the_data_is_found_again() {
-        let truth = Noise { white: 1.0, differenced: 0.0, slow: [slow(3.6e-5, 600.0), slow(0.0, 1.0)] };
-        let (mut sds, mut times) = (0.0, 0.0);
-        for seed in 0..20 {
-            let (time_s, stated_sd, residual) = sample(700, &truth, seed);
-            let trend = DMatrix::from_fn(700, 2, |i, j| if j == 0 { 1.0 } else { i as f64 });
-            let found = estimate(
-                Series { time_s: &time_s, stated_sd: &stated_sd, place: &[], joined_s: 0.0 },
-                Lasting::MinutesAndHours,
-                f64::INFINITY,
-                &residual,
-                &trend,
-            );
-            sds += found.sd(0.003) / 20.0;
-            times += found.slow[0].correlation_time_s.ln() / 20.0;
-        }
-        assert!((sds / truth.sd(0.003) - 1.0).abs() < 0.1, "sd {sds}");
-        assert!((times - 600f64.ln()).abs() < 0.5, "correlation time {}", times.exp());
-    }
-
-    #[test]
-    fn few_rows_do_not_make_a_noise_far_below_the_stated_one_and_many_do() {
-        let scale = |squares: f64, free: f64| most_likely_scale(squares, free, 1.0, 0.5);
-        // Where the slope is nought, by hand: squares/u = free + 8 ln u.
-        for (squares, free) in [(0.04, 4.0), (0.5, 10.0), (30.0, 300.0)] {
-            let found = scale(squares, free);
-            assert!((squares / found - free - 8.0 * found.ln()).abs() < 1e-6, "{squares} {free}: {found}");
-        }
-        assert!(scale(0.04, 4.0) > 0.5);
-        assert!(scale(30.0, 300.0) < 0.12);
-        // A noise that was stated too small is judged by the rows alone, and so is one that nobody vouches for.
-        assert_eq!(scale(8.0, 4.0), 2.0);
-        assert_eq!(most_likely_scale(0.04, 4.0, 1.0, f64::INFINITY), 0.01);
     }
 }
