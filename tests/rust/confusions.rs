@@ -438,6 +438,26 @@ fn what_is_found_beside_a_scale_of_the_speed_stands_without_one() {
     assert!(answer.is_right() && answer.covered == [true], "{}", answer.evidence);
 }
 
+/// Ten legs through water that moves by 3.3 mm/s in 36 minutes. With all candidates set aside it seems to move by 1.3 mm/s in 6 minutes,
+/// and a curve along five headings hid what is there.
+#[test]
+fn water_that_ten_legs_hardly_tell_from_candidates_is_noise() {
+    for effect in ["hull_creep", "pressure_scale", "pitch_offset", "conductivity_drift"] {
+        let answer = Answer::diagnose(effect, 84_115, true, true).expect("a diagnosis");
+        assert!(answer.is_right() && answer.covered.iter().all(|covered| *covered), "{effect}: {}", answer.evidence);
+    }
+}
+
+/// Beside the polar that bends to a late clock its minimum is narrower than its prior: from none, and from one prior standard deviation,
+/// fits end elsewhere.
+#[test]
+fn a_late_clock_is_found_from_sizes_on_either_side_of_none() {
+    for (seed, speed) in [(84_113, true), (84_005, true), (83_804, false)] {
+        let answer = Answer::diagnose("clock_offset", seed, speed, true).expect("a diagnosis");
+        assert!(answer.is_right(), "{seed}: {}", answer.evidence);
+    }
+}
+
 /// A current of 18 mm/s is most of what a noise that lasts explains too, and a curve along the pitch explains more of the rest.
 #[test]
 fn no_curve_takes_the_place_of_a_current_that_does_nearly_all() {

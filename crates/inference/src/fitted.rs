@@ -3,11 +3,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::evidence::{Candidate, Evidence, Point, Problem, Quantity, names};
+use super::evidence::{Candidate, Evidence, Point, Problem, Quantity};
 use super::holdout::{self, least_squares};
+use super::noise_of_fit::{with_all_aside, with_none_worth_its_cost};
 use super::score::{whiten, whiten_with_prior};
 use crate::noise::{Lasting, Noise};
-use crate::restricted_likelihood;
 
 /// Times that a quicker problem's steps come first.
 const MAX_QUICK_ROUNDS: usize = 4;
@@ -17,9 +17,6 @@ pub(super) const LEAST_FALL: f64 = 1e-3;
 
 /// Largest number of alternations of fit and noise estimate.
 pub(super) const MAX_NOISE_ROUNDS: usize = 4;
-
-/// Versions of one mechanism whose traces are kept out of the noise.
-const MAX_VERSIONS_IN_NOISE: usize = 3;
 
 /// A fit of the baseline and the included candidates.
 #[derive(Debug, Clone)]
@@ -35,7 +32,7 @@ pub(super) struct Fitted {
 impl Fitted {
     pub(super) fn new(problem: &impl Problem, point: Point, included: Vec<usize>) -> Self {
         let evidence = believing(problem, problem.evidence(&point), &point, &included);
-        let noises = noises(problem, &evidence, &included);
+        let noises = with_all_aside(problem, &evidence, &included);
         Fitted { point, included, evidence, noises, lasting: problem.lasting() }
     }
 
@@ -51,10 +48,15 @@ impl Fitted {
         let mut quicker = None;
         for _ in 0..MAX_NOISE_ROUNDS {
             let moved = self.descend_about(problem, &mut quicker);
-            self.noises = noises(problem, &self.evidence, &self.included);
+            self.noises = with_all_aside(problem, &self.evidence, &self.included);
             if moved < 1e-2 {
-                return;
+                break;
             }
+        }
+        let better_known = with_none_worth_its_cost(problem, &self.evidence, &self.included, &self.noises);
+        if better_known != self.noises {
+            self.noises = better_known;
+            self.descend_about(problem, &mut quicker);
         }
     }
 
@@ -202,40 +204,6 @@ pub(super) fn believing(problem: &impl Problem, mut evidence: Evidence, point: &
         }
     }
     evidence
-}
-
-/// The noise of each quantity, everything that any candidate could explain set aside where there are rows to spare. Of
-/// the versions of one mechanism a few stand for all: many jumps together would take all that is slow out of the noise.
-pub(super) fn noises(problem: &impl Problem, evidence: &Evidence, included: &[usize]) -> Vec<Noise> {
-    let candidates = problem.candidates();
-    let mut parts: Vec<&DMatrix<f64>> = vec![&evidence.baseline];
-    parts.extend(included.iter().map(|member| &evidence.candidates[*member]));
-    let few = side_by_side(evidence.residual.len(), &parts);
-    for name in names(candidates) {
-        let versions: Vec<usize> = (0..candidates.len()).filter(|i| candidates[*i].name == name).collect();
-        let every = versions.len().div_ceil(MAX_VERSIONS_IN_NOISE);
-        let chosen = versions.iter().skip(every / 2).step_by(every).filter(|i| !included.contains(i));
-        parts.extend(chosen.map(|i| &evidence.candidates[*i]));
-    }
-    let many = side_by_side(evidence.residual.len(), &parts);
-    evidence
-        .quantities
-        .iter()
-        .map(|quantity| {
-            let rows = quantity.rows.clone();
-            let reaching = many.column_iter().filter(|column| column.rows(rows.start, rows.len()).amax() > 0.0).count();
-            let spare = rows.len() as f64 > problem.rows_per_column() * reaching as f64;
-            let explained = if spare { &many } else { &few };
-            let residual = evidence.residual.rows(rows.start, rows.len()).into_owned();
-            restricted_likelihood::estimate(
-                evidence.series(quantity),
-                problem.lasting(),
-                problem.stated_variance_known_to(),
-                &residual,
-                &explained.rows(rows.start, rows.len()).into_owned(),
-            )
-        })
-        .collect()
 }
 
 pub(super) fn solve(

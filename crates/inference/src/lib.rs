@@ -2,7 +2,7 @@
 //!
 //! - [`evidence`]: what the engine is given: residuals and sensitivities at a point, by a [`Problem`].
 //! - [`crate::noise`]: what is left when the model is right, so that correlated residuals count for as little as they tell;
-//!   [`restricted_likelihood`]: how large it is.
+//!   [`restricted_likelihood`]: how large it is; `noise_of_fit`: what is set aside for it.
 //! - [`score`], [`subset_search`]: what each set of mechanisms explains, and which set is worth its cost.
 //! - [`smooth`]: curves of unknown cause that run in the same search; where one wins, no mechanism is named.
 //! - `clusters`: a test by the scatter between legs or runs, beside that by the model of noise.
@@ -32,6 +32,7 @@ mod magnitude_tests;
 mod marginal_likelihood;
 mod multistart;
 pub mod noise;
+mod noise_of_fit;
 pub mod order;
 pub mod outcome;
 mod partly;

@@ -58,82 +58,169 @@ pub fn estimate(
     residual: &DVector<f64>,
     explained: &DMatrix<f64>,
 ) -> Noise {
-    let n = residual.len();
-    let mut steps: Vec<f64> =
-        series.time_s.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
-    let step_s = if steps.is_empty() { 1.0 } else { median(&mut steps) };
-    let stated = series.stated_sd.iter().map(|sd| sd * sd).sum::<f64>() / n.max(1) as f64;
-    let columns = stacked(explained, residual);
-
-    let at = |shape: &Shape| profile(series, &shape.noise(stated, step_s), stated_known_to, &columns);
-    let white = Shape { differenced: 0.0, shares: [0.0; 2], log_times: [0.0; 2] };
-    let Some((_, most)) = at(&white) else {
-        return white.noise(stated, step_s);
-    };
-    let most = MAX_VARIANCE_RATIO * most;
-    let span_s = series.time_s.last().copied().unwrap_or(0.0) - series.time_s.first().copied().unwrap_or(0.0);
-    let longest = (span_s / step_s * LONGEST_SHARE).clamp(SHORTEST_TIME_IN_STEPS, TIMES_IN_STEPS[4]);
-    let try_one = |shape: &Shape| {
-        let is_short = shape.log_times.iter().all(|time| *time <= longest.ln() + 1e-9);
-        if is_short { at(shape).filter(|(_, scale)| *scale <= most) } else { None }
-    };
-    let tried = if series.joined_s > 0.0 { &DIFFERENCED[..] } else { &DIFFERENCED[..1] };
-    let mut best: Option<(f64, f64, Shape)> = None;
-    for differenced in tried {
-        let Some(found) = most_likely(Shape { differenced: *differenced, ..white }, lasting, &try_one) else {
-            continue;
-        };
-        // One number more is to raise the logarithm of the likelihood by more than it costs.
-        if best.is_none_or(|(likelihood, ..)| found.0 > likelihood + 1.0) {
-            best = Some(found);
-        }
-    }
-    let (_, scale, best) = best.unwrap_or((0.0, 1.0, white));
-    let mut noise = best.noise(stated, step_s);
-    noise.white *= scale;
-    noise.slow.iter_mut().for_each(|slow| slow.variance *= scale);
-    noise
+    RestrictedLikelihood::new(series, stated_known_to, residual, explained).most_likely(lasting)
 }
 
-/// The most likely shape with slow processes beside this one, with its likelihood and scale.
-fn most_likely(
-    white: Shape,
-    lasting: Lasting,
-    try_one: &(impl Fn(&Shape) -> Option<(f64, f64)> + Sync),
-) -> Option<(f64, f64, Shape)> {
-    let (mut likelihood, mut scale) = try_one(&white)?;
-    let mut best = white;
-    let processes = lasting as usize;
-    for process in 0..processes {
-        let free = 1.0 - best.shares[0];
-        let mut found = (likelihood, scale, best);
-        // The second process is slow, and a small part of what the first one left.
-        let (shares, times): (&[f64], &[f64]) =
-            if process == 0 { (&SHARES, &TIMES_IN_STEPS) } else { (&SLOW_SHARES, &TIMES_IN_STEPS[2..]) };
-        let shape_of = |share: f64, time: f64| {
-            let mut shape = best;
-            (shape.shares[process], shape.log_times[process]) = (share * free, time.ln());
-            shape
+/// The restricted likelihood of the noise of some rows, what is explained projected out.
+#[derive(Debug, Clone)]
+pub struct RestrictedLikelihood<'a> {
+    series: Series<'a>,
+    stated_known_to: f64,
+    /// Directions of what is explained, the residual behind them.
+    columns: DMatrix<f64>,
+}
+
+/// A shape with the logarithm of its likelihood and its scale.
+#[derive(Debug, Clone, Copy)]
+struct Found {
+    likelihood: f64,
+    scale: f64,
+    shape: Shape,
+}
+
+impl<'a> RestrictedLikelihood<'a> {
+    /// That of these residuals; parameters as those of [`estimate`].
+    pub fn new(
+        series: Series<'a>,
+        stated_known_to: f64,
+        residual: &DVector<f64>,
+        explained: &DMatrix<f64>,
+    ) -> RestrictedLikelihood<'a> {
+        RestrictedLikelihood { series, stated_known_to, columns: stacked(explained, residual) }
+    }
+
+    /// The noise at which it is greatest.
+    pub fn most_likely(&self, lasting: Lasting) -> Noise {
+        let tried = if self.series.joined_s > 0.0 { &DIFFERENCED[..] } else { &DIFFERENCED[..1] };
+        self.most_likely_of(lasting, tried)
+    }
+
+    /// The same of those in which joined neighbours err as in this noise: that is the instrument's, and known by many rows.
+    pub fn most_likely_joined_as(&self, lasting: Lasting, noise: &Noise) -> Noise {
+        self.most_likely_of(lasting, &[noise.differenced])
+    }
+
+    fn most_likely_of(&self, lasting: Lasting, differenced: &[f64]) -> Noise {
+        let time_s = self.series.time_s;
+        let mut steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
+        let step_s = if steps.is_empty() { 1.0 } else { median(&mut steps) };
+        let stated_sd = self.series.stated_sd;
+        let stated = stated_sd.iter().map(|sd| sd * sd).sum::<f64>() / stated_sd.len().max(1) as f64;
+
+        let at = |shape: &Shape| self.profile(shape, &shape.noise(stated, step_s));
+        let white = Shape { differenced: 0.0, shares: [0.0; 2], log_times: [0.0; 2] };
+        let Some(Found { scale: most, .. }) = at(&white) else {
+            return white.noise(stated, step_s);
         };
-        let shapes: Vec<Shape> =
-            shares.iter().flat_map(|share| times.iter().map(|time| shape_of(*share, *time))).collect();
-        let tried: Vec<Option<(f64, f64)>> = shapes.par_iter().map(try_one).collect();
-        for (shape, (l, s)) in shapes.iter().zip(tried).filter_map(|(shape, tried)| Some((shape, tried?))) {
-            if l > found.0 {
-                found = (l, s, *shape);
+        let most = MAX_VARIANCE_RATIO * most;
+        let span_s = time_s.last().copied().unwrap_or(0.0) - time_s.first().copied().unwrap_or(0.0);
+        let longest = (span_s / step_s * LONGEST_SHARE).clamp(SHORTEST_TIME_IN_STEPS, TIMES_IN_STEPS[4]);
+        let try_one = |shape: &Shape| {
+            let is_short = shape.log_times.iter().all(|time| *time <= longest.ln() + 1e-9);
+            if is_short { at(shape).filter(|found| found.scale <= most) } else { None }
+        };
+        let mut best: Option<[Found; 2]> = None;
+        for differenced in differenced {
+            let Some(without) = try_one(&Shape { differenced: *differenced, ..white }) else { continue };
+            let found = if lasting == Lasting::White { without } else { with_process(without, 0, &try_one) };
+            // One number more is to raise the logarithm of the likelihood by more than it costs.
+            if best.is_none_or(|[_, best]| found.likelihood > best.likelihood + 1.0) {
+                best = Some([without, found]);
             }
         }
+        let Some([without, with_one]) = best else { return white.noise(stated, step_s) };
+        let Found { scale, shape, .. } = with_processes(without, with_one, lasting, &try_one);
+        let mut noise = shape.noise(stated, step_s);
+        noise.white *= scale;
+        noise.slow.iter_mut().for_each(|slow| slow.variance *= scale);
+        noise
+    }
+
+    /// The logarithm of the likelihood of a shape with its best scale; none where the rows are too few.
+    fn profile(&self, shape: &Shape, noise: &Noise) -> Option<Found> {
+        let Whitened { squares, free, log_determinant } = self.whitened(noise)?;
+        let scale = most_likely_scale(squares, free, noise.white, self.stated_known_to);
+        let likelihood =
+            -0.5 * (free * scale.ln() + squares / scale + log_determinant + self.below_stated(scale * noise.white));
+        likelihood.is_finite().then_some(Found { likelihood, scale, shape: *shape })
+    }
+
+    /// The logarithm of the likelihood of a noise, up to a constant; none where the rows are too few.
+    pub fn log_likelihood(&self, noise: &Noise) -> Option<f64> {
+        let Whitened { squares, log_determinant, .. } = self.whitened(noise)?;
+        Some(-0.5 * (squares + log_determinant + self.below_stated(noise.white)))
+    }
+
+    fn whitened(&self, noise: &Noise) -> Option<Whitened> {
+        let (n, k) = (self.columns.nrows(), self.columns.ncols() - 1);
+        let mut columns = self.columns.clone();
+        let of_rows = whiten(self.series, noise, &mut columns);
+        let products = columns.transpose() * &columns;
+        let cholesky = products.view((0, 0), (k, k)).into_owned().cholesky()?;
+        let moments = products.view((0, k), (k, 1)).into_owned();
+        let of_columns = 2.0 * cholesky.l_dirty().diagonal().iter().map(|value| value.ln()).sum::<f64>();
+        Some(Whitened {
+            squares: products[(k, k)] - moments.dot(&cholesky.solve(&moments)),
+            free: n.checked_sub(k).filter(|free| *free > 0)? as f64,
+            log_determinant: of_rows + of_columns,
+        })
+    }
+
+    /// Minus twice the logarithm of the prior of a white part that is smaller than stated.
+    fn below_stated(&self, white: f64) -> f64 {
+        (white.ln().min(0.0) / self.stated_known_to).powi(2)
+    }
+}
+
+/// What rows say of a noise.
+struct Whitened {
+    /// What is left of the residual.
+    squares: f64,
+    /// Rows less what is explained.
+    free: f64,
+    /// Logarithms of the determinants of the covariance and of the explained columns' products: what is explained has a scale of its
+    /// own, not the noise's.
+    log_determinant: f64,
+}
+
+/// The most likely shape with as many slow processes as are worth their numbers, from the one without and the best one with the first
+/// process on its grid.
+fn with_processes(
+    mut without: Found,
+    with_one: Found,
+    lasting: Lasting,
+    try_one: &(impl Fn(&Shape) -> Option<Found> + Sync),
+) -> Found {
+    for process in 0..lasting as usize {
+        let mut found = if process == 0 { with_one } else { with_process(without, process, try_one) };
         refine(&mut found, process + 1, try_one);
-        if found.0 < likelihood + 2.0 {
+        if found.likelihood < without.likelihood + 2.0 {
             break;
         }
-        (likelihood, scale, best) = found;
+        without = found;
     }
-    Some((likelihood, scale, best))
+    without
+}
+
+/// The most likely shape with one slow process more, on a grid; the one without where it is none of them.
+fn with_process(without: Found, process: usize, try_one: &(impl Fn(&Shape) -> Option<Found> + Sync)) -> Found {
+    let free = 1.0 - without.shape.shares[0];
+    // The second process is slow, and a small part of what the first one left.
+    let (shares, times): (&[f64], &[f64]) =
+        if process == 0 { (&SHARES, &TIMES_IN_STEPS) } else { (&SLOW_SHARES, &TIMES_IN_STEPS[2..]) };
+    let shape_of = |share: f64, time: f64| {
+        let mut shape = without.shape;
+        (shape.shares[process], shape.log_times[process]) = (share * free, time.ln());
+        shape
+    };
+    let shapes: Vec<Shape> = shares.iter().flat_map(|share| times.iter().map(|time| shape_of(*share, *time))).collect();
+    let tried: Vec<Option<Found>> = shapes.par_iter().map(try_one).collect();
+    let better = |best: Found, other: Found| if other.likelihood > best.likelihood { other } else { best };
+    tried.into_iter().flatten().fold(without, better)
 }
 
 /// Climbs from a shape: each number up or down by a step that shrinks.
-fn refine(found: &mut (f64, f64, Shape), processes: usize, at: &impl Fn(&Shape) -> Option<(f64, f64)>) {
+fn refine(found: &mut Found, processes: usize, at: &impl Fn(&Shape) -> Option<Found>) {
     for step in [0.6, 0.2] {
         let mut moved = true;
         for _ in 0..3 {
@@ -142,7 +229,7 @@ fn refine(found: &mut (f64, f64, Shape), processes: usize, at: &impl Fn(&Shape) 
             }
             for number in 0..2 * processes {
                 for sign in [-1.0, 1.0] {
-                    let mut shape = found.2;
+                    let mut shape = found.shape;
                     let k = number / 2;
                     if number % 2 == 0 {
                         let free = 1.0 - shape.shares[1 - k];
@@ -153,8 +240,8 @@ fn refine(found: &mut (f64, f64, Shape), processes: usize, at: &impl Fn(&Shape) 
                         let time = shape.log_times[k] + 2.0 * sign * step;
                         shape.log_times[k] = time.max(SHORTEST_TIME_IN_STEPS.ln());
                     }
-                    if let Some((l, s)) = at(&shape).filter(|(l, _)| *l > found.0 + 1e-3) {
-                        *found = (l, s, shape);
+                    if let Some(better) = at(&shape).filter(|other| other.likelihood > found.likelihood + 1e-3) {
+                        *found = better;
                         moved = true;
                     }
                 }
@@ -171,25 +258,6 @@ fn stacked(explained: &DMatrix<f64>, residual: &DVector<f64>) -> DMatrix<f64> {
     let mut columns = basis.insert_column(k, 0.0);
     columns.column_mut(k).copy_from(residual);
     columns
-}
-
-/// Restricted log-likelihood of a shape with its best scale, and that scale. The last column is the residual.
-fn profile(series: Series<'_>, shape: &Noise, stated_known_to: f64, columns: &DMatrix<f64>) -> Option<(f64, f64)> {
-    let (n, k) = (columns.nrows(), columns.ncols() - 1);
-    let mut columns = columns.clone();
-    let log_determinant = whiten(series, shape, &mut columns);
-    let products = columns.transpose() * &columns;
-    let cholesky = products.view((0, 0), (k, k)).into_owned().cholesky()?;
-    let moments = products.view((0, k), (k, 1)).into_owned();
-    let explained_squares = moments.dot(&cholesky.solve(&moments));
-    let log_gram = 2.0 * cholesky.l_dirty().diagonal().iter().map(|value| value.ln()).sum::<f64>();
-    let free = n.checked_sub(k).filter(|free| *free > 0)? as f64;
-    let squares = products[(k, k)] - explained_squares;
-    let scale = most_likely_scale(squares, free, shape.white, stated_known_to);
-    let below = ((scale * shape.white).ln().min(0.0) / stated_known_to).powi(2);
-    // The explained columns' own scale, not the noise's, so the determinant of the Gram matrix scales out.
-    let log_likelihood = -0.5 * (free * scale.ln() + squares / scale + log_determinant + log_gram + below);
-    log_likelihood.is_finite().then_some((log_likelihood, scale))
 }
 
 /// The scale of greatest likelihood of a sum of squares with `free` degrees of freedom, beside the belief that the white

@@ -12,6 +12,11 @@ use super::score::Score;
 /// a mechanism may be and still count as a stand-in: a factor of 20 in evidence.
 pub(crate) const MARGIN: f64 = 6.0;
 
+/// What a member of so many columns costs that is chosen among so many, in one of so many versions: the extended Bayesian criterion.
+pub(super) fn cost(score: &Score, columns: usize, [among, versions]: [usize; 2]) -> f64 {
+    columns as f64 * score.effective_rows.ln() + 2.0 * (among as f64).ln() + 2.0 * (versions as f64).ln()
+}
+
 /// Something that runs in the search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Regressor {
@@ -59,9 +64,7 @@ impl<'a> SubsetSearch<'a> {
         let cost = |regressor: &Regressor| {
             let among = if regressor.is_curve { n_curves } else { families.len() };
             let versions = regressors.iter().filter(|r| r.family == regressor.family).count();
-            regressor.columns.len() as f64 * score.effective_rows.ln()
-                + 2.0 * (among as f64).ln()
-                + 2.0 * (versions as f64).ln()
+            cost(score, regressor.columns.len(), [among, versions])
         };
         SubsetSearch { score, regressors, costs: regressors.iter().map(cost).collect() }
     }
