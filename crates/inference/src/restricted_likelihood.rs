@@ -119,17 +119,16 @@ impl<'a> RestrictedLikelihood<'a> {
             let is_short = shape.log_times.iter().all(|time| *time <= longest.ln() + 1e-9);
             if is_short { at(shape).filter(|found| found.scale <= most) } else { None }
         };
-        let mut best: Option<[Found; 2]> = None;
+        let mut best: Option<Found> = None;
         for differenced in differenced {
-            let Some(without) = try_one(&Shape { differenced: *differenced, ..white }) else { continue };
-            let found = if lasting == Lasting::White { without } else { with_process(without, 0, &try_one) };
+            let without = try_one(&Shape { differenced: *differenced, ..white });
+            let Some(found) = without.map(|without| with_processes(without, lasting, &try_one)) else { continue };
             // One number more is to raise the logarithm of the likelihood by more than it costs.
-            if best.is_none_or(|[_, best]| found.likelihood > best.likelihood + 1.0) {
-                best = Some([without, found]);
+            if best.is_none_or(|best| found.likelihood > best.likelihood + 1.0) {
+                best = Some(found);
             }
         }
-        let Some([without, with_one]) = best else { return white.noise(stated, step_s) };
-        let Found { scale, shape, .. } = with_processes(without, with_one, lasting, &try_one);
+        let Found { scale, shape, .. } = best.unwrap_or(Found { likelihood: 0.0, scale: 1.0, shape: white });
         let mut noise = shape.noise(stated, step_s);
         noise.white *= scale;
         noise.slow.iter_mut().for_each(|slow| slow.variance *= scale);
@@ -183,16 +182,10 @@ struct Whitened {
     log_determinant: f64,
 }
 
-/// The most likely shape with as many slow processes as are worth their numbers, from the one without and the best one with the first
-/// process on its grid.
-fn with_processes(
-    mut without: Found,
-    with_one: Found,
-    lasting: Lasting,
-    try_one: &(impl Fn(&Shape) -> Option<Found> + Sync),
-) -> Found {
+/// The most likely shape with as many slow processes as are worth their numbers.
+fn with_processes(mut without: Found, lasting: Lasting, try_one: &(impl Fn(&Shape) -> Option<Found> + Sync)) -> Found {
     for process in 0..lasting as usize {
-        let mut found = if process == 0 { with_one } else { with_process(without, process, try_one) };
+        let mut found = with_process(without, process, try_one);
         refine(&mut found, process + 1, try_one);
         if found.likelihood < without.likelihood + 2.0 {
             break;
