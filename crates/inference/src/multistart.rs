@@ -154,22 +154,28 @@ impl Fitted {
     }
 
     /// Fits one mechanism beside this baseline: from its linearised magnitude, and from the best of some usual ones on either side of neutral
-    /// where the objective is smaller there; the likelier stands. What is late has minima between which slopes do not tell. `iteration` is that of
+    /// where the objective is smaller there; where the baseline contradicts what is believed, also from the best of these beside the
+    /// baseline as it is believed. The likeliest stands. What is late has minima between which slopes do not tell. `iteration` is that of
     /// this fit.
     pub(super) fn with_one(&self, problem: &impl Problem, iteration: &Iteration<'_>, member: usize) -> Fitted {
         let candidate = &problem.candidates()[member];
-        let usual = USUAL_SIZES.map(|of_prior| of_prior * candidate.prior_sd[0]).map(|size| {
-            let mut point = self.point.clone();
-            point.candidates[member].clone_from(&candidate.neutral);
-            point.candidates[member][0] += size;
-            point
-        });
-        let possible = usual.into_iter().filter(|point| !candidate.is_impossible(point.candidates[member][0]));
+        let usual = |about: &Point| {
+            let with_size = |of_prior: f64| {
+                let mut point = about.clone();
+                point.candidates[member].clone_from(&candidate.neutral);
+                point.candidates[member][0] += of_prior * candidate.prior_sd[0];
+                point
+            };
+            let is_possible = |point: &Point| !candidate.is_impossible(point.candidates[member][0]);
+            USUAL_SIZES.map(with_size).into_iter().filter(is_possible)
+        };
         let linearised = iteration.point_of(&[member], problem);
-        let best = likeliest(problem, possible.chain([linearised.clone()]), &[member]);
-        let is_other = |point: &Point| point.candidates[member] != linearised.candidates[member];
-        let starts = [best.filter(is_other), Some(linearised.clone())];
-        let fitted = starts.into_iter().flatten().map(|start| Fitted::converged(problem, start, vec![member]));
+        let here = likeliest(problem, usual(&self.point).chain([linearised.clone()]), &[member]);
+        let here = here.filter(|point| point.candidates[member] != linearised.candidates[member]);
+        let as_believed = || likeliest(problem, usual(&problem.start()), &[member]);
+        let there = if self.agrees_with_prior() { None } else { as_believed() };
+        let starts = [here, there, Some(linearised)].into_iter().flatten();
+        let fitted = starts.map(|start| Fitted::converged(problem, start, vec![member]));
         let likelier = |a: Fitted, b: Fitted| if b.deviance_above(&a) < 0.0 { b } else { a };
         fitted.reduce(likelier).expect("one fit at least")
     }
