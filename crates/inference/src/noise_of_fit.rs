@@ -29,7 +29,7 @@ const MOST_VERSIONS: usize = 3;
 /// By how much the logarithm of the likelihood of a noise may lie below its maximum: two numbers (Akaike 1974).
 const TWO_NUMBERS: f64 = 2.0;
 
-/// Costs from which on a candidate is worth its own whatever noise is estimated with it: time is saved where no noise is in question.
+/// A candidate that explains so many times its cost is worth it by either noise. To save time the second is not estimated then.
 const CERTAINLY_WORTH: f64 = 10.0;
 
 /// The noise of each quantity of a fit with these candidates, all others set aside.
@@ -45,11 +45,14 @@ pub(super) fn with_none_worth_its_cost(
     included: &[usize],
     all_aside: &[Noise],
 ) -> Vec<Noise> {
+    if problem.lasting() == Lasting::White {
+        return all_aside.to_vec();
+    }
     let fit = Fit { problem, evidence, included };
     let of_fit = fit.side_by_side(included);
     let others = Others::new(&fit, &of_fit);
     let best = others.worth_most(all_aside).filter(|best| best.gain < CERTAINLY_WORTH * best.cost);
-    let Some(best) = best.filter(|_| problem.lasting() != Lasting::White) else { return all_aside.to_vec() };
+    let Some(best) = best else { return all_aside.to_vec() };
     let likelihoods: Vec<RestrictedLikelihood> = fit.likelihoods(&of_fit).collect();
     // The noise of each quantity with these columns alone projected out, where it is not refuted.
     let with_alone = |columns: &DMatrix<f64>| -> Vec<Noise> {
