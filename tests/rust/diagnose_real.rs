@@ -180,7 +180,6 @@ fn comet_with_the_lift_slope_of_the_build_up_has_a_pitch_scale_first() {
 
 /// With a slope that is a quarter too small.
 #[test]
-#[ignore = "open: a scale of the pressure, the Reynolds exponent and a difference of the legs are named instead"]
 fn comet_with_a_smaller_lift_slope_has_a_pitch_scale() {
     comet_has_a_pitch_scale("--pin-lift=15", 0.87);
 }
