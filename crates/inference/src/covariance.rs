@@ -83,6 +83,17 @@ pub fn unit_columns(all: &DMatrix<f64>, k: usize) -> (DMatrix<f64>, Vec<f64>) {
     (columns, lengths)
 }
 
+/// All of these columns in one matrix of so many rows.
+pub(super) fn side_by_side(rows: usize, parts: &[&DMatrix<f64>]) -> DMatrix<f64> {
+    let mut all = DMatrix::zeros(rows, parts.iter().map(|part| part.ncols()).sum());
+    let mut column = 0;
+    for part in parts {
+        all.columns_mut(column, part.ncols()).copy_from(part);
+        column += part.ncols();
+    }
+    all
+}
+
 /// Inverse of a symmetric matrix; none if its columns, scaled alike, are not independent.
 pub fn inverse_if_independent(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let scale = matrix.diagonal().map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { f64::NAN });

@@ -3,6 +3,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::covariance::side_by_side;
 use super::evidence::{Candidate, Evidence, Point, Problem, Quantity};
 use super::holdout::{self, least_squares};
 use super::noise_of_fit::{with_all_aside, with_none_worth_its_cost};
@@ -249,16 +250,6 @@ pub(super) fn deviance(evidence: &Evidence, noises: &[Noise]) -> f64 {
 /// Squares of how far the parameters are from what is believed, in units of its standard deviations.
 pub(super) fn belief_squares(evidence: &Evidence) -> f64 {
     evidence.prior.iter().map(|(belief, sd)| (belief / sd).powi(2)).sum()
-}
-
-pub(super) fn side_by_side(rows: usize, parts: &[&DMatrix<f64>]) -> DMatrix<f64> {
-    let mut all = DMatrix::zeros(rows, parts.iter().map(|part| part.ncols()).sum());
-    let mut column = 0;
-    for part in parts {
-        all.columns_mut(column, part.ncols()).copy_from(part);
-        column += part.ncols();
-    }
-    all
 }
 
 #[cfg(test)]

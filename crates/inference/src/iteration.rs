@@ -2,8 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::covariance::side_by_side;
 use super::evidence::{Candidate, Evidence, Point, Problem};
-use super::fitted::{Fitted, side_by_side};
+use super::fitted::Fitted;
 use super::holdout;
 use super::relevance::ONE_SIDED;
 use super::score::{CLEARLY_WRONG, Score, chance};

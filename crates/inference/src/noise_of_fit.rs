@@ -16,8 +16,8 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::covariance::side_by_side;
 use super::evidence::{Evidence, Problem, Quantity, names};
-use super::fitted::side_by_side;
 use super::score::Score;
 use super::subset_search::cost;
 use crate::noise::{Lasting, Noise};

@@ -2,8 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::covariance::side_by_side;
 use super::evidence::{Point, Problem};
-use super::fitted::{Fitted, side_by_side, solve};
+use super::fitted::{Fitted, solve};
 use super::holdout;
 use super::outcome::Stage;
 
