@@ -196,6 +196,7 @@ mod tests {
 
     use super::*;
     use crate::evidence::{Candidate, Point};
+    use crate::tests::candidate;
 
     /// Eight legs of fifty rows; candidates that take up what changes in an hour or more.
     struct FewLegs {
@@ -224,17 +225,6 @@ mod tests {
                 slow = kept * slow + (1.0 - kept * kept).sqrt() * normal();
                 slow + WHITE_SD * normal() + size * wave(2, row)
             });
-            let candidate = |name| Candidate {
-                name,
-                parameters: vec![(name, "1")],
-                neutral: vec![0.0],
-                prior_sd: vec![100.0],
-                usual_sds: f64::INFINITY,
-                bounds: Vec::new(),
-                possible: [f64::NEG_INFINITY, f64::INFINITY],
-                shown: None,
-                version: None,
-            };
             const NAMES: [&str; CANDIDATES] = [
                 "a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l", "m", "n", "o", "p", "q", "r", "s", "t",
                 "u", "v", "w", "x",

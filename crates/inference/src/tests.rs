@@ -25,6 +25,21 @@ pub(crate) struct Toy {
 
 const ROWS: usize = 560;
 
+/// A candidate with one parameter, of which nothing is believed.
+pub(crate) fn candidate(name: &'static str) -> Candidate {
+    Candidate {
+        name,
+        parameters: vec![(name, "1")],
+        neutral: vec![0.0],
+        prior_sd: vec![100.0],
+        usual_sds: f64::INFINITY,
+        bounds: Vec::new(),
+        possible: [f64::NEG_INFINITY, f64::INFINITY],
+        shown: None,
+        version: None,
+    }
+}
+
 impl Toy {
     pub(crate) fn new(seed: u64, effect: impl Fn(usize, &Toy) -> f64) -> Toy {
         let mut rng = StdRng::seed_from_u64(seed);
@@ -44,18 +59,7 @@ impl Toy {
             column(&|i| (depth[i] / 200.0) + 0.001 * (i as f64 * 0.7).sin()),
             column(&|i| (-depth[i] / 15.0).exp()),
         ];
-        let named = |name| Candidate {
-            name,
-            parameters: vec![(name, "1")],
-            neutral: vec![0.0],
-            prior_sd: vec![100.0],
-            usual_sds: f64::INFINITY,
-            bounds: Vec::new(),
-            possible: [f64::NEG_INFINITY, f64::INFINITY],
-            shown: None,
-            version: None,
-        };
-        let candidates = ["offset", "compression", "leak", "expansion", "air"].map(named).to_vec();
+        let candidates = ["offset", "compression", "leak", "expansion", "air"].map(candidate).to_vec();
         let covariates = vec![
             Covariate { name: "depth", kind: smooth::Kind::Line, values: depth },
             Covariate { name: "time", kind: smooth::Kind::Line, values: time_s.clone() },
