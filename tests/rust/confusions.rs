@@ -458,6 +458,16 @@ fn a_late_clock_is_found_from_sizes_on_either_side_of_none() {
     }
 }
 
+/// A clock of -39 s resembled a pressure that is late by 16 s, and a pressure that is late by 29 s a scale of it: the slopes at the one say
+/// nothing of the other.
+#[test]
+fn what_is_late_is_fitted_from_its_own_sizes_in_the_place_of_what_resembles_it() {
+    for (effect, seed) in [("clock_offset", 84_502), ("pressure_lag", 84_501)] {
+        let answer = Answer::diagnose(effect, seed, true, true).expect("a diagnosis");
+        assert!(answer.is_right(), "{seed}: {}", answer.evidence);
+    }
+}
+
 /// A current of 18 mm/s is most of what a noise that lasts explains too, and a curve along the pitch explains more of the rest.
 #[test]
 fn no_curve_takes_the_place_of_a_current_that_does_nearly_all() {

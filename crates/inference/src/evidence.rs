@@ -304,6 +304,12 @@ pub trait Problem: Sync {
         false
     }
 
+    /// Whether the slopes along a candidate at one size of it say nothing of another: it is fitted from several sizes on.
+    fn is_strongly_nonlinear_in(&self, candidate: usize) -> bool {
+        let _ = candidate;
+        false
+    }
+
     /// The same problem for a first search about a point, quicker: what changes little with the parameters stays as it is there.
     /// None where there is no such problem. What is found is fitted again in full.
     fn for_first_search(&self, about: &Point) -> Option<Self>

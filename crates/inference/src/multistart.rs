@@ -6,7 +6,7 @@ use std::cmp::Ordering;
 use rayon::prelude::*;
 
 use super::evidence::{Evidence, Point, Problem, Quantity};
-use super::fitted::{Fitted, MAX_NOISE_ROUNDS, belief_squares, believing, deviance};
+use super::fitted::{Fitted, MAX_NOISE_ROUNDS, belief_squares, believing, deviance, weighted_squares};
 use super::holdout;
 use super::iteration::Iteration;
 use super::score::{SIGNIFICANT, chance};
@@ -15,7 +15,8 @@ use crate::noise::{self, Noise};
 /// Largest number of further starts of the baseline, those with the smallest objective first.
 const MOST_STARTS: usize = 3;
 
-/// Share of the required fall of the objective that a mechanism must reach in the first rounds, while all of the misfit counts as noise.
+/// Share of the required fall of the objective that a mechanism must reach in the first rounds, while all of the misfit counts as noise; and
+/// of what another one explains that its first step must promise.
 const PROMISING: f64 = 0.1;
 
 /// Sizes from which one mechanism is fitted, in prior standard deviations from neutral: beside a bent polar the minimum of a late clock is
@@ -153,12 +154,43 @@ impl Fitted {
         Fitted::converged(problem, start, members)
     }
 
-    /// Fits one mechanism beside this baseline: from its linearised magnitude, and from the best of some usual ones on either side of neutral
-    /// where the objective is smaller there; where the baseline contradicts what is believed, also from the best of these beside the
-    /// baseline as it is believed. The likeliest stands. What is late has minima between which slopes do not tell. `iteration` is that of
-    /// this fit.
+    /// Fits one mechanism beside this set from each of its starts; the likeliest stands. `iteration` is that of this fit.
     pub(super) fn with_one(&self, problem: &impl Problem, iteration: &Iteration<'_>, member: usize) -> Fitted {
+        let members = self.members_with(member);
+        let starts = self.starts_of_one(problem, iteration, member).into_iter();
+        let fitted = starts.map(|start| Fitted::converged(problem, start, members.clone()));
+        fitted.reduce(likelier).expect("one start at least")
+    }
+
+    /// The same from that start alone whose first step promises most; none where it promises less than a share of what another fit explains
+    /// beside this set, with the noise of that fit.
+    pub(super) fn with_one_beside(
+        &self,
+        problem: &impl Problem,
+        iteration: &Iteration<'_>,
+        member: usize,
+        other: &Fitted,
+    ) -> Option<Fitted> {
+        let members = self.members_with(member);
+        let squares = |fitted: &Fitted| weighted_squares(&fitted.evidence, &other.noises);
+        let most = squares(self) - PROMISING * (squares(self) - squares(other));
+        let promised = |point: Point| {
+            let evidence = believing(problem, problem.evidence_of(&point, &members), &point, &members);
+            let (noises, lasting) = (other.noises.clone(), self.lasting);
+            let trial = Fitted { point, included: members.clone(), evidence, noises, lasting };
+            (trial.squares_after_a_step(), trial.point)
+        };
+        let starts = self.starts_of_one(problem, iteration, member).into_iter().map(promised);
+        let (_, start) = starts.filter(|(left, _)| *left < most).min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(Fitted::converged(problem, start, members))
+    }
+
+    /// Where a fit of one mechanism beside this set may begin: at its linearised magnitude, and at the best of some usual ones on either side
+    /// of neutral where the objective is smaller there; where the baseline contradicts what is believed, also at the best of these beside the
+    /// baseline as it is believed. What is late has minima between which slopes do not tell.
+    fn starts_of_one(&self, problem: &impl Problem, iteration: &Iteration<'_>, member: usize) -> Vec<Point> {
         let candidate = &problem.candidates()[member];
+        let members = self.members_with(member);
         let usual = |about: &Point| {
             let with_size = |of_prior: f64| {
                 let mut point = about.clone();
@@ -169,15 +201,19 @@ impl Fitted {
             let is_possible = |point: &Point| !candidate.is_impossible(point.candidates[member][0]);
             USUAL_SIZES.map(with_size).into_iter().filter(is_possible)
         };
-        let linearised = iteration.point_of(&[member], problem);
-        let here = likeliest(problem, usual(&self.point).chain([linearised.clone()]), &[member]);
+        let linearised = iteration.point_of(&members, problem);
+        let here = likeliest(problem, usual(&self.point).chain([linearised.clone()]), &members);
         let here = here.filter(|point| point.candidates[member] != linearised.candidates[member]);
-        let as_believed = || likeliest(problem, usual(&problem.start()), &[member]);
-        let there = if self.agrees_with_prior() { None } else { as_believed() };
-        let starts = [here, there, Some(linearised)].into_iter().flatten();
-        let fitted = starts.map(|start| Fitted::converged(problem, start, vec![member]));
-        let likelier = |a: Fitted, b: Fitted| if b.deviance_above(&a) < 0.0 { b } else { a };
-        fitted.reduce(likelier).expect("one fit at least")
+        let as_believed = || Point { baseline: problem.start().baseline, ..self.point.clone() };
+        let there = if self.agrees_with_prior() { None } else { likeliest(problem, usual(&as_believed()), &members) };
+        [here, there, Some(linearised)].into_iter().flatten().collect()
+    }
+
+    fn members_with(&self, member: usize) -> Vec<usize> {
+        let mut members = self.included.clone();
+        members.push(member);
+        members.sort_unstable();
+        members
     }
 
     /// Returns the sets that contain the mechanism found by the nonlinear refit and predict no worse than this one, best first: that
@@ -233,9 +269,15 @@ impl Fitted {
     }
 }
 
+/// Returns the likelier of two fits, the first of equal ones.
+fn likelier(a: Fitted, b: Fitted) -> Fitted {
+    if b.deviance_above(&a) < 0.0 { b } else { a }
+}
+
 /// Returns the point with the smallest objective of those that a problem admits.
 fn likeliest(problem: &impl Problem, starts: impl IntoIterator<Item = Point>, members: &[usize]) -> Option<Point> {
-    let evidence = |point: &Point| believing(problem, problem.evidence_of(point, members), point, members);
+    // The objective needs no slopes along the members.
+    let evidence = |point: &Point| believing(problem, problem.evidence_of(point, &[]), point, members);
     let admitted = starts.into_iter().filter(|point| problem.admits(point));
     let of = |point: Point| (objective(&evidence(&point)), point);
     admitted.map(of).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, point)| point)

@@ -97,9 +97,11 @@ pub(super) fn likelier(problem: &impl Problem, baseline: &Baseline, present: &Fi
                 && predicts_as_well()
         };
         let refitted = refitted(problem, (baseline, present), &iteration, place, gain).into_par_iter();
-        refitted.map(less_likely).filter(is_likelier).collect::<Vec<_>>()
+        let whatever_slopes_say = far_from_linear(problem, baseline, present, place).into_par_iter();
+        refitted.chain(whatever_slopes_say).map(less_likely).filter(is_likelier).collect::<Vec<_>>()
     };
-    let mut likelier: Vec<(f64, Replacement)> = (0..present.included.len()).flat_map(of_place).collect();
+    let places = (0..present.included.len()).into_par_iter();
+    let mut likelier: Vec<(f64, Replacement)> = places.flat_map(of_place).collect();
     likelier.sort_by(|a, b| a.0.total_cmp(&b.0));
     likelier.into_iter().map(|(_, rival)| rival.fitted).collect()
 }
@@ -139,15 +141,38 @@ fn refitted(
         members[place] = other;
         members.sort_unstable();
         let rival = baseline.converged(problem, iteration.point_of(&members, problem), members);
-        let cannot_be = |place: usize| {
-            let candidate = &candidates[rival.included[place]];
-            candidate.is_unusual(rival.point.candidates[rival.included[place]][0])
-                || rival.is_impossible_for_certain(problem, place)
-        };
-        let exists = rival.is_possible(candidates) && !(0..rival.included.len()).any(cannot_be);
-        exists.then_some(Replacement { candidate: other, fitted: rival })
+        exists(problem, &rival).then_some(Replacement { candidate: other, fitted: rival })
     };
     others.into_par_iter().filter_map(refit).collect()
+}
+
+/// Whether nature has all sizes of a set, as far as their errors tell.
+fn exists(problem: &impl Problem, fitted: &Fitted) -> bool {
+    let candidates = problem.candidates();
+    let cannot_be = |place: usize| {
+        let member = fitted.included[place];
+        candidates[member].is_unusual(fitted.point.candidates[member][0])
+            || fitted.is_impossible_for_certain(problem, place)
+    };
+    fitted.is_possible(candidates) && !(0..fitted.included.len()).any(cannot_be)
+}
+
+/// The set with one member exchanged for each mechanism of which the slopes elsewhere say nothing, that member itself among them: each
+/// fitted from the most promising of several sizes of it on.
+fn far_from_linear(problem: &impl Problem, baseline: &Baseline, present: &Fitted, place: usize) -> Vec<Replacement> {
+    let without_it = |other: &usize| !present.included.contains(other) || *other == present.included[place];
+    let is_asked = |candidate: &usize| problem.is_strongly_nonlinear_in(*candidate) && without_it(candidate);
+    let asked: Vec<usize> = (0..problem.candidates().len()).filter(is_asked).collect();
+    if asked.is_empty() {
+        return Vec::new();
+    }
+    let without = present.without(problem, baseline, place);
+    let iteration = Iteration::new(problem.candidates(), &without);
+    let fitted = |candidate: usize| {
+        let fitted = without.with_one_beside(problem, &iteration, candidate, present)?;
+        exists(problem, &fitted).then_some(Replacement { candidate, fitted })
+    };
+    asked.into_par_iter().filter_map(fitted).collect()
 }
 
 /// The first version of each mechanism in this order, but for those of one name.

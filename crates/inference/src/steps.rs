@@ -37,6 +37,12 @@ impl Fitted {
         fallen
     }
 
+    /// The weighted sum of squares after one step, were the model linear.
+    pub(super) fn squares_after_a_step(&self) -> f64 {
+        let all = with_target(&self.evidence, &self.noises, &self.columns(), &self.evidence.residual);
+        weighted_squares(&self.evidence, &self.noises) - LeastSquares::new(&all).fall(0.0)
+    }
+
     /// One step; returns by how much the weighted sum of squares fell, 0 where no step makes it fall.
     fn take_step(&mut self, problem: &impl Problem, damping: &mut Damping) -> f64 {
         // Slow slopes are asked for where a step ends, not where it is tried.

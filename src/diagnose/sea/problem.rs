@@ -89,6 +89,11 @@ impl Problem for SeaProblem {
         true
     }
 
+    /// Where a glider turns over, what it read half a minute ago is of another leg.
+    fn is_strongly_nonlinear_in(&self, candidate: usize) -> bool {
+        self.is_held_in_first_search(candidate)
+    }
+
     /// Thermoclines and inertia inside the bins are nine tenths of a flight, and change what a bin reads by little.
     fn for_first_search(&self, about: &Point) -> Option<Self> {
         let within = || self.within_at(about, self.shifted(&self.parameters_at(about)).as_deref());
