@@ -68,7 +68,7 @@ impl Problem for SeaProblem {
                 .chain((0..self.shear.len()).map(|_| 0.0))
                 .chain(self.start_of_common_drag())
                 .chain([1.0])
-                .chain(if self.is_quasi_steady() { vec![] } else { vec![1.0, path_share::START] })
+                .chain([1.0, path_share::START].into_iter().filter(|_| !self.is_quasi_steady()))
                 .collect(),
             candidates: self.candidates.iter().map(|candidate| candidate.neutral.clone()).collect(),
         }
@@ -245,11 +245,11 @@ impl Problem for SeaProblem {
         baseline.set_column(self.place_of_reliability(), &DVector::from_fn(n, |row, _| by_reliability(row)));
         if share.is_some() {
             baseline.set_column(self.place_of_inertia(), &by_inertia);
+            let of_log_odds = path_share::slope(point.baseline[self.place_of_path()]);
             let by_path = |row: usize| {
-                let turned_rad = self.follows_s[bin_of(row)] * pitch_rates[bin_of(row)];
-                -parameters.pitch_scale * turned_rad * slopes[(row, self.pitch_direction)]
+                let late_rad = self.follows_s[bin_of(row)] * pitch_rates[bin_of(row)];
+                of_log_odds * (-parameters.pitch_scale * late_rad * slopes[(row, self.pitch_direction)])
             };
-            let by_path = |row: usize| path_share::slope(point.baseline[self.place_of_path()]) * by_path(row);
             baseline.set_column(self.place_of_path(), &DVector::from_fn(n, |row, _| by_path(row)));
         }
         // The share of a change of the net mass that the glider follows late.
