@@ -97,8 +97,8 @@ pub(super) fn likelier(problem: &impl Problem, baseline: &Baseline, present: &Fi
                 && predicts_as_well()
         };
         let refitted = refitted(problem, (baseline, present), &iteration, place, gain).into_par_iter();
-        let whatever_slopes_say = far_from_linear(problem, baseline, present, place).into_par_iter();
-        refitted.chain(whatever_slopes_say).map(less_likely).filter(is_likelier).collect::<Vec<_>>()
+        let far = far_from_linear(problem, baseline, present, place).into_par_iter();
+        refitted.chain(far).map(less_likely).filter(is_likelier).collect::<Vec<_>>()
     };
     let places = (0..present.included.len()).into_par_iter();
     let mut likelier: Vec<(f64, Replacement)> = places.flat_map(of_place).collect();
@@ -160,8 +160,9 @@ fn exists(problem: &impl Problem, fitted: &Fitted) -> bool {
 /// The set with one member exchanged for each mechanism of which the slopes elsewhere say nothing, that member itself among them: each
 /// fitted from the most promising of several sizes of it on.
 fn far_from_linear(problem: &impl Problem, baseline: &Baseline, present: &Fitted, place: usize) -> Vec<Replacement> {
-    let without_it = |other: &usize| !present.included.contains(other) || *other == present.included[place];
-    let is_asked = |candidate: &usize| problem.is_strongly_nonlinear_in(*candidate) && without_it(candidate);
+    let is_another_member =
+        |candidate: &usize| present.included.contains(candidate) && *candidate != present.included[place];
+    let is_asked = |candidate: &usize| problem.is_strongly_nonlinear_in(*candidate) && !is_another_member(candidate);
     let asked: Vec<usize> = (0..problem.candidates().len()).filter(is_asked).collect();
     if asked.is_empty() {
         return Vec::new();
