@@ -336,7 +336,8 @@ impl Fitted {
         Some((other, refuted))
     }
 
-    /// Alternates between the choice of a set and its fit until the choice stands; returns the curve that goes with it.
+    /// Alternates between the choice of a set and its fit until the choice stands; returns the curve that goes with it. The slopes at one
+    /// set may lead to another that is far less likely once it is fitted, and on from there: then the likeliest on the way is taken.
     fn alternate(
         &mut self,
         problem: &impl Problem,
@@ -344,6 +345,9 @@ impl Fitted {
     ) -> Option<String> {
         let mut tried = vec![self.included.clone()];
         let mut curve = None;
+        let mut likeliest = self.clone();
+        // By how much the likeliest is likelier than what is here, what each costs counted.
+        let mut ahead = 0.0;
         for _ in 0..MAX_ROUNDS {
             let iteration = Iteration::new(problem.candidates(), self);
             let (members, found) = choose(&iteration);
@@ -351,11 +355,20 @@ impl Fitted {
             if members == self.included {
                 break;
             }
-            *self = self.with_members(problem, &iteration, members.clone());
+            let next = self.with_members(problem, &iteration, members.clone());
+            ahead = next.deviance_above(&likeliest) + iteration.search().cost_above(&members, &likeliest.included);
+            *self = next;
+            if ahead < 0.0 && curve.is_none() {
+                likeliest = self.clone();
+            }
             if tried.contains(&members) {
                 break;
             }
             tried.push(members);
+        }
+        // What stands beside a curve need not explain what the curve does.
+        if ahead > MARGIN && curve.is_none() {
+            *self = likeliest;
         }
         curve
     }

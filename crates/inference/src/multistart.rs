@@ -162,8 +162,8 @@ impl Fitted {
         fitted.reduce(likelier).expect("one start at least")
     }
 
-    /// The same from that start alone whose first step promises most; none where it promises less than a share of what another fit explains
-    /// beside this set, with the noise of that fit.
+    /// The same in the place of a mechanism that another fit has beside this set: from that start alone that leads lowest with the noise of
+    /// that fit; none where the first step from none promises a share of what that fit explains.
     pub(super) fn with_one_beside(
         &self,
         problem: &impl Problem,
@@ -174,15 +174,19 @@ impl Fitted {
         let members = self.members_with(member);
         let squares = |fitted: &Fitted| weighted_squares(&fitted.evidence, &other.noises);
         let most = squares(self) - PROMISING * (squares(self) - squares(other));
-        let promised = |point: Point| {
+        let trial_at = |point: Point| {
             let evidence = believing(problem, problem.evidence_of(&point, &members), &point, &members);
             let (noises, lasting) = (other.noises.clone(), self.lasting);
-            let trial = Fitted { point, included: members.clone(), evidence, noises, lasting };
-            (trial.squares_after_a_step(), trial.point)
+            Fitted { point, included: members.clone(), evidence, noises, lasting }
         };
-        let starts = self.starts_of_one(problem, iteration, member).into_iter().map(promised);
-        let (_, start) = starts.filter(|(left, _)| *left < most).min_by(|a, b| a.0.total_cmp(&b.0))?;
-        Some(Fitted::converged(problem, start, members))
+        let starts = self.starts_of_one(problem, iteration, member).into_iter().map(trial_at);
+        let promising = starts.filter(|trial| trial.squares_after_a_step() < most);
+        let descended = promising.map(|mut trial| {
+            trial.take_steps(problem);
+            trial
+        });
+        let lowest = descended.min_by(|a, b| squares(a).total_cmp(&squares(b)))?;
+        Some(Fitted::converged(problem, lowest.point, members))
     }
 
     /// Where a fit of one mechanism beside this set may begin: at its linearised magnitude, and at the best of some usual ones on either side

@@ -139,6 +139,12 @@ impl<'a> SubsetSearch<'a> {
         self.costs[regressor]
     }
 
+    /// By how much one set costs more than another.
+    pub fn cost_above(&self, members: &[usize], others: &[usize]) -> f64 {
+        let cost = |set: &[usize]| set.iter().map(|member| self.costs[*member]).sum::<f64>();
+        cost(members) - cost(others)
+    }
+
     /// The best set of mechanisms alone: all singles and pairs, larger sets grown from the best ones.
     pub fn best_mechanisms(&self) -> Choice {
         let named: Vec<usize> = (0..self.regressors.len()).filter(|i| !self.regressors[*i].is_curve).collect();
