@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
 use super::covariance::unit_columns;
-use super::evidence::Evidence;
+use super::evidence::{Evidence, Quantity};
 use super::score::{whiten, whiten_with_prior};
 use crate::noise::Noise;
 
@@ -68,11 +68,27 @@ pub fn on_part(
 
 /// Whether any quantity is left with more by enough to act on: its rms in the first of two is the larger by more than its limit, in
 /// quadrature.
-pub fn leaves_relevantly_more(evidence: &Evidence, limits: &[f64], [more, less]: [&DVector<f64>; 2]) -> bool {
-    evidence.quantities.iter().zip(limits).any(|(quantity, limit)| {
+pub fn leaves_relevantly_more(evidence: &Evidence, limits: &[f64], left: [&DVector<f64>; 2]) -> bool {
+    with_relevantly_more(evidence, limits, left).next().is_some()
+}
+
+/// The same for certain: by more than 1.645 standard errors of the difference between blocks (95 %, one-sided).
+pub fn surely_leaves_relevantly_more(evidence: &Evidence, limits: &[f64], [more, less]: [&DVector<f64>; 2]) -> bool {
+    let difference = |row: usize| (evidence.block[row], more[row].powi(2) - less[row].powi(2));
+    let mut quantities = with_relevantly_more(evidence, limits, [more, less]);
+    quantities.any(|quantity| standard_errors_of_mean(quantity.rows.clone().map(difference)) > 1.645)
+}
+
+fn with_relevantly_more<'a>(
+    evidence: &'a Evidence,
+    limits: &'a [f64],
+    [more, less]: [&'a DVector<f64>; 2],
+) -> impl Iterator<Item = &'a Quantity> {
+    let is_more = move |(quantity, limit): &(&Quantity, &f64)| {
         let square = |left: &DVector<f64>| rms(left, quantity.rows.clone()).powi(2);
         square(more) - square(less) > limit.powi(2)
-    })
+    };
+    evidence.quantities.iter().zip(limits).filter(is_more).map(|(quantity, _)| quantity)
 }
 
 /// Solution of a least-squares problem whose right side is the last column; directions that no row sees stay zero.
@@ -173,18 +189,22 @@ pub fn rms(values: &DVector<f64>, rows: impl IntoIterator<Item = usize>) -> f64 
 pub fn advantage(evidence: &Evidence, noises: &[Noise], without: &DVector<f64>, with: &DVector<f64>) -> f64 {
     let mut left = DMatrix::from_columns(&[without.clone(), with.clone()]);
     whiten(evidence, noises, &mut left);
+    let rows = evidence.quantities.iter().flat_map(|quantity| quantity.rows.clone());
+    standard_errors_of_mean(rows.map(|row| (evidence.block[row], left[(row, 0)].powi(2) - left[(row, 1)].powi(2))))
+}
+
+/// The mean over blocks of a sum over the rows of each, in its standard errors; 0 where it has none.
+fn standard_errors_of_mean(of_rows: impl Iterator<Item = (usize, f64)>) -> f64 {
     let mut blocks: Vec<(usize, f64)> = Vec::new();
-    for row in evidence.quantities.iter().flat_map(|quantity| quantity.rows.clone()) {
-        let fall = left[(row, 0)].powi(2) - left[(row, 1)].powi(2);
-        let block = evidence.block[row];
+    for (block, value) in of_rows {
         match blocks.iter_mut().find(|(known, _)| *known == block) {
-            Some((_, sum)) => *sum += fall,
-            None => blocks.push((block, fall)),
+            Some((_, sum)) => *sum += value,
+            None => blocks.push((block, value)),
         }
     }
     let n = blocks.len() as f64;
-    let mean = blocks.iter().map(|(_, fall)| fall).sum::<f64>() / n;
-    let variance = blocks.iter().map(|(_, fall)| (fall - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+    let mean = blocks.iter().map(|(_, value)| value).sum::<f64>() / n;
+    let variance = blocks.iter().map(|(_, value)| (value - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
     let se = (variance / n).sqrt();
     if se > 0.0 { mean / se } else { 0.0 }
 }
@@ -227,4 +247,28 @@ pub fn reduction_interval(
 /// Reduction from one error to another \[%\].
 pub fn reduction_percent(before: f64, after: f64) -> f64 {
     if before > 0.0 { 100.0 * (1.0 - after / before) } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::evidence::Problem;
+    use super::super::tests::Toy;
+    use super::*;
+
+    /// Rows are missed by 1 on average, and by 1.12 with as much more in each block: 0.5 in quadrature. The same in one of 28 blocks is one
+    /// standard error.
+    #[test]
+    fn what_one_block_misses_more_is_not_certain() {
+        let toy = Toy::new(1, |_, _| 0.0);
+        let evidence = toy.evidence(&toy.start());
+        let n = evidence.residual.len();
+        let less = DVector::from_element(n, 1.0);
+        let everywhere = DVector::from_fn(n, |row, _| (1.25 + 0.01 * (row % 7) as f64).sqrt());
+        let in_one = DVector::from_fn(n, |row, _| if evidence.block[row] == 3 { 8.0_f64.sqrt() } else { 1.0 });
+        for (more, is_certain) in [(&everywhere, true), (&in_one, false)] {
+            assert!(leaves_relevantly_more(&evidence, &[0.45], [more, &less]));
+            assert_eq!(surely_leaves_relevantly_more(&evidence, &[0.45], [more, &less]), is_certain);
+        }
+        assert!(!surely_leaves_relevantly_more(&evidence, &[0.6], [&everywhere, &less]));
+    }
 }

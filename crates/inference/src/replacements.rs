@@ -75,7 +75,7 @@ pub(super) fn in_place_of(problem: &impl Problem, baseline: &Baseline, refused: 
 /// The sets with one member exchanged that are likelier than this one and predict held-out data no worse by one standard error nor by
 /// anything that counts, each fitted in full, the likeliest first. The slopes at a wrong law may keep it before the true one. The
 /// likelihood alone may take a slow misfit for noise. A time that was selected from all data has seen what is held out: one without such a
-/// time need not predict as well, and one with it must leave no more at all.
+/// time need not predict as well, and one with it must leave no more at all, unless the evidence for it is strong.
 pub(super) fn likelier(problem: &impl Problem, baseline: &Baseline, present: &Fitted) -> Vec<Fitted> {
     let candidates = problem.candidates();
     let iteration = Iteration::new(candidates, present);
@@ -89,11 +89,15 @@ pub(super) fn likelier(problem: &impl Problem, baseline: &Baseline, present: &Fi
             let advantage = || holdout::advantage(&present.evidence, &present.noises, &rival.fitted.held_out(), &named);
             let predicts_as_well = || match (has_version(present.included[place]), has_version(rival.candidate)) {
                 (true, false) => true,
-                (false, true) => rival.fitted.held_out_misfit() <= present.held_out_misfit(),
+                (false, true) if *less_likely > -MARGIN => rival.fitted.held_out_misfit() <= present.held_out_misfit(),
                 _ => advantage() < EQUAL,
             };
             *less_likely < 0.0
-                && !holdout::leaves_relevantly_more(&present.evidence, &limits, [&rival.fitted.held_out(), &named])
+                && !holdout::surely_leaves_relevantly_more(
+                    &present.evidence,
+                    &limits,
+                    [&rival.fitted.held_out(), &named],
+                )
                 && predicts_as_well()
         };
         let refitted = refitted(problem, (baseline, present), &iteration, place, gain).into_par_iter();
