@@ -11,8 +11,6 @@ use crate::identify::{Bin, Inside, surroundings};
 pub struct AtRest<'a> {
     /// The share of the inertia that takes part.
     pub share: f64,
-    /// The bin with the pitch that the path follows at once.
-    pub bin: Bin,
     /// What happens inside of it.
     pub inside: &'a Inside,
 }
@@ -46,7 +44,7 @@ impl Flown {
         sink.scale(reading);
         let by_force = by_force(parameters, bin, &acted_on, [&sink, &speed], pitch, reading);
         let mut by_inertia = [0.0; 2];
-        if let Some(AtRest { share, bin, inside }) = at_rest {
+        if let Some(AtRest { share, inside }) = at_rest {
             let [sink_at_rest, speed_at_rest] =
                 vehicle.fly_plainly(bin, &with_effect(parameters, bin, inside, effect, effect.net_mass_kg));
             by_inertia = [sink.value - reading * sink_at_rest, speed.value - speed_at_rest];
@@ -102,7 +100,7 @@ fn by_force(
 #[cfg(test)]
 mod tests {
     use crate::diagnose::Problem;
-    use crate::diagnose::sea::{DiagnosisSettings, SeaProblem, steady_log};
+    use crate::diagnose::sea::{DiagnosisSettings, SeaProblem, path_share, steady_log};
     use crate::vehicle::Vehicle;
 
     /// A log of steady glides whose pitch hunts. Without inertia the path follows the pitch at once: the model without it, by its share
@@ -112,17 +110,17 @@ mod tests {
         let parameters = Vehicle::load("slocum-graver").expect("a vehicle").glide_parameters();
         let log = steady_log::log(&parameters);
         let problem = SeaProblem::new(&log, &parameters, DiagnosisSettings::default()).expect("enough bins");
-        let rms = |problem: &SeaProblem, share: Option<f64>| {
+        let rms = |problem: &SeaProblem, shares: &[f64]| {
             let mut point = problem.start();
             point.baseline.truncate(problem.place_of_inertia());
-            point.baseline.extend(share);
+            point.baseline.extend(shares);
             let residual = problem.evidence(&point).residual;
             residual.norm() / (residual.len() as f64).sqrt()
         };
         let mut steady = SeaProblem { parts: problem.parts.without_inertia(), ..problem.clone() };
         steady.baseline.truncate(problem.place_of_inertia());
-        let found = [rms(&problem, Some(0.0)), rms(&steady, None)];
+        let found = [rms(&problem, &[0.0, -path_share::START]), rms(&steady, &[])];
         assert!(found.iter().all(|rms| *rms < 2e-5), "{found:?} m/s");
-        assert!(rms(&problem, Some(1.0)) > 1e-3);
+        assert!(rms(&problem, &[1.0, path_share::START]) > 1e-3 && rms(&problem, &[0.0, path_share::START]) > 5e-5);
     }
 }

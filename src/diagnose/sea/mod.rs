@@ -26,6 +26,7 @@ mod log_diagnosis;
 mod model;
 mod not_assessed;
 mod past;
+mod path_share;
 mod pitch_reliability;
 mod problem;
 mod salinity;
@@ -231,7 +232,7 @@ impl SeaProblem {
         let mut directions = Directions::new(&baseline_index);
         let common_drag = CommonDrag::new(parameters, &mut directions);
         baseline.extend(common_drag.map(|_| COMMON_DRAG_SHARE));
-        baseline.extend([PITCH_RELIABILITY, INERTIA_SHARE]);
+        baseline.extend([PITCH_RELIABILITY, INERTIA_SHARE, path_share::PATH_LOG_ODDS]);
 
         let pitch_direction = directions.index_of(parameter_index("pitch_offset_rad").expect("a row of the table"));
         let of_bin = |bin: &Bin| follows_s[bin.first..bin.first + bin.samples].iter().sum::<f64>() / bin.samples as f64;
@@ -434,6 +435,16 @@ impl SeaProblem {
     /// The share of its inertia with which the glider follows its forces at a point, where it is fitted.
     fn inertia_share(&self, point: &Point) -> Option<f64> {
         point.baseline.get(self.place_of_inertia()).copied()
+    }
+
+    /// Where the log-odds of the share of the time stand by which the path follows the pitch: behind that.
+    fn place_of_path(&self) -> usize {
+        self.place_of_inertia() + 1
+    }
+
+    /// The share of that time at a point; 0 in a problem without inertia.
+    fn path_share(&self, point: &Point) -> f64 {
+        point.baseline.get(self.place_of_path()).map_or(0.0, |log_odds| path_share::share(*log_odds))
     }
 
     /// What the past and the unknown shear do to each bin at a point; nothing where both do nothing.

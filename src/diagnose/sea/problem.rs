@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::common_drag::CommonDrag;
 use super::flown::{AtRest, Flown};
 use super::model::{self, Vehicle};
+use super::path_share;
 use super::pitch_reliability::{self, with_pitch_of_glider};
 use super::{
     LEAST_KNOWN, LEAST_RELEVANT, Lift, SPEED, SeaProblem, Slopes, VERTICAL_VELOCITY, candidates, covariates,
@@ -67,7 +68,7 @@ impl Problem for SeaProblem {
                 .chain((0..self.shear.len()).map(|_| 0.0))
                 .chain(self.start_of_common_drag())
                 .chain([1.0])
-                .chain((!self.parts.is_quasi_steady()).then_some(1.0))
+                .chain([1.0, path_share::START].into_iter().filter(|_| !self.is_quasi_steady()))
                 .collect(),
             candidates: self.candidates.iter().map(|candidate| candidate.neutral.clone()).collect(),
         }
@@ -183,7 +184,7 @@ impl Problem for SeaProblem {
         let parameters = self.parameters_at(point);
         let (n_w, n_u) = (self.bins.len(), self.with_speed.len());
         let n = n_w + n_u;
-        let share = self.inertia_share(point);
+        let (share, path_share) = (self.inertia_share(point), self.path_share(point));
         let shifted = self.shifted(&parameters);
         let mut past = self.effects(point, &parameters);
         let flown = self.within.is_none().then(|| self.within_with_past(point, shifted.as_deref(), past.as_ref()));
@@ -207,13 +208,11 @@ impl Problem for SeaProblem {
         // What a force along the heading changes in each row [m/s per N].
         let mut by_force = DVector::zeros(n);
         let flown = |row: usize| {
-            let bin = with_pitch_of_glider(&bins[row], deviations_rad[row], reliability);
-            // A path without inertia follows the pitch at once, and so is ahead of the one that was read for it.
-            let mut bin_at_rest = bin;
-            bin_at_rest.mean.pitch_rad += self.follows_s[row] * pitch_rates[row];
-            let bin = if share.is_some() { bin } else { bin_at_rest };
+            let mut bin = with_pitch_of_glider(&bins[row], deviations_rad[row], reliability);
+            // A path that follows the pitch at once is ahead of the one that was read for it.
+            bin.mean.pitch_rad += (1.0 - path_share) * self.follows_s[row] * pitch_rates[row];
             let inside_at_rest = share.zip(at_rest.as_ref().map(|at_rest| &at_rest[row]));
-            let at_rest = inside_at_rest.map(|(share, inside)| AtRest { share, bin: bin_at_rest, inside });
+            let at_rest = inside_at_rest.map(|(share, inside)| AtRest { share, inside });
             let effect = past.as_ref().map(|effects| effects[row]).unwrap_or_default();
             Flown::new(&vehicle, self.pitch_direction, &bin, &inside[row], at_rest.as_ref(), &effect)
         };
@@ -246,6 +245,12 @@ impl Problem for SeaProblem {
         baseline.set_column(self.place_of_reliability(), &DVector::from_fn(n, |row, _| by_reliability(row)));
         if share.is_some() {
             baseline.set_column(self.place_of_inertia(), &by_inertia);
+            let of_log_odds = path_share::slope(point.baseline[self.place_of_path()]);
+            let by_path = |row: usize| {
+                let late_rad = self.follows_s[bin_of(row)] * pitch_rates[bin_of(row)];
+                of_log_odds * (-parameters.pitch_scale * late_rad * slopes[(row, self.pitch_direction)])
+            };
+            baseline.set_column(self.place_of_path(), &DVector::from_fn(n, |row, _| by_path(row)));
         }
         // The share of a change of the net mass that the glider follows late.
         let follows_late = share.unwrap_or(if self.is_quasi_steady() { 0.0 } else { 1.0 });
@@ -396,6 +401,7 @@ impl SeaProblem {
             .chain(self.prior_of_common_drag(point))
             .chain([pitch_reliability::prior(point.baseline[self.place_of_reliability()])])
             .chain(self.inertia_share(point).map(|share| (1.0 - share, INERTIA_SHARE_SD)))
+            .chain(point.baseline.get(self.place_of_path()).map(|log_odds| path_share::prior(*log_odds)))
             .collect()
     }
 

@@ -63,11 +63,11 @@ impl SeaProblem {
     /// A point of this problem with all of the inertia, from one without.
     fn with_all_inertia(&self, steady: &Point) -> Point {
         let mut point = steady.clone();
-        point.baseline.extend(self.start().baseline.get(self.place_of_inertia()));
+        point.baseline.extend(&self.start().baseline[self.place_of_inertia()..]);
         point
     }
 
-    /// A point without the share of the inertia.
+    /// A point without the shares of the inertia.
     fn without_share(&self, point: &Point) -> Point {
         let mut steady = point.clone();
         steady.baseline.truncate(self.place_of_inertia());
