@@ -3,10 +3,14 @@
 //! With pitch `theta` as controlled, path `xi = alpha - theta` (down positive), net mass `m0` and pressed area `q A`:
 //!
 //! ```text
-//! across:  q A a alpha = m0 g cos xi          (with heave: alpha follows it in (m + m3) / (rho V A a / 2))
+//! across:  q A a alpha = m0 g cos xi
+//!          with heave:  (m + m3) dalpha/dt = (m + m1) dtheta/dt + (m0 g cos xi - q A a alpha) / V
 //! along:   (m + m1) dV/dt = m0 g sin xi - q A (b + c alpha^2) - (m + m1) cos xi du/dt
 //! depth:   dz/dt = V sin xi + w
 //! ```
+//!
+//! With heave a path that turns needs lift (Kirchhoff: `(m + m3) dv3/dt = (m + m1) v1 dtheta/dt + F3`, with `v3 = V alpha`), so it
+//! follows the pitch late by `(m + m1) / (rho V A a / 2)`; without, it follows at once.
 //!
 //! `u` is the water's horizontal velocity along the heading, met where the glider is: parallel flow does not accelerate
 //! by itself, so all of `du/dt` is what the glider lags behind. `w` is the water's vertical velocity, which lasts much
@@ -395,6 +399,7 @@ pub fn fly(voyage: &Voyage, random: &mut Stream, mut observe: impl FnMut(&Instan
     let mut wander = sea.wander_m_s * normal(random);
     let mut pitch_wander = normal(random);
     let mut memory = Memory::afloat(&sea.water(0.0, 0.0));
+    let mut pitch_before = None;
     for (leg, &(pitch_rad, wanted_cc)) in plan.legs.iter().enumerate() {
         let up = leg % 2 == 1;
         let heading_rad = plan.headings_rad[leg / 2];
@@ -442,10 +447,13 @@ pub fn fly(voyage: &Voyage, random: &mut Stream, mut observe: impl FnMut(&Instan
             alpha = match motion {
                 Motion::SurgeAndHeave => {
                     let follow_s = heave_kg / (half * speed * vehicle.a_per_rad);
-                    alpha + (1.0 - (-STEP_S / follow_s).exp()) * (balanced - alpha)
+                    let pitch_rate = (pitch - pitch_before.unwrap_or(pitch)) / STEP_S;
+                    let turned = (balanced + pitch_rate * follow_s * surge_kg / heave_kg).clamp(-0.4, 0.4);
+                    alpha + (1.0 - (-STEP_S / follow_s).exp()) * (turned - alpha)
                 }
                 _ => 0.7 * alpha + 0.3 * balanced,
             };
+            pitch_before = Some(pitch);
             let xi = alpha - pitch;
             let along_n = net_n * xi.sin();
             let drag = half * hidden.drag_coefficient(vehicle, &flow(alpha, speed));
