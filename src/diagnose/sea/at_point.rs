@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::late_attitude::Shifted;
-use super::{SeaProblem, Within, history, path_share};
+use super::{SeaProblem, Within, effects_of_past, path_share};
 use crate::diagnose::evidence::{Candidate, Point};
 use crate::dynamics::{Parameters, parameter_index};
 use crate::identify::{Bin, Parts, make_heavier};
@@ -42,13 +42,13 @@ impl SeaProblem {
     }
 
     /// What the past and the unknown shear do to each bin at a point; nothing where both do nothing.
-    pub(super) fn effects(&self, point: &Point, parameters: &Parameters<f64>) -> Option<Vec<history::Effect>> {
+    pub(super) fn effects(&self, point: &Point, parameters: &Parameters<f64>) -> Option<Vec<effects_of_past::Effect>> {
         let effects = self.past.effects(&self.bins, parameters);
         let coefficients = self.shear_coefficients(point);
         if coefficients.iter().all(|value| *value == 0.0) {
             return effects;
         }
-        let mut effects = effects.unwrap_or_else(|| vec![history::Effect::default(); self.bins.len()]);
+        let mut effects = effects.unwrap_or_else(|| vec![effects_of_past::Effect::default(); self.bins.len()]);
         for (bin, effect) in effects.iter_mut().enumerate() {
             effect.along_N += self.shear.along_N(coefficients, bin, parameters.mass_kg());
         }
@@ -81,7 +81,7 @@ impl SeaProblem {
         &self,
         point: &Point,
         shifted: Option<&Shifted>,
-        past: Option<&Vec<history::Effect>>,
+        past: Option<&Vec<effects_of_past::Effect>>,
     ) -> Within {
         let (bins, parts) = (shifted.map_or(&self.bins, |shifted| &shifted.bins), self.parts_of(shifted));
         let parameters = self.parameters_at(point);

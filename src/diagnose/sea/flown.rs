@@ -2,7 +2,7 @@
 //!
 //! Knows the glide and what acts on it; no fit.
 
-use super::history;
+use super::effects_of_past::Effect;
 use super::model::{Sloped, Vehicle};
 use crate::dynamics::Parameters;
 use crate::identify::{Bin, Inside, surroundings};
@@ -36,7 +36,7 @@ impl Flown {
         bin: &Bin,
         inside: &Inside,
         at_rest: Option<&AtRest>,
-        effect: &history::Effect,
+        effect: &Effect,
     ) -> Flown {
         let (parameters, reading) = (&vehicle.parameters, 1.0 + effect.reading);
         let acted_on = with_effect(parameters, bin, inside, effect, effect.late_net_mass_kg);
@@ -56,13 +56,7 @@ impl Flown {
 }
 
 /// A bin's inside with what acts on it beside the steady glide, and this much added to the net mass.
-fn with_effect(
-    parameters: &Parameters<f64>,
-    bin: &Bin,
-    inside: &Inside,
-    effect: &history::Effect,
-    added_kg: f64,
-) -> Inside {
+fn with_effect(parameters: &Parameters<f64>, bin: &Bin, inside: &Inside, effect: &Effect, added_kg: f64) -> Inside {
     let mut inside = *inside;
     inside.inertia.net_mass_kg += added_kg;
     if effect.along_N != 0.0 {

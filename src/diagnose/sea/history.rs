@@ -21,11 +21,11 @@
 
 use std::sync::Arc;
 
-use super::past::{MOVED_M3, Past, integral, lagged, lagged_by};
+use super::past::{Past, integral, lagged, lagged_by};
 use crate::dynamics::Parameters;
 use crate::dynamics::buoyancy::{ATMOSPHERE_PA, WATER_COMPRESSIBILITY_PER_PA};
 use crate::identify::Bin;
-use crate::log::{DensitySlopes, Observation, density_slopes, median};
+use crate::log::{DensitySlopes, Observation, density_slopes};
 
 /// Change of density with practical salinity \[kg/m3\]: 0.77 at 35 and 10 degC, 0.80 at 0 degC, 0.75 at 25 degC (EOS-80).
 pub(super) const DENSITY_PER_SALINITY: f64 = 0.77;
@@ -71,19 +71,6 @@ pub struct History {
     of_bin: Vec<Vec<usize>>,
     /// Volume that the hull displaces at the surface \[m3\].
     volume_m3: f64,
-}
-
-/// What mechanisms of the past do to one bin.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Effect {
-    /// Change of net mass \[kg\], its mean over the bin.
-    pub net_mass_kg: f64,
-    /// The same as the glider follows it, late.
-    pub late_net_mass_kg: f64,
-    /// Horizontal force along the heading \[N\].
-    pub along_N: f64,
-    /// Change of the vertical velocity that is read, in its own share.
-    pub reading: f64,
 }
 
 impl History {
@@ -132,7 +119,13 @@ impl History {
     }
 
     /// The same as a glider follows it that takes so long at each sample to change its speed \[s\].
-    fn late_column(&self, mechanism: &str, bins: &[Bin], parameters: &Parameters<f64>, slow_s: &[f64]) -> Vec<f64> {
+    pub(super) fn late_column(
+        &self,
+        mechanism: &str,
+        bins: &[Bin],
+        parameters: &Parameters<f64>,
+        slow_s: &[f64],
+    ) -> Vec<f64> {
         if let Some(kg) = self.net_masses_kg(mechanism, parameters) {
             return self.late(&kg, slow_s);
         }
@@ -239,7 +232,7 @@ impl History {
     }
 
     /// What the glider meets of a shear in each bin, late by the time in which it follows; nothing where the log has no current.
-    fn met_m_s2(&self, bins: &[Bin], samples: &[Observation], slow_s: &[f64]) -> Option<Vec<f64>> {
+    pub(super) fn met_m_s2(&self, bins: &[Bin], samples: &[Observation], slow_s: &[f64]) -> Option<Vec<f64>> {
         let met: Vec<f64> =
             samples.iter().map(|o| if o.water_met_m_s2.is_finite() { o.water_met_m_s2 } else { 0.0 }).collect();
         let is_known = met.iter().any(|met| *met != 0.0) && !bins.is_empty();
@@ -247,7 +240,7 @@ impl History {
     }
 
     /// Mean over each bin of what the glider follows late.
-    fn late(&self, values: &[f64], slow_s: &[f64]) -> Vec<f64> {
+    pub(super) fn late(&self, values: &[f64], slow_s: &[f64]) -> Vec<f64> {
         self.means(&lagged_by(&self.past.time_s, values, |i| slow_s[i]))
     }
 
@@ -265,29 +258,6 @@ impl History {
         };
         self.of_bin.iter().map(rate).collect()
     }
-}
-
-/// Time that the glider takes at each sample to follow a change of the force on it \[s\], `M V / (2 D)` with `V = w / sin` and
-/// `D = m0 g sin`, both as measured: the median over the bins of its leg, before the first leg with bins that of the log.
-fn slow_s(bins: &[Bin], samples: &[Observation], parameters: &Parameters<f64>) -> Vec<f64> {
-    let mass_kg = parameters.mass_kg() + parameters.added_mass_1_kg;
-    let slow = |bin: &Bin| {
-        let sin2 = bin.mean.pitch_rad.sin().powi(2).max(1e-4);
-        let volume_m3 = bin.mean.ballast_m3.abs().max(MOVED_M3);
-        let weight_N = bin.mean.density_kg_m3 * volume_m3 * parameters.gravity_m_s2;
-        mass_kg * bin.mean.sink_m_s.abs() / (2.0 * weight_N * sin2)
-    };
-    let median_of = |bins: &[Bin]| median(&mut bins.iter().map(slow).collect::<Vec<f64>>());
-    let mut legs =
-        bins.chunk_by(|a, b| a.mean.leg == b.mean.leg).map(|leg| (leg[0].mean.leg, median_of(leg))).peekable();
-    let mut last_s = median_of(bins);
-    let of_sample = |sample: &Observation| {
-        while let Some((_, slow_s)) = legs.next_if(|(leg, _)| *leg <= sample.leg) {
-            last_s = slow_s;
-        }
-        last_s
-    };
-    samples.iter().map(of_sample).collect()
 }
 
 /// From when to when each of these means of some seconds lasts \[s\]: half way to its neighbours on the leg.
@@ -310,77 +280,12 @@ fn spans_s(means: &[Observation]) -> Vec<[f64; 2]> {
 }
 
 /// The mechanisms of the past that act at these parameters: name, size, what they act on.
-fn acting(parameters: &Parameters<f64>) -> impl Iterator<Item = (&'static str, f64, Acts)> {
+pub(super) fn acting(parameters: &Parameters<f64>) -> impl Iterator<Item = (&'static str, f64, Acts)> {
     let mut sizes = *parameters;
     MECHANISMS.iter().filter_map(move |(mechanism, row, acts)| {
         let size = crate::dynamics::parameter_index(row).map_or(0.0, |index| *sizes.at(index));
         (size != 0.0).then_some((*mechanism, size, *acts))
     })
-}
-
-/// The columns that a problem needs again and again, and their sum at a point.
-#[derive(Debug, Clone)]
-pub struct Columns {
-    history: History,
-    /// Time that the glider takes at each sample to follow a change of the force on it \[s\].
-    slow_s: Arc<[f64]>,
-    /// Change of the water's velocity along the heading that is met, as late as the glider follows \[m/s2\]; none where the log
-    /// has no current.
-    met_m_s2: Option<Vec<f64>>,
-}
-
-impl Columns {
-    /// From the bins, the samples they are made of, and the vehicle.
-    pub fn new(bins: &[Bin], samples: &[Observation], parameters: &Parameters<f64>) -> Columns {
-        let history = History::new(bins, samples, parameters);
-        let slow_s: Arc<[f64]> = slow_s(bins, samples, parameters).into();
-        let met_m_s2 = history.met_m_s2(bins, samples, &slow_s);
-        Columns { history, slow_s, met_m_s2 }
-    }
-
-    /// Whether the log's own current gives the force of its shear.
-    pub fn knows_shear(&self) -> bool {
-        self.met_m_s2.is_some()
-    }
-
-    /// What the samples meet as the glider follows it, late, in each bin.
-    pub fn late(&self, met: &[f64]) -> Vec<f64> {
-        self.history.late(met, &self.slow_s)
-    }
-
-    /// What a unit of a mechanism's size does to each bin: where forces balance at every moment, and as the glider follows it.
-    pub fn effect(&self, mechanism: &str, bins: &[Bin], parameters: &Parameters<f64>) -> [Vec<f64>; 2] {
-        let late = self.history.late_column(mechanism, bins, parameters, &self.slow_s);
-        [self.history.column(mechanism, bins, parameters), late]
-    }
-
-    /// What all mechanisms of the past at these parameters do to each bin; nothing where all are neutral.
-    pub fn effects(&self, bins: &[Bin], parameters: &Parameters<f64>) -> Option<Vec<Effect>> {
-        let mass_kg = parameters.mass_kg();
-        let sheared =
-            |met: &Vec<f64>| met.iter().map(|met| Effect { along_N: -mass_kg * met, ..Effect::default() }).collect();
-        let mut effects: Option<Vec<Effect>> = self.met_m_s2.as_ref().map(sheared);
-        for (mechanism, size, acts) in acting(parameters) {
-            let effects = effects.get_or_insert_with(|| vec![Effect::default(); bins.len()]);
-            let [at_rest, late] = self.effect(mechanism, bins, parameters);
-            for (effect, (at_rest, late)) in effects.iter_mut().zip(at_rest.iter().zip(late)) {
-                match acts {
-                    Acts::NetMass => {
-                        effect.net_mass_kg += size * at_rest;
-                        effect.late_net_mass_kg += size * late;
-                    }
-                    Acts::Reading => effect.reading += size * at_rest,
-                }
-            }
-        }
-        effects
-    }
-
-    /// What all mechanisms of the past at these parameters add to the net mass in each part of the bins \[kg\]; nothing where they add
-    /// nothing.
-    pub fn added_kg(&self, means: &[Observation], bins: &[Bin], parameters: &Parameters<f64>) -> Option<Vec<f64>> {
-        self.history.added_kg(means, bins, parameters)
-    }
 }
 
 /// How the density goes with what the CTD measures there; as in usual water where the log's own density and temperature are of no sea water.

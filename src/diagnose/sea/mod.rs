@@ -14,6 +14,7 @@ mod common_drag;
 pub mod consistency;
 mod covariates;
 mod density_report;
+mod effects_of_past;
 mod empirical;
 mod fit_warnings;
 mod flown;
@@ -128,7 +129,7 @@ pub struct SeaProblem {
     /// Time by which the path follows the pitch in each bin \[s\], by which the pitch of the bin is late.
     follows_s: Arc<Vec<f64>>,
     /// What the mechanisms of the past go by.
-    past: history::Columns,
+    past: effects_of_past::Columns,
     /// The shear of a current that the log does not have.
     shear: UnknownShear,
     /// The drag of a vehicle whose legs differ.
@@ -215,7 +216,7 @@ impl SeaProblem {
         };
         let with_speed = if with_speed.len() < MIN_BINS { Vec::new() } else { with_speed };
 
-        let past = history::Columns::new(&bins, observations, parameters);
+        let past = effects_of_past::Columns::new(&bins, observations, parameters);
         let names: &[&str] =
             if settings.lift == Lift::Held { &["b", "c_per_rad2"] } else { &["a_per_rad", "b", "c_per_rad2"] };
         let names = names
