@@ -449,6 +449,14 @@ fn water_that_ten_legs_hardly_tell_from_candidates_is_noise() {
     }
 }
 
+/// Legs of one stretch of glide each, all at one depth on one heading: by the readings' own rate the column of a shear had all of their
+/// noise, and 0.04 mm/s were left of 5.5.
+#[test]
+fn a_column_that_goes_by_the_rate_of_a_leg_does_not_hold_its_noise() {
+    let answer = Answer::diagnose("none", 66_629, false, true).expect("a diagnosis");
+    assert_eq!(answer.said, "none", "{}", answer.evidence);
+}
+
 /// Beside the polar that bends to a late clock its minimum is narrower than its prior: from none, and from one prior standard deviation,
 /// fits end elsewhere. Beside the bent polar of the last there is no minimum at all; beside the vehicle's there is.
 #[test]

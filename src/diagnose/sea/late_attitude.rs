@@ -8,6 +8,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::attitude::Smoother;
 use super::is_usable;
+use super::leg_rates::LegRates;
 use crate::identify::{Bin, Parts};
 use crate::log::Observation;
 
@@ -26,6 +27,7 @@ pub struct LateAttitude {
     smoother: Option<Smoother>,
     /// Time by which the path follows the pitch at each usable sample \[s\].
     follows_s: Vec<f64>,
+    leg_rates: LegRates,
     /// A step before and after the clock as it is, which each slope there asks for. Each is made by one thread alone: one that waits for
     /// it must not be given a part of it.
     beside: [OnceLock<Arc<Shifted>>; 2],
@@ -52,8 +54,21 @@ impl Shifted {
 
 impl LateAttitude {
     /// The readings of this log with the bins that were made of it, and how they are smoothed.
-    pub fn new(log: &[Observation], bins: &[Bin], smoother: Option<Smoother>, follows_s: Vec<f64>) -> LateAttitude {
-        LateAttitude { log: log.to_vec(), bins: bins.to_vec(), smoother, follows_s, beside: Default::default() }
+    pub fn new(
+        log: &[Observation],
+        bins: &[Bin],
+        smoother: Option<Smoother>,
+        follows_s: Vec<f64>,
+        leg_rates: LegRates,
+    ) -> LateAttitude {
+        LateAttitude {
+            log: log.to_vec(),
+            bins: bins.to_vec(),
+            smoother,
+            follows_s,
+            leg_rates,
+            beside: Default::default(),
+        }
     }
 
     /// The bins as they are where the attitude was written this much late.
@@ -95,7 +110,7 @@ impl LateAttitude {
         if let Some(smoother) = self.smoother {
             smoother.smooth(&mut usable, &self.follows_s);
         }
-        super::take_rate_of_leg(&mut usable);
+        usable.iter_mut().for_each(|o| self.leg_rates.put_into(o));
         (usable, log)
     }
 

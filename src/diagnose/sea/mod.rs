@@ -22,6 +22,7 @@ mod grid_refinement;
 mod history;
 mod jumps;
 mod late_attitude;
+mod leg_rates;
 mod level_shift;
 mod lift_slope;
 mod log_diagnosis;
@@ -59,6 +60,7 @@ use candidates::Tried;
 use common_drag::{COMMON_DRAG_SHARE, CommonDrag};
 use jumps::Jump;
 use late_attitude::LateAttitude;
+use leg_rates::LegRates;
 pub use log_diagnosis::{SeaDiagnosis, diagnose_log};
 use model::Directions;
 use nalgebra::DVector;
@@ -191,7 +193,6 @@ impl SeaProblem {
             None => vec![0.0; usable.len()],
         };
         let read_variance = smoother.map_or(0.0, |smoother| smoother.read_variance);
-        take_rate_of_leg(&mut usable);
         let mut bins = bins(&usable, settings.max_bins, MIN_SAMPLES);
         if bins.len() < MIN_BINS {
             return Err(SeaError::TooShort { found: bins.len(), steady: usable.len(), samples: observations.len() });
@@ -209,6 +210,8 @@ impl SeaProblem {
         if bins.len() < MIN_BINS {
             return Err(SeaError::TooFew { found: bins.len() });
         }
+        let leg_rates = LegRates::new(parameters, &bins);
+        usable.iter_mut().chain(bins.iter_mut().map(|bin| &mut bin.mean)).for_each(|o| leg_rates.put_into(o));
         let with_speed: Vec<usize> = if settings.use_speed {
             (0..bins.len()).filter(|i| bins[*i].mean.speed_m_s.is_finite()).collect()
         } else {
@@ -228,7 +231,7 @@ impl SeaProblem {
         let shear = if past.knows_shear() {
             UnknownShear::default()
         } else {
-            UnknownShear::new(&bins, observations, |met| past.late(met))
+            UnknownShear::new(&bins, observations, &leg_rates, |met| past.late(met))
         };
         baseline.extend(shear.names());
         let mut directions = Directions::new(&baseline_index);
@@ -239,7 +242,7 @@ impl SeaProblem {
         let pitch_direction = directions.index_of(parameter_index("pitch_offset_rad").expect("a row of the table"));
         let of_bin = |bin: &Bin| follows_s[bin.first..bin.first + bin.samples].iter().sum::<f64>() / bin.samples as f64;
         let follows_in_bins_s = Arc::new(bins.iter().map(of_bin).collect());
-        let late_attitude = LateAttitude::new(observations, &bins, smoother, follows_s);
+        let late_attitude = LateAttitude::new(observations, &bins, smoother, follows_s, leg_rates);
         let pitch_rates = Arc::new(late_attitude.pitch_rates());
         let joined_s = JOINED_STEPS * median_step_s(bins.iter().map(|bin| &bin.mean));
         let mut problem = SeaProblem {
@@ -417,19 +420,6 @@ impl SeaProblem {
     /// How many bins the log was reduced to.
     pub fn n_bins(&self) -> usize {
         self.bins.len()
-    }
-}
-
-/// Puts the leg's mean rate of the pressure in place of each sample's. The rate that is read is the vertical velocity that is to
-/// be explained: a lag of the pressure, by which the density follows it, would explain the noise of its own row.
-fn take_rate_of_leg(usable: &mut [Observation]) {
-    for leg in usable.chunk_by_mut(|a, b| a.leg == b.leg) {
-        let (sum, n) = leg
-            .iter()
-            .map(|o| o.pressure_rate_dbar_s)
-            .filter(|rate| rate.is_finite())
-            .fold((0.0, 0.0), |(sum, n), rate| (sum + rate, n + 1.0));
-        leg.iter_mut().for_each(|o| o.pressure_rate_dbar_s = sum / n);
     }
 }
 

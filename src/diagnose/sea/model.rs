@@ -164,6 +164,12 @@ impl Sloped {
     }
 }
 
+/// The vertical velocity of the vehicle's steady glide in a bin \[m/s\]; not a number where it does not glide.
+pub fn sink_m_s(parameters: &Parameters<f64>, bin: &Bin) -> f64 {
+    let read = Inside::NOTHING.predict(&SteadyGlider::new(*parameters), bin, None);
+    read.map_or(f64::NAN, |read| read.sink_m_s)
+}
+
 /// Whether the vehicle flies at all as this bin says.
 pub fn flies(parameters: &Parameters<f64>, bin: &Bin) -> bool {
     Inside::NOTHING.predict(&SteadyGlider::new(*parameters), bin, None).is_some()

@@ -18,8 +18,7 @@
 //!
 //! Knows bins and samples; no mechanism.
 
-use std::collections::BTreeMap;
-
+use super::leg_rates::LegRates;
 use crate::dynamics::buoyancy::WATER_COMPRESSIBILITY_PER_PA;
 use crate::identify::Bin;
 use crate::identify::unknown_shear::DIFFERENCE_M_S;
@@ -68,10 +67,14 @@ pub struct UnknownShear {
 
 impl UnknownShear {
     /// From the bins and the samples they are made of; `late` is what the glider follows of what its samples meet, in each bin.
-    pub fn new(bins: &[Bin], samples: &[Observation], late: impl Fn(&[f64]) -> Vec<f64>) -> UnknownShear {
+    pub fn new(
+        bins: &[Bin],
+        samples: &[Observation],
+        leg_rates: &LegRates,
+        late: impl Fn(&[f64]) -> Vec<f64>,
+    ) -> UnknownShear {
         let water: Vec<(f64, f64)> = samples.iter().map(|o| (depth_m(o), surface_density_kg_m3(o))).collect();
         let Some(stretching) = Stretching::new(&water) else { return UnknownShear::default() };
-        let sinks_m_s = rate_of_leg(samples);
         let headings = headings(samples);
         let components = headings.first().map_or(0, |components| components.len());
         let n_modes = MOST_MODES.min(depths_of_a_dive(bins)).min(bins.len() / (ROWS_PER_MODE * components.max(1)));
@@ -79,7 +82,11 @@ impl UnknownShear {
         for (component, names) in NAMES.iter().enumerate().take(components) {
             for (k, name) in names.iter().enumerate().take(n_modes) {
                 let met: Vec<f64> = (0..samples.len())
-                    .map(|i| stretching.shear(k, depth_m(&samples[i])) * sinks_m_s[i] * headings[i][component])
+                    .map(|i| {
+                        stretching.shear(k, depth_m(&samples[i]))
+                            * leg_rates.sink_m_s(samples[i].leg)
+                            * headings[i][component]
+                    })
                     .map(|met| if met.is_finite() { met } else { 0.0 })
                     .collect();
                 let late = late(&met);
@@ -189,16 +196,6 @@ fn depth_m(o: &Observation) -> f64 {
 /// Density of the water brought to p = 0 \[kg/m3\].
 fn surface_density_kg_m3(o: &Observation) -> f64 {
     o.density_kg_m3 / (1.0 + WATER_COMPRESSIBILITY_PER_PA * DBAR_PA * o.pressure_dbar)
-}
-
-/// The mean vertical velocity of each sample's leg \[m/s\]. That of the sample itself is what is to be explained.
-fn rate_of_leg(samples: &[Observation]) -> Vec<f64> {
-    let mut sums: BTreeMap<u32, (f64, f64)> = BTreeMap::new();
-    for o in samples.iter().filter(|o| o.steady && o.sink_m_s.is_finite()) {
-        let (sum, n) = sums.entry(o.leg).or_insert((0.0, 0.0));
-        (*sum, *n) = (*sum + o.sink_m_s, *n + 1.0);
-    }
-    samples.iter().map(|o| sums.get(&o.leg).map_or(0.0, |(sum, n)| sum / n)).collect()
 }
 
 /// North and east component of each sample's heading, the last known one where there is none; one component along the heading
