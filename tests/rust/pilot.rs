@@ -68,6 +68,42 @@ fn a_built_in_slocum_on_its_own_log_keeps_the_lift_slope_of_each_leg() {
     assert_eq!(number(&identified["pinned"]["a"]["value"]), 4.7);
 }
 
+/// A log without noise, over a seabed that turns the glider ever sooner: the smallest errors of the equations are all that is left.
+#[test]
+fn nothing_is_wrong_in_a_vehicles_own_log_with_and_without_its_speed() {
+    let mission = concat!(env!("CARGO_MANIFEST_DIR"), "/../missions/rising-seabed.toml");
+    for vehicle in ["rogue", "slocum-graver", "slocum-049", "adelaide", "seaglider"] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let flown = ["simulate", vehicle, "--mission", mission, "--log", "log.csv", "--csv", "flown.csv", "-q"];
+        if ok(folder.path(), &flown).is_none() {
+            return;
+        }
+        add_speed(folder.path());
+        for trim in ["vehicle", "neutral"] {
+            for options in [&[][..], &["--speed-column", "speed_m_s"]] {
+                let arguments = ["diagnose", "log.csv", "--vehicle", vehicle, "--trim", trim];
+                let found = json(folder.path(), &[&arguments[..], options].concat()).expect("a diagnosis");
+                assert_eq!(found["verdict"], "none", "{vehicle} {trim} {options:?}: {}", found["causes"]);
+            }
+        }
+    }
+}
+
+/// Writes the speed of the time history behind the log of the same flight.
+fn add_speed(folder: &Path) {
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).expect("it was written");
+    let (log, flown) = (read("log.csv"), read("flown.csv"));
+    let mut flown = csv::Reader::from_reader(flown.as_bytes());
+    let place = flown.headers().expect("a header").iter().position(|name| name == "speed_m_s").expect("a column");
+    let mut speeds = flown.records().map(|row| row.expect("a row")[place].to_owned());
+    let with_speed = log.lines().map(|line| match line.chars().next() {
+        Some('#') => line.to_owned(),
+        Some('t') => format!("{line},speed_m_s"),
+        _ => format!("{line},{}", speeds.next().expect("as many rows")),
+    });
+    std::fs::write(folder.join("log.csv"), with_speed.collect::<Vec<_>>().join("\n")).expect("a file");
+}
+
 #[test]
 fn the_intervals_hold_what_the_vehicle_of_a_simulated_log_is() {
     for vehicle in ["rogue", "slocum-graver", "slocum-049", "adelaide", "seaglider"] {
