@@ -11,11 +11,11 @@ use super::change_point;
 use super::estimate::Estimate;
 use super::evidence::{Point, Problem, Quantity};
 use super::findings::{Diagnosis, Verdict, Why, Wrong};
-use super::fitted::{Fitted, weighted_squares};
+use super::fitted::{Fitted, LEAST_FALL, weighted_squares};
 use super::holdout;
 use super::iteration::Iteration;
 use super::outcome::{Outcome, Stage};
-use super::replacements::{in_place_of, likelier};
+use super::replacements::{Far, in_place_of, likelier};
 use super::report::{report, wrong};
 use super::score::SIGNIFICANT;
 use super::subset_search::{Choice, MARGIN};
@@ -39,7 +39,7 @@ pub fn diagnose_in_full(problem: &impl Problem) -> Outcome {
     // A mechanism alone in full first: far from the truth the model bends, and slopes mislead.
     let single = baseline.nonlinear_refit(problem);
     let present = single.clone().unwrap_or_else(|| Fitted::clone(&baseline));
-    search_from(problem, baseline, single, present)
+    search_from(problem, baseline, single, present, Far::Asked)
 }
 
 /// What was found in the same data by a problem that differs little, as in the versions of its mechanisms: where a search may begin.
@@ -62,7 +62,8 @@ pub fn diagnose_again(problem: &impl Problem, found: &Outcome, start: impl FnOnc
     let baseline = Baseline::of(Fitted::converged(problem, start.baseline, Vec::new()));
     let present = Fitted::converged(problem, start.point, start.included);
     let single = (present.included.len() == 1).then(|| present.clone());
-    search_from(problem, baseline, single, present)
+    // Versions a little apart are no nearer to a law of which slopes say nothing.
+    search_from(problem, baseline, single, present, Far::AskedBefore)
 }
 
 /// The mechanisms that the slopes would choose where a search begins.
@@ -86,7 +87,13 @@ pub fn in_likeliest_versions(problem: &impl Problem, start: Start) -> (Start, Ve
 }
 
 /// Searches from a set on, and tests what is found. `single` is a mechanism that was fitted alone in full.
-fn search_from(problem: &impl Problem, baseline: Baseline, single: Option<Fitted>, mut present: Fitted) -> Outcome {
+fn search_from(
+    problem: &impl Problem,
+    baseline: Baseline,
+    single: Option<Fitted>,
+    mut present: Fitted,
+    far: Far,
+) -> Outcome {
     let candidates = problem.candidates();
     // Mechanisms without curves: a curve would take up what the slopes miss. Once they have done what they can, what is left decides
     // whether a curve was needed after all.
@@ -117,7 +124,9 @@ fn search_from(problem: &impl Problem, baseline: Baseline, single: Option<Fitted
             break;
         }
     }
-    if let Some((likelier, of_likelier)) = present.likelier_that_stands(problem, &baseline, &mut dropped) {
+    let refused = (present.included != found.included).then_some(&found);
+    if let Some((likelier, of_likelier)) = present.likelier_that_stands(problem, &baseline, refused, far, &mut dropped)
+    {
         (present, refuted) = (likelier, refuted.or(of_likelier));
     }
     if let Some(better) = present.better_alone(problem, &baseline, &mut dropped) {
@@ -317,14 +326,21 @@ impl Fitted {
         })
     }
 
-    /// The likeliest set with one member exchanged, if it is likelier than this one and all of its members stand.
+    /// The likeliest set with one member exchanged, if it is likelier than this one and all of its members stand. A set that was `refused`
+    /// before is not asked again, unless it is likelier now.
     fn likelier_that_stands(
         &self,
         problem: &impl Problem,
         baseline: &Baseline,
+        refused: Option<&Fitted>,
+        far: Far,
         dropped: &mut Vec<(usize, Why)>,
     ) -> Option<(Fitted, Option<String>)> {
-        let (other, refuted, of_other) = likelier(problem, baseline, self).into_iter().find_map(|mut other| {
+        let is_refused = |other: &Fitted| {
+            refused.is_some_and(|set| set.included == other.included && other.deviance_above(set) > -LEAST_FALL)
+        };
+        let mut likelier = likelier(problem, baseline, self, far).into_iter().filter(|other| !is_refused(other));
+        let (other, refuted, of_other) = likelier.find_map(|mut other| {
             let (members, mut of_other) = (other.included.len(), dropped.clone());
             let refuted = other.eliminate_backward(problem, baseline, &mut of_other);
             (other.included.len() == members).then_some((other, refuted, of_other))

@@ -36,6 +36,15 @@ const EQUAL_ON_A_HALF: f64 = 0.1;
 /// Standard errors by which a rival may predict worse and still count as equal.
 const EQUAL: f64 = 1.0;
 
+/// Whether laws of which slopes elsewhere say nothing are asked in the place of a member.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Far {
+    /// They are.
+    Asked,
+    /// They were, in the place of what was found before.
+    AskedBefore,
+}
+
 /// A mechanism that could stand in the place of a named one, in its best version.
 pub(super) struct Replacement {
     pub(super) candidate: usize,
@@ -76,7 +85,7 @@ pub(super) fn in_place_of(problem: &impl Problem, baseline: &Baseline, refused: 
 /// anything that counts, each fitted in full, the likeliest first. The slopes at a wrong law may keep it before the true one. The
 /// likelihood alone may take a slow misfit for noise. A time that was selected from all data has seen what is held out: one without such a
 /// time need not predict as well, and one with it must leave no more at all, unless the evidence for it is strong.
-pub(super) fn likelier(problem: &impl Problem, baseline: &Baseline, present: &Fitted) -> Vec<Fitted> {
+pub(super) fn likelier(problem: &impl Problem, baseline: &Baseline, present: &Fitted, far: Far) -> Vec<Fitted> {
     let candidates = problem.candidates();
     let iteration = Iteration::new(candidates, present);
     let (named, limits) = (present.held_out(), present.limits(problem));
@@ -101,7 +110,10 @@ pub(super) fn likelier(problem: &impl Problem, baseline: &Baseline, present: &Fi
                 && predicts_as_well()
         };
         let refitted = refitted(problem, (baseline, present), &iteration, place, gain).into_par_iter();
-        let far = far_from_linear(problem, baseline, present, place).into_par_iter();
+        let far = match far {
+            Far::Asked => far_from_linear(problem, baseline, present, place),
+            Far::AskedBefore => Vec::new(),
+        };
         refitted.chain(far).map(less_likely).filter(is_likelier).collect::<Vec<_>>()
     };
     let places = (0..present.included.len()).into_par_iter();
