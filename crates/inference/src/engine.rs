@@ -353,7 +353,7 @@ impl Fitted {
     }
 
     /// Alternates between the choice of a set and its fit until the choice stands; returns the curve that goes with it. The slopes at one
-    /// set may lead to another that is far less likely once it is fitted, and on from there: then the likeliest on the way is taken.
+    /// set may lead to another that is far less likely once it is fitted, and on from there. Then the likeliest on the way is taken.
     fn alternate(
         &mut self,
         problem: &impl Problem,

@@ -5,6 +5,7 @@ use rand::{RngExt, SeedableRng, rngs::StdRng};
 
 use super::covariance::unit_columns;
 use super::evidence::{Evidence, Quantity};
+use super::relevance::ONE_SIDED;
 use super::score::{whiten, whiten_with_prior};
 use crate::noise::Noise;
 
@@ -72,13 +73,14 @@ pub fn leaves_relevantly_more(evidence: &Evidence, limits: &[f64], left: [&DVect
     with_relevantly_more(evidence, limits, left).next().is_some()
 }
 
-/// The same for certain: by more than 1.645 standard errors of the difference between blocks (95 %, one-sided).
+/// The same for certain: by more than chance makes of the difference between blocks once in twenty.
 pub fn surely_leaves_relevantly_more(evidence: &Evidence, limits: &[f64], [more, less]: [&DVector<f64>; 2]) -> bool {
     let difference = |row: usize| (evidence.block[row], more[row].powi(2) - less[row].powi(2));
     let mut quantities = with_relevantly_more(evidence, limits, [more, less]);
-    quantities.any(|quantity| standard_errors_of_mean(quantity.rows.clone().map(difference)) > 1.645)
+    quantities.any(|quantity| standard_errors_of_mean(quantity.rows.clone().map(difference)) > ONE_SIDED)
 }
 
+/// The quantities of which the first leaves relevantly more.
 fn with_relevantly_more<'a>(
     evidence: &'a Evidence,
     limits: &'a [f64],

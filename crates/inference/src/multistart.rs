@@ -162,8 +162,8 @@ impl Fitted {
         fitted.reduce(likelier).expect("one start at least")
     }
 
-    /// The same in the place of a mechanism that another fit has beside this set: from that start alone that leads lowest with the noise of
-    /// that fit; none where the first step from none promises a share of what that fit explains.
+    /// The same in the place of a mechanism that another fit has beside this set, from that start alone that leads lowest with the noise of
+    /// that fit. None where no first step promises a share of what that fit explains.
     pub(super) fn with_one_beside(
         &self,
         problem: &impl Problem,

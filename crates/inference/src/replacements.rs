@@ -174,7 +174,7 @@ fn exists(problem: &impl Problem, fitted: &Fitted) -> bool {
 }
 
 /// The set with one member exchanged for each mechanism of which the slopes elsewhere say nothing, that member itself among them: each
-/// fitted from that of several sizes of it on that leads lowest.
+/// fitted from several sizes of it on, the lowest in full.
 fn far_from_linear(problem: &impl Problem, baseline: &Baseline, present: &Fitted, place: usize) -> Vec<Replacement> {
     let is_another_member =
         |candidate: &usize| present.included.contains(candidate) && *candidate != present.included[place];
