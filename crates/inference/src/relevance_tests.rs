@@ -128,3 +128,27 @@ impl Fitted {
         self.evidence.quantities.iter().map(of_quantity).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::Toy;
+    use super::*;
+
+    /// A leak acts on the last nine tenths of the record by a tenth or more of its largest effect. What the first tenth is missed by more
+    /// without it counts too.
+    #[test]
+    fn what_is_missed_before_a_mechanism_acts_counts() {
+        let toy = Toy::new(1, |_, _| 0.0);
+        let leak = toy.candidates().iter().position(|candidate| candidate.name == "leak").expect("a candidate");
+        let fitted = Fitted::new(&toy, toy.start(), vec![leak]);
+        let iteration = Iteration::new(toy.candidates(), &fitted);
+        let acts_on = iteration.rows_of(leak, &fitted.evidence.quantities[0]);
+        let n = fitted.evidence.residual.len();
+        let with = DVector::from_element(n, 1.0);
+        let without = DVector::from_fn(n, |row, _| if acts_on.contains(&row) { 1.0 } else { 3.0 });
+        let missed = fitted.missed(&iteration, leak, [&with, &without])[0];
+        // Squares of 9 for 1 in a tenth of the rows.
+        assert!((0.08..0.12).contains(&(1.0 - acts_on.len() as f64 / n as f64)), "{}", acts_on.len());
+        assert!((missed - 0.8_f64.sqrt()).abs() < 0.05, "{missed}");
+    }
+}
