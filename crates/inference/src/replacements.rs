@@ -110,11 +110,11 @@ pub(super) fn likelier(problem: &impl Problem, baseline: &Baseline, present: &Fi
                 && predicts_as_well()
         };
         let refitted = refitted(problem, (baseline, present), &iteration, place, gain).into_par_iter();
-        let far = match far {
+        let of_far = match far {
             Far::Asked => far_from_linear(problem, baseline, present, place),
             Far::AskedBefore => Vec::new(),
         };
-        refitted.chain(far).map(less_likely).filter(is_likelier).collect::<Vec<_>>()
+        refitted.chain(of_far).map(less_likely).filter(is_likelier).collect::<Vec<_>>()
     };
     let places = (0..present.included.len()).into_par_iter();
     let mut likelier: Vec<(f64, Replacement)> = places.flat_map(of_place).collect();
