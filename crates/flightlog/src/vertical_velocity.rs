@@ -1,7 +1,8 @@
 //! Vertical velocity from pressure, by a stated filter with its own uncertainty.
 //!
-//! The rate of pressure is the slope of the least-squares line through the samples within `+-h` of each sample, and
-//! through one sample on each side at least. With `p` in dbar and the in-situ density,
+//! The rate of pressure is the slope of the least-squares line through as many samples on each side of a sample as usually
+//! lie within `h`, at least one. Which ones are taken must not depend on their own times: a clock that errs by a tenth of a step of
+//! 2 s would bring in the fourth neighbour only where it makes it seem near, and `w` would come out 1 % too large. With `p` in dbar and the in-situ density,
 //! `w = 1e4 dp/dt / (rho g)`, positive down. The filter's answer to a change is that of a moving average of `w` with
 //! the parabolic weights `1 - (t/h)^2`: half of an oscillation of the period 2.5 h (10 s for `h` = 4 s) is seen. Its standard
 //! error is `sigma_p / sqrt(sum (t - mean t)^2)`, where `sigma_p`, the noise of one pressure sample, is estimated from
@@ -9,6 +10,12 @@
 //! `e = p1 - (b p0 + a p2)/(a + b)` has the variance `sigma_p^2 (1 + (a^2 + b^2)/(a + b)^2)`.
 
 use super::median;
+
+/// Steps on each side of a sample of which the median is the usual one: that of so many hardly depends on the clock of any.
+const STEPS_NEARBY: usize = 16;
+
+/// Farthest sample that counts, in half windows: where steps differ by far, as many samples as usual may take too long.
+pub const FARTHEST: f64 = 2.0;
 
 /// What the filter gives.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,7 +27,7 @@ pub struct Velocity {
     /// Between which times, counted from each sample, the rate is a mean \[s\]: the even window with the mean and the standard
     /// deviation of the filter's own weights.
     pub window_s: Vec<[f64; 2]>,
-    /// Rate of change of that rate \[dbar/s2\], from the samples within `+-3 h`.
+    /// Rate of change of that rate \[dbar/s2\], from the samples that usually lie within `+-3 h`.
     pub acceleration_dbar_s2: Vec<f64>,
     /// Noise of one sample of pressure \[dbar\].
     pub noise_dbar: f64,
@@ -36,29 +43,18 @@ pub fn vertical_velocity(time_s: &[f64], pressure_dbar: &[f64], half_window_s: f
         acceleration_dbar_s2: vec![f64::NAN; n],
         noise_dbar: noise(time_s, pressure_dbar),
     };
-    let (mut low, mut high) = (0, 0);
-    for i in 1..n.saturating_sub(1) {
-        while time_s[i] - time_s[low] > half_window_s && low + 1 < i {
-            low += 1;
-        }
-        high = high.max(i + 1);
-        while high + 1 < n && time_s[high + 1] - time_s[i] <= half_window_s {
-            high += 1;
+    for (i, (low, high)) in windows(time_s, half_window_s).into_iter().enumerate() {
+        if low == high {
+            continue;
         }
         let (slope, spread) = slope(&time_s[low..=high], &pressure_dbar[low..=high]);
         velocity.rate_dbar_s[i] = slope;
         velocity.se_dbar_s[i] = velocity.noise_dbar / spread.sqrt();
         velocity.window_s[i] = even_window(&time_s[low..=high], i - low);
     }
-    let (mut low, mut high) = (1, 1);
-    for i in 1..n.saturating_sub(1) {
-        while time_s[i] - time_s[low] > 3.0 * half_window_s && low + 1 < i {
-            low += 1;
-        }
-        high = high.max(i);
-        while high + 2 < n && time_s[high + 1] - time_s[i] <= 3.0 * half_window_s {
-            high += 1;
-        }
+    for (i, (low, high)) in windows(time_s, 3.0 * half_window_s).into_iter().enumerate() {
+        // There is no rate at the ends.
+        let (low, high) = (low.max(1), high.min(n.saturating_sub(2)));
         if high > low + 1 {
             let (acceleration, _) = slope(&time_s[low..=high], &velocity.rate_dbar_s[low..=high]);
             velocity.acceleration_dbar_s2[i] = acceleration;
@@ -67,16 +63,36 @@ pub fn vertical_velocity(time_s: &[f64], pressure_dbar: &[f64], half_window_s: f
     velocity
 }
 
-/// First and last sample of the filter around sample `i`, which is neither the first nor the last one.
-pub fn filter_window(time_s: &[f64], i: usize, half_window_s: f64) -> (usize, usize) {
-    let (mut low, mut high) = (i - 1, i + 1);
-    while low > 0 && time_s[i] - time_s[low - 1] <= half_window_s {
-        low -= 1;
-    }
-    while high + 1 < time_s.len() && time_s[high + 1] - time_s[i] <= half_window_s {
-        high += 1;
-    }
-    (low, high)
+/// First and last sample of the filter around each sample; at the ends of a stretch that sample itself, twice.
+///
+/// The number of samples on each side is that which brings the median step nearby closest to `half_window_s`. None lies farther away than
+/// twice that, but the next ones.
+pub fn windows(time_s: &[f64], half_window_s: f64) -> Vec<(usize, usize)> {
+    let n = time_s.len();
+    let steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let mut nearby = Vec::with_capacity(2 * STEPS_NEARBY);
+    let around = |i: usize| {
+        if i == 0 || i + 1 == n {
+            return (i, i);
+        }
+        nearby.clear();
+        nearby.extend_from_slice(&steps[i.saturating_sub(STEPS_NEARBY)..(i + STEPS_NEARBY).min(n - 1)]);
+        // Where a clock counts whole seconds most of many steps are 0.
+        let mean_s = nearby.iter().sum::<f64>() / nearby.len() as f64;
+        let median_s = median(&mut nearby);
+        let step_s = if median_s > 0.0 { median_s } else { mean_s };
+        let each_side = if step_s > 0.0 { (half_window_s / step_s).round() as usize } else { n };
+        let is_near = |j: usize| (time_s[j] - time_s[i]).abs() <= FARTHEST * half_window_s;
+        let (mut low, mut high) = (i - 1, i + 1);
+        while low > 0 && i - low < each_side && is_near(low - 1) {
+            low -= 1;
+        }
+        while high + 1 < n && high - i < each_side && is_near(high + 1) {
+            high += 1;
+        }
+        (low, high)
+    };
+    (0..n).map(around).collect()
 }
 
 /// Slope of the least-squares line, and the sum of squares of the abscissa about its mean.

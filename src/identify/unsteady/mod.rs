@@ -26,7 +26,7 @@ use super::data::{ranges, root_weights};
 use super::evaluate::{Rows, Tally, Weights, by_block, by_size, with_derivatives};
 use super::residuals::Residual;
 use crate::dynamics::Parameters;
-use crate::log::{Observation, filter_window};
+use crate::log::{FARTHEST, Observation, windows};
 use flight::fly;
 use flyer::Flyer;
 use glidepolar_inference::gram::Gram;
@@ -73,7 +73,7 @@ pub fn passages(observations: &[Observation], from_dbar: f64, half_window_s: f64
             let mut last = end;
             while last < observations.len()
                 && observations[last].stretch == stretch
-                && observations[last].time_s - observations[end - 1].time_s <= half_window_s
+                && observations[last].time_s - observations[end - 1].time_s <= FARTHEST * half_window_s
             {
                 last += 1;
             }
@@ -101,9 +101,7 @@ impl Passage {
             return None;
         }
         let time: Vec<f64> = observations.iter().map(|o| o.time_s).collect();
-        let windows: Vec<(usize, usize)> = (0..n)
-            .map(|i| if i == 0 || i + 1 == n { (i, i) } else { filter_window(&time, i, half_window_s) })
-            .collect();
+        let windows = windows(&time, half_window_s);
         let mut known_since_s = f64::NAN;
         let counts: Vec<bool> = (0..n)
             .map(|i| {
