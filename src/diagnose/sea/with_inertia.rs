@@ -28,17 +28,19 @@ pub(super) fn diagnose(problem: SeaProblem) -> (SeaProblem, Outcome) {
         let (with, without) = rayon::join(|| alone(&problem), || alone(&steady));
         problem.gain(&with, &without)[0] > NO_INERTIA_PERCENT
     };
-    let mut of_steady = None;
-    if is_better_alone {
-        let found = engine::diagnose_in_full(&steady);
+    let with_inertia = || engine::diagnose_in_full(&problem);
+    let (of_steady, outcome) = if is_better_alone {
+        // Most often both are needed: half of each runs on one core alone.
+        let (found, outcome) = rayon::join(|| engine::diagnose_in_full(&steady), with_inertia);
         let explains_all = matches!(found.diagnosis.verdict, Verdict::None | Verdict::Explained);
         let same_causes = || engine::held_out(&problem, &problem.with_all_inertia(&found.after.point), &found.fitted);
         if explains_all && problem.gain(&same_causes(), &found.after.held_out)[0] > NO_INERTIA_PERCENT {
             return (steady, found);
         }
-        of_steady = Some(found);
-    }
-    let outcome = engine::diagnose_in_full(&problem);
+        (Some(found), outcome)
+    } else {
+        (None, with_inertia())
+    };
     let from_there = || {
         let [baseline, point] = [&outcome.before, &outcome.after].map(|stage| problem.without_share(&stage.point));
         let beside = engine::held_out(&steady, &point, &outcome.fitted);
