@@ -185,7 +185,7 @@ impl Instruments {
             interval_s,
             irregular,
             gaps_per_hour: if chance(random, 0.5) { between(random, 0.0, 2.0) } else { 0.0 },
-            clock_jitter_s: if chance(random, 0.3) { 0.1 * interval_s } else { 0.0 },
+            clock_jitter_s: if chance(random, 0.3) { share * 0.1 * interval_s } else { 0.0 },
             starts_s: if chance(random, 0.5) { 1.6e9 } else { 0.0 },
             pressure,
             pitch,
