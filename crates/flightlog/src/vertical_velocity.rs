@@ -1,8 +1,9 @@
 //! Vertical velocity from pressure, by a stated filter with its own uncertainty.
 //!
-//! The rate of pressure is the slope of the least-squares line through as many samples on each side of a sample as usually
-//! lie within `h`, at least one. Which ones are taken must not depend on their own times: a clock that errs by a tenth of a step of
-//! 2 s would bring in the fourth neighbour only where it makes it seem near, and `w` would come out 1 % too large. With `p` in dbar and the in-situ density,
+//! The rate of pressure is the slope of the least-squares line through the samples within `+-h` of each sample, and
+//! through one sample on each side at least. Where samples come evenly none may lie at the edge: a clock that errs by a tenth of a step of
+//! 2 s would bring in the second neighbour only where it makes it seem near, and `w` would come out 1 % too large. There the edge is
+//! half a step beyond the last sample that usually lies within. With `p` in dbar and the in-situ density,
 //! `w = 1e4 dp/dt / (rho g)`, positive down. The filter's answer to a change is that of a moving average of `w` with
 //! the parabolic weights `1 - (t/h)^2`: half of an oscillation of the period 2.5 h (10 s for `h` = 4 s) is seen. Its standard
 //! error is `sigma_p / sqrt(sum (t - mean t)^2)`, where `sigma_p`, the noise of one pressure sample, is estimated from
@@ -14,8 +15,12 @@ use super::median;
 /// Steps on each side of a sample of which the median is the usual one: that of so many hardly depends on the clock of any.
 const STEPS_NEARBY: usize = 16;
 
-/// Farthest sample that counts, in half windows: where steps differ by far, as many samples as usual may take too long.
-pub const FARTHEST: f64 = 2.0;
+/// Share of the median step by which half of the steps may differ from it where samples come evenly: that of a clock which errs by up to a
+/// quarter of a step.
+const EVEN: f64 = 0.15;
+
+/// Share of a step by which the last sample within the window may usually lie beyond it: the error of a median of so many.
+const BEYOND: f64 = 0.1;
 
 /// What the filter gives.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,7 +32,7 @@ pub struct Velocity {
     /// Between which times, counted from each sample, the rate is a mean \[s\]: the even window with the mean and the standard
     /// deviation of the filter's own weights.
     pub window_s: Vec<[f64; 2]>,
-    /// Rate of change of that rate \[dbar/s2\], from the samples that usually lie within `+-3 h`.
+    /// Rate of change of that rate \[dbar/s2\], from the samples within `+-3 h`.
     pub acceleration_dbar_s2: Vec<f64>,
     /// Noise of one sample of pressure \[dbar\].
     pub noise_dbar: f64,
@@ -65,8 +70,8 @@ pub fn vertical_velocity(time_s: &[f64], pressure_dbar: &[f64], half_window_s: f
 
 /// First and last sample of the filter around each sample; at the ends of a stretch that sample itself, twice.
 ///
-/// The number of samples on each side is that which brings the median step nearby closest to `half_window_s`. None lies farther away than
-/// twice that, but the next ones.
+/// Where samples come evenly the window reaches half a median step beyond the last one that usually lies within `half_window_s`: a clock
+/// that jitters neither brings one in there nor leaves one out.
 pub fn windows(time_s: &[f64], half_window_s: f64) -> Vec<(usize, usize)> {
     let n = time_s.len();
     let steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
@@ -77,17 +82,15 @@ pub fn windows(time_s: &[f64], half_window_s: f64) -> Vec<(usize, usize)> {
         }
         nearby.clear();
         nearby.extend_from_slice(&steps[i.saturating_sub(STEPS_NEARBY)..(i + STEPS_NEARBY).min(n - 1)]);
-        // Where a clock counts whole seconds most of many steps are 0.
-        let mean_s = nearby.iter().sum::<f64>() / nearby.len() as f64;
-        let median_s = median(&mut nearby);
-        let step_s = if median_s > 0.0 { median_s } else { mean_s };
-        let each_side = if step_s > 0.0 { (half_window_s / step_s).round() as usize } else { n };
-        let is_near = |j: usize| (time_s[j] - time_s[i]).abs() <= FARTHEST * half_window_s;
+        let step_s = median(&mut nearby);
+        nearby.iter_mut().for_each(|step| *step = (*step - step_s).abs());
+        let is_even = step_s > 0.0 && median(&mut nearby) < EVEN * step_s;
+        let reach_s = if is_even { ((half_window_s / step_s + BEYOND).floor() + 0.5) * step_s } else { half_window_s };
         let (mut low, mut high) = (i - 1, i + 1);
-        while low > 0 && i - low < each_side && is_near(low - 1) {
+        while low > 0 && time_s[i] - time_s[low - 1] <= reach_s {
             low -= 1;
         }
-        while high + 1 < n && high - i < each_side && is_near(high + 1) {
+        while high + 1 < n && time_s[high + 1] - time_s[i] <= reach_s {
             high += 1;
         }
         (low, high)

@@ -26,7 +26,7 @@ use super::data::{ranges, root_weights};
 use super::evaluate::{Rows, Tally, Weights, by_block, by_size, with_derivatives};
 use super::residuals::Residual;
 use crate::dynamics::Parameters;
-use crate::log::{FARTHEST, Observation, windows};
+use crate::log::{Observation, windows};
 use flight::fly;
 use flyer::Flyer;
 use glidepolar_inference::gram::Gram;
@@ -69,11 +69,11 @@ pub fn passages(observations: &[Observation], from_dbar: f64, half_window_s: f64
             {
                 first -= 1;
             }
-            // The filter of the last sample looks beyond the dive.
+            // The filter of the last sample looks beyond the dive, by its half window and half a step, no more than twice the former.
             let mut last = end;
             while last < observations.len()
                 && observations[last].stretch == stretch
-                && observations[last].time_s - observations[end - 1].time_s <= FARTHEST * half_window_s
+                && observations[last].time_s - observations[end - 1].time_s <= 2.0 * half_window_s
             {
                 last += 1;
             }
