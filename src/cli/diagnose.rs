@@ -193,6 +193,13 @@ fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
     for left in &found.left {
         println!("  left: {}", left_over(left));
     }
+    if let Some(share) = &found.shear_share {
+        let [low, high] = share.ci95;
+        println!(
+            "  shear of the log's own current: the readings show {:.2} ± {:.2} of its effect (95 %: {low:.2} to {high:.2}), 1 by Newton's law",
+            share.value, share.se
+        );
+    }
     if let Some(path) = &found.extended {
         println!("EXTENSION: {path}");
     }

@@ -14,6 +14,9 @@ use rayon::prelude::*;
 /// Share of the noise of a world.
 const SHARE: f64 = 0.01;
 
+/// Metres in a decibar of sea water near the surface, within half a per cent.
+const M_PER_DBAR: f64 = 0.993;
+
 /// By how much a size may be off, relative to it, beside its interval: what a pilot would not correct for.
 const OFF: f64 = 0.1;
 
@@ -87,6 +90,30 @@ fn check(seeds: std::ops::Range<u64>, every: usize) {
 #[test]
 fn a_world_without_noise_shows_what_is_hidden() {
     check(82_000..82_001, 4);
+}
+
+/// A log with its own current says how much of its shear's force it shows. The worlds accelerate the added mass as well (Auton, Hunt and
+/// Prud'homme 1988), which the equations leave out: 1.04 to 1.10 of the force; half of that where the columns have twice the current.
+#[test]
+fn a_log_with_its_own_current_shows_the_force_of_its_shear() {
+    for seed in [84_448, 84_540, 84_546] {
+        let world = generate_with_noise(seed, true, &[], SHARE);
+        let shear = world.shear.expect("a shear");
+        let share = |times: f64| {
+            let depths_m = world.log.pressure_dbar.iter().map(|dbar| M_PER_DBAR * dbar);
+            let currents = depths_m.map(|depth_m| shear.velocity_m_s(depth_m).map(|part| times * part));
+            let with_current = |(line, [east, north]): (&str, [f64; 2])| format!("{line},{east:.5},{north:.5}\n");
+            let text = world.log.to_csv();
+            let (header, rows) = text.split_once('\n').expect("a header");
+            let rows: String = rows.lines().zip(currents).map(with_current).collect();
+            let text = format!("{header},current_east_m_s,current_north_m_s\n{rows}");
+            let found = diagnosed(&text, &world.vehicle_toml).expect("a diagnosis");
+            found.shear_share.expect("a share")
+        };
+        let (all, half) = (share(1.0), share(2.0));
+        assert!((1.0..1.2).contains(&all.value) && all.se < 0.1, "{seed}: {all:?}");
+        assert!((0.5..0.6).contains(&half.value) && half.se < 0.1, "{seed}: {half:?}");
+    }
 }
 
 #[test]

@@ -121,6 +121,8 @@ const CHANNELS_OF_FILES: &[(Channel, &[&str], Conversion)] = &[
     (Channel::Latitude, &["latitude", "latitude_gsm"], Conversion::NONE),
     (Channel::Longitude, &["longitude", "longitude_gsm"], Conversion::NONE),
     (Channel::Density, &[], Conversion::NONE),
+    (Channel::CurrentEast, &[], Conversion::NONE),
+    (Channel::CurrentNorth, &[], Conversion::NONE),
     (
         Channel::Conductivity,
         &["conductivity", "conductivity_raw", "legato_conductivity", "gpctd_conductivity"],

@@ -261,6 +261,8 @@ pub struct Diagnosis {
     pub alternatives: Vec<Vec<Alternative>>,
     /// Ballast offset against a baseline that was assumed to be neutral, not weighed: how the glider was trimmed.
     pub trim: Option<Estimate>,
+    /// Where a log has its own current: the share of the predicted effect of its shear that the readings show, 1 by Newton's law.
+    pub shear_share: Option<Estimate>,
     /// The others.
     pub rejected: Vec<Rejected>,
     /// For each quantity the clearest dependence that is left beside the causes, with its size and whether that is relevant.

@@ -78,6 +78,7 @@ pub(super) fn report(
         wrong,
         alternatives: alternatives(problem, extended, &iteration, &groups),
         trim: None,
+        shear_share: None,
         empirical: None,
         left,
         rejected: rejected(problem, extended, &iteration, &search, &causes, dropped),

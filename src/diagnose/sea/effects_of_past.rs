@@ -48,6 +48,12 @@ impl Columns {
         self.met_m_s2.is_some()
     }
 
+    /// The same in water whose own current has this share of its shear.
+    pub fn with_share_of_shear(&self, share: f64) -> Columns {
+        let scaled = |met: &Vec<f64>| met.iter().map(|met| share * met).collect();
+        Columns { met_m_s2: self.met_m_s2.as_ref().map(scaled), ..self.clone() }
+    }
+
     /// What the samples meet as the glider follows it, late, in each bin.
     pub fn late(&self, met: &[f64]) -> Vec<f64> {
         self.history.late(met, &self.slow_s)

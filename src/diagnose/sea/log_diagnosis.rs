@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 use super::{DiagnosisSettings, SeaError, SeaProblem};
 use super::{
-    consistency, density_report, empirical, grid_refinement, level_shift, lift_slope, not_assessed, stated_polar, trim,
-    unknown_temperature,
+    consistency, density_report, empirical, grid_refinement, known_shear, level_shift, lift_slope, not_assessed,
+    stated_polar, trim, unknown_temperature,
 };
 use crate::diagnose::engine;
 use crate::diagnose::findings::{Checked, Verdict};
@@ -92,6 +92,7 @@ pub fn diagnose_log(
     if !uses_stated_polar {
         outcome.diagnosis.warnings.push(stated_polar::WARNING.to_owned());
     }
+    outcome.diagnosis.shear_share = known_shear::share(&problem, &outcome);
     if temperature_is_suggested {
         outcome.diagnosis.warnings.push(unknown_temperature::WARNING.to_owned());
     }

@@ -21,6 +21,7 @@ mod flown;
 mod grid_refinement;
 mod history;
 mod jumps;
+mod known_shear;
 mod late_attitude;
 mod leg_rates;
 mod level_shift;

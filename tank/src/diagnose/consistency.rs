@@ -69,6 +69,7 @@ pub fn signs(hulls: &[HullResults]) -> Option<Diagnosis> {
         alternatives: Vec::new(),
         left: Vec::new(),
         trim: None,
+        shear_share: None,
         empirical: None,
         rejected: Vec::new(),
         unexplained: None,

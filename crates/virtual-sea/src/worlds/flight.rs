@@ -83,6 +83,15 @@ pub struct Shear {
     direction_rad: f64,
 }
 
+impl Shear {
+    /// The velocity of the current at a depth, to the east and to the north \[m/s\].
+    pub fn velocity_m_s(&self, depth_m: f64) -> [f64; 2] {
+        let (east, north) = self.direction_rad.sin_cos();
+        let along = self.half_jump_m_s * ((depth_m - self.at_m) / self.thickness_m).tanh();
+        [along * east, along * north]
+    }
+}
+
 impl Sea {
     /// Draws the water above `bottom_m`.
     pub fn draw(random: &mut Stream, bottom_m: f64) -> Sea {

@@ -38,6 +38,8 @@ pub struct World {
     pub effects: Vec<Drawn>,
     /// The true polars of descents and ascents.
     pub polars: [Polar; 2],
+    /// The shear of the current, where there is one.
+    pub shear: Option<Shear>,
     /// What was drawn, in a line.
     pub drawn: String,
 }
@@ -150,7 +152,8 @@ pub fn generate_with_noise(seed: u64, speed: bool, effects: &[Request], share: f
         }
     });
     let vehicle_toml = glider.file(&mut stream(seed, Part::Effect(0)));
-    World { log, vehicle_toml, effects, polars: [glider.descent, glider.ascent], drawn: described }
+    let polars = [glider.descent, glider.ascent];
+    World { log, vehicle_toml, effects, polars, shear: sea.shear, drawn: described }
 }
 
 impl Instruments {
