@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::diagnose_words::{
-    checked, is_explained_by_trim, left_over, less, shown_in, size, table_without_cause, verdict, words,
+    checked, is_explained_by_trim, left_over, less, shown_in, shown_shear, size, table_without_cause, verdict, words,
 };
 use super::identify::TrimChoice;
 use super::reading::Reading;
@@ -194,11 +194,7 @@ fn print(found: &Diagnosis, problem: &SeaProblem, trim: &str) {
         println!("  left: {}", left_over(left));
     }
     if let Some(share) = &found.shear_share {
-        let [low, high] = share.ci95;
-        println!(
-            "  shear of the log's own current: the readings show {:.2} ± {:.2} of its effect (95 %: {low:.2} to {high:.2}), 1 by Newton's law",
-            share.value, share.se
-        );
+        println!("  {}", shown_shear(share));
     }
     if let Some(path) = &found.extended {
         println!("EXTENSION: {path}");

@@ -1,7 +1,8 @@
 //! A diagnosis as a page: for each of the four answers one figure and one sentence.
 
 use super::diagnose_words::{
-    checked, is_explained_by_trim, left_over, less, shown_in, size, table_without_cause, unit, verdict, words,
+    checked, is_explained_by_trim, left_over, less, shown_in, shown_shear, size, table_without_cause, unit, verdict,
+    words,
 };
 use crate::diagnose::sea::SeaDiagnosis;
 use crate::diagnose::{Checked, Diagnosis};
@@ -137,6 +138,9 @@ fn cause(found: &Diagnosis) -> String {
     }
     for left in &found.left {
         sentences.push(format!("Left: {}.", left_over(left)));
+    }
+    if let Some(share) = &found.shear_share {
+        sentences.push(format!("{}.", capital(&shown_shear(share))));
     }
     if found.causes.is_empty() && found.unexplained.is_none() {
         sentences.insert(0, "No mechanism is called for.".to_owned());

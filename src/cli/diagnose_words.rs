@@ -45,6 +45,15 @@ pub(super) fn left_over(left: &Left) -> String {
     )
 }
 
+/// How much of the effect of its own shear a log shows, in a clause.
+pub(super) fn shown_shear(share: &Estimate) -> String {
+    let [low, high] = share.ci95;
+    let Estimate { value, se, .. } = share;
+    format!(
+        "the readings show {value:.2} ± {se:.2} of the effect of the log's own shear (95 %: {low:.2} to {high:.2}), 1 by Newton's law"
+    )
+}
+
 /// Whether a neutral baseline is wrong for nothing but the glider's trim.
 pub(super) fn is_explained_by_trim(found: &Diagnosis) -> bool {
     found.verdict == Verdict::None && found.trim.is_some() && !found.wrong.is_empty()

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::SeaProblem;
 use crate::diagnose::estimate::Estimate;
@@ -12,18 +12,18 @@ use crate::diagnose::noise::{Noise, WHITE};
 use crate::diagnose::{Outcome, holdout};
 
 /// Returns that share, 1 where the readings show all of the force, with its error by the scatter between legs (jackknife); none where the log
-/// has no current, or too few legs for its effect.
+/// has no current, or legs that do not tell of its effect.
 pub(super) fn share(problem: &SeaProblem, outcome: &Outcome) -> Option<Estimate> {
     if !problem.knows_shear() {
         return None;
     }
     let point = &outcome.after.point;
-    let mut evidence = problem.evidence(point);
+    let mut evidence = problem.evidence_of(point, &outcome.fitted);
     let without = problem.with_share_of_shear(0.0).evidence_of(point, &[]).residual;
     let effect = without - &evidence.residual;
     // The noise of each row as it was found; rows of one leg err together, of which the jackknife knows.
     evidence.stated_sd.clone_from(&outcome.after.sd);
-    let columns = beside(&evidence, &outcome.fitted, effect.as_slice());
+    let columns = beside(&evidence, &outcome.fitted, effect);
     let place = evidence.baseline.ncols();
     let noises = vec![WHITE; evidence.quantities.len()];
     let beyond_all = |keep: &dyn Fn(usize) -> bool| missing(&evidence, &noises, &columns, place, keep);
@@ -34,14 +34,13 @@ pub(super) fn share(problem: &SeaProblem, outcome: &Outcome) -> Option<Estimate>
     let n = each.len() as f64;
     let mean = each.iter().sum::<f64>() / n;
     let square_se = (n - 1.0) / n * each.iter().map(|one| (one - mean).powi(2)).sum::<f64>();
-    Some(Estimate::student(1.0 + all, square_se.sqrt(), n - 1.0, "1"))
+    (square_se > 0.0).then(|| Estimate::student(1.0 + all, square_se.sqrt(), n - 1.0, "1"))
 }
 
 /// The columns of the baseline, that of the effect, and those of what was fitted.
-fn beside(evidence: &Evidence, fitted: &[usize], effect: &[f64]) -> DMatrix<f64> {
+fn beside(evidence: &Evidence, fitted: &[usize], effect: DVector<f64>) -> DMatrix<f64> {
     let baseline = evidence.baseline.column_iter().map(|column| column.into_owned());
     let of_fitted = fitted.iter().flat_map(|member| evidence.candidates[*member].column_iter());
-    let effect = DMatrix::from_column_slice(effect.len(), 1, effect).column(0).into_owned();
     let columns: Vec<_> = baseline.chain([effect]).chain(of_fitted.map(|column| column.into_owned())).collect();
     DMatrix::from_columns(&columns)
 }

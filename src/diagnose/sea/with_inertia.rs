@@ -30,7 +30,7 @@ pub(super) fn diagnose(problem: SeaProblem) -> (SeaProblem, Outcome) {
     };
     let with_inertia = || engine::diagnose_in_full(&problem);
     let (of_steady, outcome) = if is_better_alone {
-        // Most often both are needed: half of each runs on one core alone.
+        // Most often both are needed, and half of each runs on one core alone.
         let (found, outcome) = rayon::join(|| engine::diagnose_in_full(&steady), with_inertia);
         let explains_all = matches!(found.diagnosis.verdict, Verdict::None | Verdict::Explained);
         let same_causes = || engine::held_out(&problem, &problem.with_all_inertia(&found.after.point), &found.fitted);
