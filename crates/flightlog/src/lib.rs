@@ -88,7 +88,7 @@ pub use plain_table::{Dates, plain_table};
 pub use prepare::{Preparation, Prepared};
 pub use segment::{Leg, legs};
 pub use settings::PreparationSettings;
-pub use vertical_velocity::{Velocity, vertical_velocity, windows};
+pub use vertical_velocity::{Velocity, filter_windows, vertical_velocity};
 
 #[cfg(test)]
 mod tests;

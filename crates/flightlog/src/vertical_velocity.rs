@@ -48,7 +48,7 @@ pub fn vertical_velocity(time_s: &[f64], pressure_dbar: &[f64], half_window_s: f
         acceleration_dbar_s2: vec![f64::NAN; n],
         noise_dbar: noise(time_s, pressure_dbar),
     };
-    for (i, (low, high)) in windows(time_s, half_window_s).into_iter().enumerate() {
+    for (i, (low, high)) in filter_windows(time_s, half_window_s).into_iter().enumerate() {
         if low == high {
             continue;
         }
@@ -57,7 +57,7 @@ pub fn vertical_velocity(time_s: &[f64], pressure_dbar: &[f64], half_window_s: f
         velocity.se_dbar_s[i] = velocity.noise_dbar / spread.sqrt();
         velocity.window_s[i] = even_window(&time_s[low..=high], i - low);
     }
-    for (i, (low, high)) in windows(time_s, 3.0 * half_window_s).into_iter().enumerate() {
+    for (i, (low, high)) in filter_windows(time_s, 3.0 * half_window_s).into_iter().enumerate() {
         // There is no rate at the ends.
         let (low, high) = (low.max(1), high.min(n.saturating_sub(2)));
         if high > low + 1 {
@@ -72,7 +72,7 @@ pub fn vertical_velocity(time_s: &[f64], pressure_dbar: &[f64], half_window_s: f
 ///
 /// Where samples come evenly the window reaches half a median step beyond the last one that usually lies within `half_window_s`: a clock
 /// that jitters neither brings one in there nor leaves one out.
-pub fn windows(time_s: &[f64], half_window_s: f64) -> Vec<(usize, usize)> {
+pub fn filter_windows(time_s: &[f64], half_window_s: f64) -> Vec<(usize, usize)> {
     let n = time_s.len();
     let steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let mut nearby = Vec::with_capacity(2 * STEPS_NEARBY);

@@ -26,7 +26,7 @@ use super::data::{ranges, root_weights};
 use super::evaluate::{Rows, Tally, Weights, by_block, by_size, with_derivatives};
 use super::residuals::Residual;
 use crate::dynamics::Parameters;
-use crate::log::{Observation, windows};
+use crate::log::{Observation, filter_windows};
 use flight::fly;
 use flyer::Flyer;
 use glidepolar_inference::gram::Gram;
@@ -101,7 +101,7 @@ impl Passage {
             return None;
         }
         let time: Vec<f64> = observations.iter().map(|o| o.time_s).collect();
-        let windows = windows(&time, half_window_s);
+        let windows = filter_windows(&time, half_window_s);
         let mut known_since_s = f64::NAN;
         let counts: Vec<bool> = (0..n)
             .map(|i| {
